@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# With what tests run: environment, mpiexec, Python.
+
+# More ranks than cores, and root in a container, are the normal case of a test machine.
+set(scree_test_environment
+   OMP_NUM_THREADS=2 OMP_PROC_BIND=false
+   OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+   OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
+   OMPI_MCA_hwloc_base_binding_policy=none PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe)
+set(scree_mpiexec "${MPIEXEC_EXECUTABLE}" ${MPIEXEC_PREFLAGS} ${MPIEXEC_NUMPROC_FLAG})
+
+# Tests of whole runs need numpy and h5py, which scripts/setup.sh puts in build/venv; gates and the
+# translator need the standard library only.
+unset(scree_python)
+foreach(candidate "${PROJECT_BINARY_DIR}/venv/bin/python" "${PROJECT_SOURCE_DIR}/build/venv/bin/python")
+   if(EXISTS "${candidate}" AND NOT scree_python)
+      set(scree_python "${candidate}")
+   endif()
+endforeach()
+if(NOT scree_python)
+   find_program(SCREE_PYTHON3 python3)
+   if(NOT SCREE_PYTHON3)
+      message(FATAL_ERROR "The tests need python3; or configure with -DBUILD_TESTING=OFF.")
+   endif()
+   set(scree_python "${SCREE_PYTHON3}")
+endif()

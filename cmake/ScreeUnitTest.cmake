@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: BSD-3-Clause
+#   scree_unit_test(path/to/test_name.pf LABEL unit [ALONE])
+# builds one .pf file into one program that sees the modules of all folders of src/ (ALONE: of
+# none), and registers it with CTest on as many ranks as its greatest npes. With the label none it
+# is only built.
+
+# Greatest number in npes=[...]; 0 for a test without ranks.
+function(scree_ranks_of file result)
+   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
+   file(STRINGS "${file}" marks REGEX "^[ \t]*@test.*npes")
+   set(greatest 0)
+   foreach(mark IN LISTS marks)
+      string(REGEX MATCHALL "[0-9]+" numbers "${mark}")
+      foreach(number IN LISTS numbers)
+         if(number GREATER greatest)
+            set(greatest ${number})
+         endif()
+      endforeach()
+   endforeach()
+   set(${result} ${greatest} PARENT_SCOPE)
+endfunction()
+
+function(scree_unit_test file)
+   cmake_parse_arguments(unit "ALONE" "LABEL" "" ${ARGN})
+   get_filename_component(name "${file}" NAME_WE)
+   set(layers)
+   if(NOT unit_ALONE)
+      get_property(layers GLOBAL PROPERTY scree_layers)
+   endif()
+   scree_ranks_of("${file}" ranks)
+   if(PFUNIT_FOUND)
+      scree_with_pfunit(${name} "${file}" ${ranks})
+   else()
+      scree_with_translator(${name} "${file}" ${ranks} ${unit_LABEL})
+   endif()
+   target_link_libraries(${name} ${layers} OpenMP::OpenMP_Fortran)
+   if(TEST ${name})
+      set_tests_properties(${name} PROPERTIES LABELS "${unit_LABEL}" TIMEOUT 120
+         ENVIRONMENT "${scree_test_environment}")
+      if(ranks GREATER 1)
+         set_tests_properties(${name} PROPERTIES PROCESSORS 2)
+      endif()
+   endif()
+endfunction()
+
+function(scree_with_pfunit name file ranks)
+   # pFUnit puts what it makes of a relative path into the build folder.
+   file(RELATIVE_PATH relative "${CMAKE_CURRENT_SOURCE_DIR}" "${file}")
+   if(ranks GREATER 0)
+      add_pfunit_ctest(${name} TEST_SOURCES "${relative}" MAX_PES ${ranks})
+   else()
+      add_pfunit_ctest(${name} TEST_SOURCES "${relative}")
+   endif()
+   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}")
+   target_link_libraries(${name} MPI::MPI_Fortran)
+endfunction()
+
+function(scree_with_translator name file ranks label)
+   set(folder "${CMAKE_CURRENT_BINARY_DIR}/${name}")
+   set(translator "${PROJECT_SOURCE_DIR}/test/pfunit/translate.py")
+   file(MAKE_DIRECTORY "${folder}")
+   add_custom_command(
+      OUTPUT "${folder}/${name}.f90" "${folder}/run_${name}.f90"
+      COMMAND "${scree_python}" "${translator}" "${file}" "${folder}/${name}.f90"
+         "${folder}/run_${name}.f90"
+      DEPENDS "${file}" "${translator}"
+      COMMENT "Translating ${name}.pf" VERBATIM)
+   add_executable(${name} "${folder}/${name}.f90" "${folder}/run_${name}.f90")
+   set_target_properties(${name} PROPERTIES
+      Fortran_MODULE_DIRECTORY "${folder}" RUNTIME_OUTPUT_DIRECTORY "${folder}")
+   target_compile_options(${name} PRIVATE -ffree-line-length-none)
+   target_link_libraries(${name} scree_options scree_pfunit)
+   if(label STREQUAL "none")
+      return()
+   endif()
+   if(ranks GREATER 0)
+      add_test(NAME ${name} COMMAND ${scree_mpiexec} ${ranks} $<TARGET_FILE:${name}>)
+   else()
+      add_test(NAME ${name} COMMAND ${name})
+   endif()
+endfunction()

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Usage: scripts/build.sh [Release|Debug|Sanitize] [CMake options]
+#
+# Builds only; installs nothing. Release (the default) is built in build/, Debug in build/debug and
+# Sanitize in build/sanitize; the program is bin/scree in there. Further arguments go to CMake, for
+# example -DSCREE_ARCH=x86-64-v3 for a program that is to run on another machine.
+#
+#   --help        this text
+#
+# Environment: FC (compiler), JOBS (compilations at a time; default: all cores).
+set -euo pipefail
+# shellcheck source=scripts/common.sh
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
+
+type=Release
+if (($# > 0)); then
+   case "$1" in
+      Release | Debug | Sanitize)
+         type="$1"
+         shift
+         ;;
+      -h | --help)
+         show_help "$0"
+         exit 0
+         ;;
+      -D*) ;;
+      *) stop_with 2 "unknown build type '$1'; there are Release, Debug, Sanitize" ;;
+   esac
+fi
+
+folder="${root}/build"
+if [[ "${type}" != Release ]]; then
+   folder="${root}/build/${type,,}"
+fi
+
+compiler="$(find_compiler)"
+[[ -n "${compiler}" ]] || stop_with 3 "no gfortran 12 or newer was found; run scripts/setup.sh"
+command -v cmake > /dev/null 2>&1 || stop_with 3 "cmake was not found; run scripts/setup.sh"
+
+# A folder that was copied or moved holds paths of its old place.
+cache="${folder}/CMakeCache.txt"
+if [[ -f "${cache}" ]] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=${root}" "${cache}"; then
+   rm -rf "${cache}" "${folder}/CMakeFiles"
+fi
+
+generator=()
+if [[ ! -f "${cache}" ]] && command -v ninja > /dev/null 2>&1; then
+   generator=(-G Ninja)
+fi
+if [[ ! -f "${cache}" ]]; then
+   generator+=("-DCMAKE_Fortran_COMPILER=${compiler}")
+fi
+
+log="${folder}/configure.log"
+mkdir -p "${folder}"
+if ! cmake -S "${root}" -B "${folder}" "${generator[@]}" "-DCMAKE_BUILD_TYPE=${type}" "$@" \
+   > "${log}" 2>&1; then
+   cat "${log}" >&2
+   stop_with 3 "CMake could not configure; is something missing that scripts/setup.sh installs?"
+fi
+cmake --build "${folder}" --parallel "${JOBS:-$(nproc)}"

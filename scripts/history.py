@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plots the ledger of a Scree run from CASE_history.csv: energies, momentum, mass and their errors.
+
+Columns that the file does not hold are left out; columns unknown here are drawn by unit below the
+ledger.
+"""
+import argparse
+import os
+import sys
+
+sys.dont_write_bytecode = True
+
+import scree_post                                        # noqa: E402
+from scree_post import PostError                         # noqa: E402
+
+ENERGY = {"total": "#111111", "kinetic": "#1f5a93", "internal": "#b3311b", "plastic": "#e08a1e",
+          "viscous": "#2f7d3b", "lost_energy": "#8a8a8a", "external_work": "#6a4098"}
+ERRORS = {"total_error": ("#111111", "total energy"), "mass_error": ("#1f5a93", "mass"),
+          "momentum_error": ("#b3311b", "momentum"), "angular_momentum_error": ("#2f7d3b", "angular momentum")}
+AXES = ("#1f5a93", "#2f7d3b", "#b3311b")
+DASHES = {"total": "-", "lost_energy": (0, (4, 2)), "external_work": (0, (1, 1.2))}
+FLOOR = 1.0e-17          # errors below are drawn here: round-off of one number is 1e-16
+BOOKKEEPING = ("step", "particles")
+COLOURS = ("#1f5a93", "#b3311b", "#2f7d3b", "#e08a1e", "#6a4098", "#7a5a12", "#444444")
+
+
+def words(name):
+    """A column name as a label."""
+    return name.replace("_", " ")
+
+
+def present(table, names):
+    """Those of the names that the file holds and that are not always zero."""
+    return [name for name in names if name in table and abs(table[name]).max() > 0.0]
+
+
+def largest(table, names):
+    """Largest finite magnitude of some columns."""
+    (np,) = scree_post.modules("numpy")
+    values = np.abs(np.concatenate([table[name] for name in names]))
+    values = values[np.isfinite(values)]
+    return float(values.max()) if len(values) else 0.0
+
+
+def power(size):
+    """Factor and prefix that bring an odd unit to readable numbers, such as (1e3, "10^-3 ")."""
+    import math
+    exponent = 3 * math.floor(math.log10(size) / 3.0) if size > 0.0 else 0
+    return (1.0, "") if exponent in (0, 3) else (10.0 ** -exponent, f"$10^{{{exponent}}}$ ")
+
+
+def lines(axes, time, table, names, style):
+    """Draw columns of one unit; `style` gives colour, dash and label of a name."""
+    unit = table.units[names[0]]
+    size = largest(table, names)
+    factor, label = scree_post.scaled(size, unit)
+    if label == unit and factor == 1.0 and unit not in ("J", "m", "kg", "s"):
+        factor, prefix = power(size)
+        label = prefix + ("1" if unit == "1" and prefix else "" if unit == "1" else unit)
+    for name in names:
+        colour, dash, text = style(name)
+        axes.plot(time, factor * table[name], color=colour, linestyle=dash, linewidth=1.6, label=text,
+                  zorder=3 if name == "total" else 2)
+    return label
+
+
+def energies(axes, time, table):
+    """Energies against time."""
+    names = present(table, ENERGY)
+    label = lines(axes, time, table, names, lambda n: (ENERGY[n], DASHES.get(n, "-"), words(n)))
+    axes.set_ylabel(f"energy [{label}]")
+    axes.set_title("Energy", loc="left")
+
+
+def errors(axes, time, table):
+    """Relative errors on a log axis."""
+    (np,) = scree_post.modules("numpy")
+    for name, (colour, text) in ERRORS.items():
+        if name in table:
+            axes.semilogy(time, np.maximum(np.abs(table[name]), FLOOR), color=colour, linewidth=1.4,
+                          label=text)
+    low, high = axes.get_ylim()
+    axes.set_ylim(0.3 * FLOOR if low < 1.0e-15 else low / 2.0, max(high * 2.0, 1.0e-13))
+    axes.set_ylabel("relative error")
+    axes.set_title("Errors of the ledger", loc="left")
+
+
+def momenta(axes, time, table):
+    """Components of the momentum, and what left through faces dashed."""
+    names = present(table, [stem + axis for stem in ("momentum_", "lost_momentum_") for axis in "xyz"])
+    size = largest(table, names)
+    names = [name for name in names if abs(table[name]).max() > 1.0e-9 * size]
+    label = lines(axes, time, table, names, lambda n: (
+        AXES["xyz".index(n[-1])], (0, (4, 2)) if n.startswith("lost") else "-", words(n)))
+    axes.set_ylabel(f"momentum [{label}]")
+    axes.set_title("Momentum", loc="left")
+
+
+def angular(axes, time, table):
+    """Components of the angular momentum."""
+    names = present(table, ["angular_momentum_" + axis for axis in "xyz"])
+    label = lines(axes, time, table, names, lambda n: (AXES["xyz".index(n[-1])], "-", words(n)))
+    axes.set_ylabel(f"angular momentum [{label}]")
+    axes.set_title("Angular momentum", loc="left")
+
+
+def masses(axes, time, table):
+    """Mass in the domain and mass that left."""
+    names = present(table, ("mass", "lost_mass"))
+    label = lines(axes, time, table, names, lambda n: (
+        "#1f5a93" if n == "mass" else "#8a8a8a", "-" if n == "mass" else (0, (4, 2)),
+        "in the domain" if n == "mass" else "left the domain"))
+    axes.set_ylabel(f"mass [{label}]")
+    axes.set_ylim(bottom=0.0, top=1.12 * axes.get_ylim()[1])
+    axes.set_title("Mass", loc="left")
+
+
+def steps(axes, time, table):
+    """Time step."""
+    label = lines(axes, time, table, ["dt"], lambda n: ("#1f5a93", "-", None))
+    axes.set_ylabel(f"time step [{label}]")
+    axes.set_ylim(bottom=0.0)
+    axes.set_title("Time step", loc="left")
+
+
+def others(names):
+    """A panel of further columns of one unit."""
+    def draw(axes, time, table):
+        label = lines(axes, time, table, names, lambda n: (
+            COLOURS[names.index(n) % len(COLOURS)], "-", words(n)))
+        title = words(names[0]).capitalize() if len(names) == 1 else "Further columns"
+        axes.set_ylabel(f"[{label}]" if label else "")
+        axes.set_title(title, loc="left")
+    return draw
+
+
+def panels(table):
+    """The panels that the columns of the file allow, in the order of the page."""
+    wanted = [(energies, ENERGY), (errors, ERRORS), (momenta, ["momentum_" + axis for axis in "xyz"]),
+              (angular, ["angular_momentum_" + axis for axis in "xyz"]), (masses, ["mass"]),
+              (steps, ["dt"])]
+    found = [draw for draw, names in wanted
+             if (any(name in table for name in names) if draw is errors else present(table, names))]
+    known = {"time", "mass", "lost_mass", "dt", *ENERGY, *ERRORS, *BOOKKEEPING}
+    known |= {stem + axis for stem in ("momentum_", "lost_momentum_", "angular_momentum_",
+                                       "lost_angular_momentum_") for axis in "xyz"}
+    units = {}
+    for name in table.order:
+        if name not in known and abs(table[name]).max() > 0.0:
+            units.setdefault(table.units[name], []).append(name)
+    for names in units.values():
+        found.extend(others(names[k:k + 7]) for k in range(0, len(names), 7))
+    return found
+
+
+def picture(table, title):
+    """The figure: panels in two columns."""
+    (np,) = scree_post.modules("numpy")
+    plot = scree_post.pyplot()
+    draws = panels(table)
+    if not draws:
+        raise PostError("the history holds no column that is not zero beside the time")
+    factor, unit = scree_post.scaled(float(np.abs(table["time"]).max()), "s")
+    columns = min(2, len(draws))
+    rows = (len(draws) + columns - 1) // columns
+    figure, grid = plot.subplots(rows, columns, figsize=(6.4 * columns, 3.5 * rows + 0.5), squeeze=False,
+                                 layout="constrained")
+    cells = list(grid.ravel())
+    for axes, draw in zip(cells, draws):
+        draw(axes, factor * table["time"], table)
+        axes.set_xlabel(f"time [{unit}]")
+        axes.grid(color="#dddddd", linewidth=0.6)
+        axes.set_axisbelow(True)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.margins(x=0.0)
+        if axes.get_legend_handles_labels()[1]:
+            handles = axes.get_legend_handles_labels()[0]
+            axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), handlelength=1.8,
+                        borderaxespad=0.3) if len(handles) > 3 else axes.legend(loc="best", handlelength=1.8)
+    for axes in cells[len(draws):]:
+        axes.set_visible(False)
+    figure.suptitle(title, fontweight="bold", fontsize=14)
+    return figure
+
+
+def parser():
+    """The command line."""
+    result = argparse.ArgumentParser(prog="history.py", description=__doc__.split("\n\n")[0],
+                                     epilog="Exit codes: 0 done, 2 command line wrong, 3 file problem.")
+    result.add_argument("csv", metavar="CSV", help="CASE_history.csv")
+    result.add_argument("--out", metavar="PNG", help="picture (.png, .pdf, .svg); default beside the CSV")
+    result.add_argument("--title", help="default: the name of the case")
+    result.add_argument("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
+    return result
+
+
+def main():
+    """Read, plot, and print the state of the ledger at the end."""
+    arguments = parser().parse_args()
+    table = scree_post.history(arguments.csv)
+    if "time" not in table:
+        raise PostError(f"{arguments.csv} has no column 'time [s]'")
+    stem = os.path.splitext(arguments.csv)[0]
+    title = arguments.title or words(os.path.basename(stem).removesuffix("_history"))
+    out = arguments.out or stem + ".png"
+    print(f"{len(table['time'])} lines, time {table['time'][0]:.6g} to {table['time'][-1]:.6g} s")
+    for name, (_, text) in ERRORS.items():
+        if name in table:
+            print(f"largest relative error of {text}: {abs(table[name]).max():.2e}, at the end "
+                  f"{abs(table[name][-1]):.2e}")
+    scree_post.save(picture(table, title), out, arguments.dpi)
+    print(f"wrote {out}")
+    return 0
+
+
+if __name__ == "__main__":
+    scree_post.run(main, "history.py")

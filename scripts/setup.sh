@@ -1,0 +1,134 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Usage: scripts/setup.sh [--no-python]
+#
+# Installs what is missing to build and run Scree on Debian 12, Ubuntu and their like: compiler,
+# CMake, Open MPI and parallel HDF5 from the system's packages (as root or with sudo), and a Python
+# environment for tests and pictures in build/venv. If nothing is missing, nothing is downloaded.
+#
+#   --no-python   leave out the Python environment
+#   --help        this text
+#
+# Exit codes: 0 all is there, 2 wrong option, 3 something is missing and could not be installed.
+set -euo pipefail
+# shellcheck source=scripts/common.sh
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
+
+with_python=yes
+for argument in "$@"; do
+   case "${argument}" in
+      --no-python) with_python=no ;;
+      -h | --help)
+         show_help "$0"
+         exit 0
+         ;;
+      *) stop_with 2 "unknown option '${argument}'; see --help" ;;
+   esac
+done
+
+missing=()
+
+# Note a package if a command is not there: need_command COMMAND PACKAGE
+need_command() {
+   command -v "$1" > /dev/null 2>&1 || missing+=("$2")
+}
+
+# A Python that can make environments: the first in the path, or the system's own.
+find_python() {
+   local candidate
+   for candidate in python3 /usr/bin/python3; do
+      if "${candidate}" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 9))' \
+         2> /dev/null; then
+         printf '%s\n' "${candidate}"
+         return
+      fi
+   done
+}
+
+is_installed() {
+   [[ "$(dpkg-query -W -f='${db:Status-Abbrev}' "$1" 2> /dev/null)" == ii* ]]
+}
+
+collect_missing() {
+   missing=()
+   if [[ -z "$(find_compiler)" ]]; then
+      if command -v gfortran > /dev/null 2>&1; then
+         missing+=(gfortran-12) # the default of this system is older
+      else
+         missing+=(gfortran)
+      fi
+   fi
+   need_command cmake cmake
+   if ! command -v make > /dev/null 2>&1; then
+      need_command ninja ninja-build
+   fi
+   need_command mpiexec openmpi-bin
+   need_command git git
+   if command -v dpkg-query > /dev/null 2>&1; then
+      local package
+      for package in ca-certificates libopenmpi-dev libhdf5-openmpi-dev; do
+         is_installed "${package}" || missing+=("${package}")
+      done
+   else
+      need_command mpifort "libopenmpi-dev"
+      need_command h5pfc "libhdf5-openmpi-dev"
+   fi
+   # The translator of unit tests needs any python3; the environment needs venv.
+   need_command python3 python3
+   if [[ "${with_python}" == yes && ! -x "${python}" && -z "$(find_python)" ]]; then
+      missing+=(python3-venv)
+   fi
+}
+
+install_missing() {
+   # Ninja is faster than make: take it along when something is installed anyway.
+   command -v ninja > /dev/null 2>&1 || missing+=(ninja-build)
+   local as_root=()
+   if [[ "$(id -u)" != 0 ]]; then
+      as_root=(sudo)
+      if ! command -v sudo > /dev/null 2>&1 || { [[ ! -t 0 ]] && ! sudo -n true 2> /dev/null; }; then
+         stop_with 3 "packages are missing and can only be installed by root; please run
+   apt-get install ${missing[*]}"
+      fi
+   fi
+   if ! command -v apt-get > /dev/null 2>&1; then
+      stop_with 3 "this system has no apt-get; please install what these Debian packages hold:
+   ${missing[*]}"
+   fi
+   say "Installing: ${missing[*]}"
+   "${as_root[@]}" apt-get update -qq || say "The list of packages could not be renewed."
+   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -y -qq --no-install-recommends "${missing[@]}" \
+      || stop_with 3 "apt-get could not install ${missing[*]}"
+}
+
+setup_python() {
+   local requirements="${scripts}/requirements.txt" stamp="${root}/build/venv/requirements.stamp"
+   if [[ -x "${python}" ]] && cmp -s "${requirements}" "${stamp}" && "${python}" -c '' 2> /dev/null
+   then
+      return
+   fi
+   local creator
+   creator="$(find_python)"
+   if ! "${python}" -m pip --version > /dev/null 2>&1; then
+      say "Making a Python environment in build/venv"
+      mkdir -p "${root}/build"
+      "${creator}" -m venv --clear "${root}/build/venv" \
+         || stop_with 3 "the Python environment could not be made; is python3-venv installed?"
+   fi
+   say "Installing Python packages into build/venv"
+   "${python}" -m pip install --quiet --disable-pip-version-check --requirement "${requirements}" \
+      || stop_with 3 "pip could not install the packages of scripts/requirements.txt"
+   cp "${requirements}" "${stamp}"
+}
+
+collect_missing
+if ((${#missing[@]} > 0)); then
+   install_missing
+   hash -r
+   collect_missing
+   ((${#missing[@]} == 0)) || stop_with 3 "still missing after installation: ${missing[*]}"
+fi
+if [[ "${with_python}" == yes ]]; then
+   setup_python
+fi

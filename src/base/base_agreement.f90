@@ -1,0 +1,52 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> An error of one rank becomes the error of all, so that all leave together and none waits.
+module base_agreement
+   use base_communicator, only: communicator_t
+   use base_error, only: error_t, fail
+   use base_kinds, only: int64
+   implicit none
+   private
+
+   public :: agree
+
+contains
+
+   !> Give the error of the lowest rank that has one to all ranks. Collective.
+   !!
+   !! The message names the rank unless all ranks failed.
+   subroutine agree(communicator, error)
+      type(communicator_t), intent(in) :: communicator       !! The ranks
+      type(error_t), allocatable, intent(inout) :: error     !! Own error in, common error out
+      integer(int64), allocatable :: codes(:), letters(:), whole(:)
+      character(len=:), allocatable :: message
+      character(len=12) :: label
+      integer :: letter, speaker
+
+      if (communicator%size == 1) return
+      if (allocated(error)) then
+         call communicator%gather([int(error%code, int64)], codes)
+      else
+         call communicator%gather([-1_int64], codes)
+      end if
+      if (all(codes < 0)) return
+      speaker = 0
+      do while (codes(speaker + 1) < 0)
+         speaker = speaker + 1
+      end do
+      allocate (letters(0))
+      if (communicator%rank == speaker) then
+         message = error%message
+         letters = [(int(iachar(message(letter:letter)), int64), letter=1, len(message))]
+      end if
+      call communicator%gather(letters, whole)
+      if (allocated(message)) deallocate (message)
+      allocate (character(len=size(whole)) :: message)
+      do letter = 1, size(whole)
+         message(letter:letter) = achar(int(whole(letter)))
+      end do
+      write (label, "(i0)") speaker
+      if (any(codes < 0)) message = "rank "//trim(label)//": "//message
+      if (allocated(error)) deallocate (error)
+      call fail(error, int(codes(speaker + 1)), message)
+   end subroutine agree
+end module base_agreement

@@ -1,0 +1,271 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The ranks of a run and all that they say to each other. The only file that uses MPI.
+module base_communicator
+   use base_kinds, only: int64, wp
+   use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_barrier, mpi_bcast, &
+      mpi_character, mpi_comm, mpi_comm_rank, mpi_comm_size, mpi_comm_world, mpi_double_precision, &
+      mpi_exscan, mpi_finalize, mpi_get_count, mpi_ibarrier, mpi_info, mpi_info_null, mpi_init_thread, &
+      mpi_initialized, mpi_integer8, mpi_iprobe, mpi_issend, mpi_max, mpi_max_library_version_string, &
+      mpi_min, mpi_any_source, mpi_get_library_version, mpi_recv, mpi_request, mpi_status, &
+      mpi_status_ignore, mpi_statuses_ignore, mpi_sum, mpi_test, mpi_testall, mpi_thread_funneled
+   implicit none
+   private
+
+   public :: communicator_t, message_passing_version
+
+   !> A group of ranks. Without `start` it is a group of one that never calls MPI.
+   type :: communicator_t
+      integer :: rank = 0                             !! This rank, from 0
+      integer :: size = 1                             !! Number of ranks
+      type(mpi_comm), private :: handle = mpi_comm_world !! The ranks to MPI
+      integer, private :: round = 0                   !! Keeps neighbouring exchanges apart
+   contains
+      procedure :: start => communicator_start        !! Join the run
+      procedure :: adopt => communicator_adopt        !! Take over a group that somebody else made
+      procedure :: finish => communicator_finish      !! Leave the run
+      procedure :: native => communicator_native      !! Handle for parallel HDF5
+      procedure :: barrier => communicator_barrier    !! Wait for all
+      procedure :: minimum => communicator_minimum    !! Least number over the ranks
+      procedure :: maximum => communicator_maximum    !! Greatest number over the ranks
+      procedure :: any => communicator_any            !! True if true on some rank
+      procedure :: total => communicator_total        !! Sum of whole numbers, element by element
+      procedure :: before => communicator_before      !! Sum over the lower ranks
+      procedure :: gather => communicator_gather      !! Concatenate over the ranks, on all of them
+      procedure :: broadcast => communicator_broadcast !! Text of rank 0 to all
+      procedure :: exchange => communicator_exchange  !! Messages to few, unknown, ranks
+   end type communicator_t
+
+contains
+
+   !> Join the run. Open MPI without `mpirun` makes a group of one.
+   subroutine communicator_start(self)
+      class(communicator_t), intent(out) :: self      !! The group of all ranks
+      integer :: provided
+      logical :: started
+
+      self%handle = mpi_comm_world
+      call mpi_initialized(started)
+      if (.not. started) call mpi_init_thread(mpi_thread_funneled, provided)
+      call mpi_comm_rank(self%handle, self%rank)
+      call mpi_comm_size(self%handle, self%size)
+   end subroutine communicator_start
+
+   !> Take over a group that somebody else made: a program that Scree is a part of, or a test.
+   subroutine communicator_adopt(self, handle)
+      class(communicator_t), intent(out) :: self      !! The group
+      integer, intent(in) :: handle                   !! Fortran handle of its MPI communicator
+
+      self%handle%mpi_val = handle
+      call mpi_comm_rank(self%handle, self%rank)
+      call mpi_comm_size(self%handle, self%size)
+   end subroutine communicator_adopt
+
+   !> Leave the run.
+   subroutine communicator_finish(self)
+      class(communicator_t), intent(inout) :: self    !! The group
+
+      self%rank = 0
+      self%size = 1
+      call mpi_finalize()
+   end subroutine communicator_finish
+
+   !> The handle of the group and an empty hint object, as whole numbers, for parallel HDF5.
+   pure subroutine communicator_native(self, group, hints)
+      class(communicator_t), intent(in) :: self       !! The group
+      integer, intent(out) :: group                   !! Fortran handle of the communicator
+      integer, intent(out) :: hints                   !! Fortran handle of the null info object
+      type(mpi_info) :: none
+
+      none = mpi_info_null
+      group = self%handle%mpi_val
+      hints = none%mpi_val
+   end subroutine communicator_native
+
+   !> Wait until all ranks are here.
+   subroutine communicator_barrier(self)
+      class(communicator_t), intent(in) :: self       !! The group
+
+      if (self%size > 1) call mpi_barrier(self%handle)
+   end subroutine communicator_barrier
+
+   !> Least of one number a rank.
+   function communicator_minimum(self, value) result(least)
+      class(communicator_t), intent(in) :: self       !! The group
+      real(wp), intent(in) :: value                   !! Number of this rank
+      real(wp) :: least
+
+      least = value
+      if (self%size > 1) &
+         call mpi_allreduce(value, least, 1, mpi_double_precision, mpi_min, self%handle)
+   end function communicator_minimum
+
+   !> Greatest of one number a rank.
+   function communicator_maximum(self, value) result(greatest)
+      class(communicator_t), intent(in) :: self       !! The group
+      real(wp), intent(in) :: value                   !! Number of this rank
+      real(wp) :: greatest
+
+      greatest = value
+      if (self%size > 1) &
+         call mpi_allreduce(value, greatest, 1, mpi_double_precision, mpi_max, self%handle)
+   end function communicator_maximum
+
+   !> True on all ranks if true on one of them.
+   function communicator_any(self, value) result(some)
+      class(communicator_t), intent(in) :: self       !! The group
+      logical, intent(in) :: value                    !! Condition on this rank
+      logical :: some
+      integer(int64) :: counts(1)
+
+      counts = merge(1_int64, 0_int64, value)
+      call self%total(counts)
+      some = counts(1) > 0
+   end function communicator_any
+
+   !> Replace whole numbers by their sums over the ranks.
+   subroutine communicator_total(self, values)
+      class(communicator_t), intent(in) :: self       !! The group
+      integer(int64), contiguous, intent(inout) :: values(:) !! Terms in, sums out
+      integer(int64), allocatable :: sums(:)
+
+      if (self%size == 1) return
+      allocate (sums, mold=values)
+      call mpi_allreduce(values, sums, size(values), mpi_integer8, mpi_sum, self%handle)
+      values = sums
+   end subroutine communicator_total
+
+   !> Sum of one whole number over the ranks below this one.
+   function communicator_before(self, value) result(lower)
+      class(communicator_t), intent(in) :: self       !! The group
+      integer(int64), intent(in) :: value             !! Term of this rank
+      integer(int64) :: lower
+
+      lower = 0
+      if (self%size == 1) return
+      call mpi_exscan(value, lower, 1, mpi_integer8, mpi_sum, self%handle)
+      if (self%rank == 0) lower = 0
+   end function communicator_before
+
+   !> Concatenate arrays in the order of the ranks; every rank gets the whole.
+   subroutine communicator_gather(self, values, whole)
+      class(communicator_t), intent(in) :: self       !! The group
+      integer(int64), contiguous, intent(in) :: values(:)      !! Part of this rank
+      integer(int64), allocatable, intent(out) :: whole(:)     !! All parts
+      integer, allocatable :: counts(:), offsets(:)
+      integer(int64), allocatable :: lengths(:)
+      integer :: rank
+
+      if (self%size == 1) then
+         whole = values
+         return
+      end if
+      allocate (lengths(self%size), offsets(self%size), counts(self%size))
+      call mpi_allgather(size(values, kind=int64), 1, mpi_integer8, lengths, 1, mpi_integer8, &
+         self%handle)
+      counts(:) = int(lengths)
+      offsets(1) = 0
+      do rank = 2, self%size
+         offsets(rank) = offsets(rank - 1) + counts(rank - 1)
+      end do
+      allocate (whole(sum(lengths)))
+      call mpi_allgatherv(values, size(values), mpi_integer8, whole, counts, offsets, mpi_integer8, &
+         self%handle)
+   end subroutine communicator_gather
+
+   !> Give the text of rank 0 to all ranks.
+   subroutine communicator_broadcast(self, text)
+      class(communicator_t), intent(in) :: self       !! The group
+      character(len=:), allocatable, intent(inout) :: text !! In on rank 0, out on the others
+      integer(int64) :: length(1)
+
+      if (self%size == 1) return
+      length = 0
+      if (self%rank == 0) length = len(text)
+      call self%total(length)
+      if (self%rank /= 0) then
+         if (allocated(text)) deallocate (text)
+         allocate (character(len=length(1)) :: text)
+      end if
+      call mpi_bcast(text, int(length(1)), mpi_character, 0, self%handle)
+   end subroutine communicator_broadcast
+
+   !> Send messages to ranks that do not know that they will get one.
+   !!
+   !! Non-blocking consensus: T. Hoefler, C. Siebert, A. Lumsdaine, "Scalable communication
+   !! protocols for dynamic sparse data exchange", PPoPP 2010. What arrives is concatenated in the
+   !! order of arrival, so the reader must put it in an order of its own.
+   subroutine communicator_exchange(self, destination, length, outgoing, incoming)
+      class(communicator_t), intent(inout) :: self    !! The group
+      integer, contiguous, intent(in) :: destination(:)        !! Rank of each message
+      integer, contiguous, intent(in) :: length(:)             !! Words of each message
+      integer(int64), contiguous, intent(in) :: outgoing(:)    !! Messages, one after the other
+      integer(int64), allocatable, intent(out) :: incoming(:)  !! Messages to this rank
+      type(mpi_request), allocatable :: sent(:)
+      type(mpi_request) :: consensus
+      integer(int64), allocatable :: buffer(:)
+      integer :: message, first, filled, tag
+      logical :: done, agreeing
+
+      self%round = 1 - self%round
+      tag = 100 + self%round
+      allocate (sent(size(destination)), buffer(0))
+      filled = 0
+      first = 1
+      do message = 1, size(destination)
+         call mpi_issend(outgoing(first), length(message), mpi_integer8, destination(message), tag, &
+            self%handle, sent(message))
+         first = first + length(message)
+      end do
+      agreeing = .false.
+      do
+         call receive_one(self%handle, tag, buffer, filled)
+         if (agreeing) then
+            call mpi_test(consensus, done, mpi_status_ignore)
+            if (done) exit
+         else
+            call mpi_testall(size(sent), sent, done, mpi_statuses_ignore)
+            if (done) then
+               call mpi_ibarrier(self%handle, consensus)
+               agreeing = .true.
+            end if
+         end if
+      end do
+      incoming = buffer(:filled)
+   end subroutine communicator_exchange
+
+   !> Receive one message if one is waiting, and append it.
+   subroutine receive_one(handle, tag, buffer, filled)
+      type(mpi_comm), intent(in) :: handle            !! The ranks
+      integer, intent(in) :: tag                      !! Which exchange
+      integer(int64), allocatable, intent(inout) :: buffer(:) !! Grows as needed
+      integer, intent(inout) :: filled                !! Words in use
+      integer(int64), allocatable :: larger(:)
+      type(mpi_status) :: status
+      logical :: waiting
+      integer :: words
+
+      call mpi_iprobe(mpi_any_source, tag, handle, waiting, status)
+      if (.not. waiting) return
+      call mpi_get_count(status, mpi_integer8, words)
+      if (filled + words > size(buffer)) then
+         allocate (larger(2*(filled + words)))
+         larger(:filled) = buffer(:filled)
+         call move_alloc(larger, buffer)
+      end if
+      call mpi_recv(buffer(filled + 1), words, mpi_integer8, status%mpi_source, tag, handle, &
+         mpi_status_ignore)
+      filled = filled + words
+   end subroutine receive_one
+
+   !> Name and version of the message passing library. May be called before `start`.
+   function message_passing_version() result(text)
+      character(len=:), allocatable :: text
+      character(len=mpi_max_library_version_string) :: line
+      integer :: length, stop_at
+
+      call mpi_get_library_version(line, length)
+      stop_at = scan(line(:length), ","//new_line("a")//achar(0))
+      if (stop_at == 0) stop_at = length + 1
+      text = line(:stop_at - 1)
+   end function message_passing_version
+end module base_communicator

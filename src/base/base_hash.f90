@@ -1,0 +1,87 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Hashes of bits that add up, so that the hash of a set depends on no order.
+!!
+!! Every value is mixed with a key that says what and whose it is, and the hashes are added. Sums
+!! wrap round, which this file relies on (the build gives it the option that allows that).
+module base_hash
+   use base_kinds, only: int32, int64, wp
+   implicit none
+   private
+
+   public :: digest_text, hash_reals, hash_text, hash_wholes, mix
+
+   !> Odd numbers of the splitmix64 generator.
+   integer(int64), parameter :: golden = int(z"9E3779B97F4A7C15", int64)
+   integer(int64), parameter :: first_factor = int(z"BF58476D1CE4E5B9", int64)
+   integer(int64), parameter :: second_factor = int(z"94D049BB133111EB", int64)
+
+contains
+
+   !> Spread the bits of a number over a whole word: the finaliser of splitmix64.
+   !!
+   !! G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number generators",
+   !! OOPSLA 2014.
+   elemental function mix(bits) result(mixed)
+      integer(int64), intent(in) :: bits                !! Any word
+      integer(int64) :: mixed
+
+      mixed = bits + golden
+      mixed = ieor(mixed, shiftr(mixed, 30))*first_factor
+      mixed = ieor(mixed, shiftr(mixed, 27))*second_factor
+      mixed = ieor(mixed, shiftr(mixed, 31))
+   end function mix
+
+   !> Hash of a text, blanks at its end included.
+   pure function hash_text(text) result(hash)
+      character(len=*), intent(in) :: text              !! Any text
+      integer(int64) :: hash
+      integer :: letter
+
+      hash = mix(int(len(text), int64))
+      do letter = 1, len(text)
+         hash = mix(hash + int(iachar(text(letter:letter)), int64))
+      end do
+   end function hash_text
+
+   !> Sum of the hashes of real numbers, each keyed by its owner.
+   pure function hash_reals(key, owners, values) result(hash)
+      integer(int64), intent(in) :: key                 !! What the numbers are
+      integer(int64), contiguous, intent(in) :: owners(:) !! Whose they are
+      real(wp), contiguous, intent(in) :: values(:)     !! The numbers
+      integer(int64) :: hash
+      integer :: index
+
+      hash = 0
+      do index = 1, size(values)
+         hash = hash + mix(ieor(mix(ieor(owners(index), key)), transfer(values(index), key)))
+      end do
+   end function hash_reals
+
+   !> Sum of the hashes of whole numbers, each keyed by its owner.
+   pure function hash_wholes(key, owners, values) result(hash)
+      integer(int64), intent(in) :: key                 !! What the numbers are
+      integer(int64), contiguous, intent(in) :: owners(:) !! Whose they are
+      integer(int64), contiguous, intent(in) :: values(:) !! The numbers
+      integer(int64) :: hash
+      integer :: index
+
+      hash = 0
+      do index = 1, size(values)
+         hash = hash + mix(ieor(mix(ieor(owners(index), key)), values(index)))
+      end do
+   end function hash_wholes
+
+   !> A hash as 16 hexadecimal digits.
+   pure function digest_text(hash) result(text)
+      integer(int64), intent(in) :: hash                !! Any word
+      character(len=16) :: text
+      character(len=*), parameter :: digits = "0123456789abcdef"
+      integer :: place
+      integer(int32) :: digit
+
+      do place = 1, 16
+         digit = int(ibits(hash, 64 - 4*place, 4), int32)
+         text(place:place) = digits(digit + 1:digit + 1)
+      end do
+   end function digest_text
+end module base_hash

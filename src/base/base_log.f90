@@ -1,0 +1,185 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The log: what rank 0 tells on the screen and in a file.
+module base_log
+   use base_error, only: error_t, exit_file, fail
+   use base_kinds, only: int64, wp
+   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+   implicit none
+   private
+
+   public :: log_t, progress_heading, progress_line, progress_t
+
+   !> Levels: a line is kept if its level is not above that of the log.
+   integer, parameter, public :: log_error = 0, log_warn = 1, log_info = 2, log_debug = 3
+   integer, parameter :: no_unit = 0                     !! No file is open
+
+   !> Where lines go. Without `open` lines go to the screen only, as on rank 0.
+   type :: log_t
+      integer :: level = log_info                        !! Greatest level kept
+      integer :: warnings = 0                            !! Warnings so far
+      logical, private :: speaks = .true.                !! This rank writes
+      logical, private :: screen = .true.                !! To the screen too
+      integer, private :: unit = no_unit                 !! The file
+   contains
+      procedure :: open => log_open                      !! Choose rank, file and level
+      procedure :: error => log_print_error              !! Something stops the run
+      procedure :: warn => log_print_warning             !! Something looks wrong
+      procedure :: info => log_print_info                !! Progress and results
+      procedure :: debug => log_print_debug              !! Details, never on the screen
+      procedure :: close => log_close                    !! Close the file
+   end type log_t
+
+   !> What a line of progress shows.
+   type :: progress_t
+      real(wp) :: wall = 0.0_wp                          !! Wall time so far [s]
+      real(wp) :: time = 0.0_wp                          !! Simulated time [s]
+      real(wp) :: time_end = 0.0_wp                      !! End of simulated time [s]
+      integer(int64) :: step = 0                         !! Steps so far
+      real(wp) :: step_length = 0.0_wp                   !! Time step [s]
+      real(wp) :: kinetic = 0.0_wp                       !! Kinetic energy [J]
+      real(wp) :: energy_error = 0.0_wp                  !! Relative error of the energy ledger
+      integer(int64) :: particles = 0                    !! On all ranks
+      real(wp) :: updates_per_second = 0.0_wp            !! Particle updates a second [1/s]
+      real(wp) :: seconds_left = 0.0_wp                  !! Wall time to go [s], negative: unknown
+   end type progress_t
+
+contains
+
+   !> Choose which rank this is, the file, and what is kept.
+   subroutine log_open(self, rank, path, level, quiet, error)
+      class(log_t), intent(inout) :: self                !! The log
+      integer, intent(in) :: rank                        !! Only rank 0 speaks
+      character(len=*), intent(in), optional :: path     !! File, written anew
+      integer, intent(in), optional :: level             !! Greatest level kept
+      logical, intent(in), optional :: quiet             !! Screen shows warnings and errors only
+      type(error_t), allocatable, intent(out) :: error   !! The file cannot be written
+      character(len=256) :: reason
+      integer :: status
+
+      self%speaks = rank == 0
+      if (present(level)) self%level = level
+      if (present(quiet)) self%screen = .not. quiet
+      if (.not. present(path) .or. .not. self%speaks) return
+      call self%close()
+      open (newunit=self%unit, file=path, action="write", status="replace", iostat=status, &
+         iomsg=reason)
+      if (status == 0) return
+      self%unit = no_unit
+      call fail(error, exit_file, "cannot write the log: "//trim(reason))
+   end subroutine log_open
+
+   !> Something stops the run. Goes to the standard error stream, quiet or not.
+   subroutine log_print_error(self, text)
+      class(log_t), intent(inout) :: self                !! The log
+      character(len=*), intent(in) :: text               !! One or more lines
+
+      if (.not. self%speaks) return
+      call put(error_unit, text)
+      call keep(self, text)
+   end subroutine log_print_error
+
+   !> Something looks wrong. Goes to the standard error stream, quiet or not.
+   subroutine log_print_warning(self, text)
+      class(log_t), intent(inout) :: self                !! The log
+      character(len=*), intent(in) :: text               !! One or more lines
+
+      self%warnings = self%warnings + 1
+      if (.not. self%speaks .or. self%level < log_warn) return
+      call put(error_unit, text)
+      call keep(self, text)
+   end subroutine log_print_warning
+
+   !> Progress and results.
+   subroutine log_print_info(self, text)
+      class(log_t), intent(inout) :: self                !! The log
+      character(len=*), intent(in) :: text               !! One or more lines
+
+      if (.not. self%speaks .or. self%level < log_info) return
+      if (self%screen) call put(output_unit, text)
+      call keep(self, text)
+   end subroutine log_print_info
+
+   !> Details for the file only.
+   subroutine log_print_debug(self, text)
+      class(log_t), intent(inout) :: self                !! The log
+      character(len=*), intent(in) :: text               !! One or more lines
+
+      if (.not. self%speaks .or. self%level < log_debug) return
+      call keep(self, text)
+   end subroutine log_print_debug
+
+   !> Close the file.
+   subroutine log_close(self)
+      class(log_t), intent(inout) :: self                !! The log
+      integer :: status
+
+      if (self%unit == no_unit) return
+      close (self%unit, iostat=status)
+      self%unit = no_unit
+      if (status /= 0) call put(error_unit, "warning: the end of the log is lost")
+   end subroutine log_close
+
+   !> Write to the file, if there is one. A log that cannot grow, say on a full disk, is given up:
+   !! the run itself must not end for it.
+   subroutine keep(self, text)
+      class(log_t), intent(inout) :: self                !! The log
+      character(len=*), intent(in) :: text               !! One or more lines
+      integer :: status
+
+      if (self%unit == no_unit) return
+      write (self%unit, "(a)", iostat=status) text
+      if (status == 0) flush (self%unit, iostat=status)
+      if (status == 0) return
+      close (self%unit, iostat=status)
+      self%unit = no_unit
+      call put(error_unit, "warning: the log cannot be written; it goes on here only")
+   end subroutine keep
+
+   !> Write to a standard stream at once. A closed stream is no reason to stop.
+   subroutine put(unit, text)
+      integer, intent(in) :: unit                        !! A standard stream
+      character(len=*), intent(in) :: text               !! One or more lines
+      integer :: status
+
+      write (unit, "(a)", iostat=status) text
+      if (status == 0) flush (unit, iostat=status)
+   end subroutine put
+
+   !> Heading above the lines of progress.
+   pure function progress_heading() result(text)
+      character(len=:), allocatable :: text
+
+      text = "     wall   t/t_end       step     dt [s]  E_kin [J]    dE/E0   particles   Mpt/s"// &
+         "       left"
+   end function progress_heading
+
+   !> One line of progress.
+   function progress_line(progress) result(text)
+      type(progress_t), intent(in) :: progress           !! Present state
+      character(len=:), allocatable :: text
+      character(len=120) :: line
+      real(wp) :: share
+
+      share = 0.0_wp
+      if (progress%time_end > 0.0_wp) share = 100.0_wp*progress%time/progress%time_end
+      write (line, "(a9, f8.1, a, i11, 2es11.2e2, es9.1e2, i12, f8.2, a11)") &
+         duration(progress%wall), share, " %", progress%step, progress%step_length, &
+         progress%kinetic, progress%energy_error, progress%particles, &
+         1.0e-6_wp*progress%updates_per_second, duration(progress%seconds_left)
+      text = trim(line)
+   end function progress_line
+
+   !> A span of time as h:mm:ss.
+   function duration(seconds) result(text)
+      real(wp), intent(in) :: seconds                    !! Negative if unknown [s]
+      character(len=9) :: text
+      integer(int64) :: whole
+
+      text = "        -"
+      if (.not. (seconds >= 0.0_wp .and. seconds < 3.5e8_wp)) return
+      whole = nint(seconds, int64)
+      write (text, "(i3, 2(a, i2.2))") whole/3600_int64, ":", mod(whole, 3600_int64)/60_int64, &
+         ":", mod(whole, 60_int64)
+      if (whole >= 3600000_int64) write (text, "(i8, a)") whole/86400_int64, "d"
+   end function duration
+end module base_log

@@ -1,0 +1,176 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Wall time by phase: where a run spends its seconds.
+module base_timer
+   use base_communicator, only: communicator_t
+   use base_kinds, only: int64, wp
+   implicit none
+   private
+
+   public :: timer_t, wall_seconds
+
+   integer, parameter :: name_length = 32                !! Longest name of a phase
+   integer, parameter :: most_phases = 32                !! Phases of a timer
+
+   !> One phase.
+   type :: phase_t
+      character(len=name_length) :: name = ""            !! As in the table
+      integer(int64) :: started = 0                      !! Clock at the last start
+      integer(int64) :: ticks = 0                        !! Clock ticks so far
+      integer(int64) :: calls = 0                        !! How often stopped
+   end type phase_t
+
+   !> Times of named phases on this rank.
+   type :: timer_t
+      type(phase_t), private :: phases(most_phases)      !! In the order of their first mention
+      integer, private :: filled = 0                     !! Phases in use
+   contains
+      procedure :: phase => timer_phase                  !! Number of a phase, new or known
+      procedure :: start => timer_start                  !! The phase begins
+      procedure :: stop => timer_stop                    !! The phase ends
+      procedure :: count => timer_count                  !! Number of phases
+      procedure :: name => timer_name                    !! Name of a phase
+      procedure :: calls => timer_calls                  !! How often a phase ended
+      procedure :: seconds => timer_seconds              !! Seconds on this rank
+      procedure :: spread => timer_spread                !! Least, mean, greatest over the ranks
+      procedure :: table => timer_table                  !! All that as text
+   end type timer_t
+
+contains
+
+   !> Seconds since an origin of the system's choice; never runs backwards.
+   function wall_seconds() result(seconds)
+      real(wp) :: seconds
+      integer(int64) :: rate, ticks
+
+      call system_clock(ticks, rate)
+      seconds = real(ticks, wp)/real(rate, wp)
+   end function wall_seconds
+
+   !> Number of the phase of this name. The last place is shared by all names that do not fit.
+   function timer_phase(self, name) result(index)
+      class(timer_t), intent(inout) :: self              !! The timer
+      character(len=*), intent(in) :: name               !! As in the table
+      integer :: index
+
+      do index = 1, self%filled
+         if (self%phases(index)%name == name) return
+      end do
+      index = min(self%filled + 1, most_phases)
+      if (self%filled < most_phases) self%phases(index)%name = name
+      self%filled = index
+   end function timer_phase
+
+   !> The phase begins.
+   subroutine timer_start(self, index)
+      class(timer_t), intent(inout) :: self              !! The timer
+      integer, intent(in) :: index                       !! From `phase`
+
+      call system_clock(self%phases(index)%started)
+   end subroutine timer_start
+
+   !> The phase ends.
+   subroutine timer_stop(self, index)
+      class(timer_t), intent(inout) :: self              !! The timer
+      integer, intent(in) :: index                       !! From `phase`
+      integer(int64) :: ticks
+
+      call system_clock(ticks)
+      associate (phase => self%phases(index))
+         phase%ticks = phase%ticks + ticks - phase%started
+         phase%calls = phase%calls + 1_int64
+      end associate
+   end subroutine timer_stop
+
+   !> Number of phases.
+   pure integer function timer_count(self) result(count)
+      class(timer_t), intent(in) :: self                 !! The timer
+
+      count = self%filled
+   end function timer_count
+
+   !> Name of a phase.
+   pure function timer_name(self, index) result(name)
+      class(timer_t), intent(in) :: self                 !! The timer
+      integer, intent(in) :: index                       !! From 1 to `count`
+      character(len=:), allocatable :: name
+
+      name = trim(self%phases(index)%name)
+   end function timer_name
+
+   !> How often a phase ended on this rank.
+   pure function timer_calls(self, index) result(calls)
+      class(timer_t), intent(in) :: self                 !! The timer
+      integer, intent(in) :: index                       !! From 1 to `count`
+      integer(int64) :: calls
+
+      calls = self%phases(index)%calls
+   end function timer_calls
+
+   !> Seconds of a phase on this rank.
+   function timer_seconds(self, index) result(seconds)
+      class(timer_t), intent(in) :: self                 !! The timer
+      integer, intent(in) :: index                       !! From 1 to `count`
+      real(wp) :: seconds
+      integer(int64) :: rate, ticks
+
+      call system_clock(ticks, rate)
+      seconds = real(self%phases(index)%ticks, wp)/real(rate, wp)
+   end function timer_seconds
+
+   !> Seconds of all phases over the ranks, and in the last place of what no phase covers.
+   !! Collective; all ranks must know the same phases.
+   subroutine timer_spread(self, communicator, total, least, mean, greatest)
+      class(timer_t), intent(in) :: self                 !! The timer
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      real(wp), intent(in) :: total                      !! Seconds of the whole on this rank
+      real(wp), allocatable, intent(out) :: least(:)     !! (phase, and the rest) [s]
+      real(wp), allocatable, intent(out) :: mean(:)      !! (phase, and the rest) [s]
+      real(wp), allocatable, intent(out) :: greatest(:)  !! (phase, and the rest) [s]
+      real(wp), parameter :: nano = 1.0e-9_wp
+      integer(int64), allocatable :: sums(:)
+      real(wp), allocatable :: own(:)
+      integer :: index, last
+
+      last = self%filled + 1
+      allocate (least(last), mean(last), greatest(last), own(last), sums(last))
+      do index = 1, self%filled
+         own(index) = self%seconds(index)
+      end do
+      own(last) = max(total - sum(own(:last - 1)), 0.0_wp)
+      sums = nint(own/nano, int64)
+      call communicator%total(sums)
+      mean = real(sums, wp)*nano/real(communicator%size, wp)
+      do index = 1, last
+         least(index) = communicator%minimum(own(index))
+         greatest(index) = communicator%maximum(own(index))
+      end do
+   end subroutine timer_spread
+
+   !> A table of all phases, with what no phase covers as "other". Collective.
+   function timer_table(self, communicator, total) result(text)
+      class(timer_t), intent(in) :: self                 !! The timer
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      real(wp), intent(in) :: total                      !! Seconds of the whole on this rank
+      character(len=:), allocatable :: text
+      real(wp), allocatable :: greatest(:), least(:), mean(:)
+      character(len=88) :: line
+      real(wp) :: share, whole
+      integer :: index
+
+      call self%spread(communicator, total, least, mean, greatest)
+      whole = max(sum(mean), tiny(1.0_wp))
+      write (line, "(a, t28, a)") "timing (s)", "    min        avg        max      %        calls"
+      text = trim(line)
+      do index = 1, self%filled + 1
+         share = 100.0_wp*mean(index)/whole
+         if (index <= self%filled) then
+            write (line, "(2x, a, t25, 3f11.3, f7.1, i13)") self%phases(index)%name(:22), &
+               least(index), mean(index), greatest(index), share, self%phases(index)%calls
+         else
+            write (line, "(2x, a, t25, 3f11.3, f7.1)") "other", least(index), mean(index), &
+               greatest(index), share
+         end if
+         text = text//new_line("a")//trim(line)
+      end do
+   end function timer_table
+end module base_timer

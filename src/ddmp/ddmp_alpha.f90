@@ -1,0 +1,53 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The share alpha of the gradient on the particle's own cell in the modified gradient.
+!!
+!! alpha vanishes on the faces of the cell, so the modified gradient has no jump there
+!! (D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379).
+module ddmp_alpha
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   implicit none
+   private
+
+   public :: find_alpha
+
+   integer, parameter, public :: alpha_split = 1     !! One bubble a direction, for its derivative
+   integer, parameter, public :: alpha_product = 2   !! Product of the bubbles, for all derivatives
+   character(len=8), parameter, public :: alpha_names(2) = [character(len=8) :: "split", "product"]
+
+contains
+
+   !> alpha of each particle of a tile for the derivative along each direction.
+   pure subroutine find_alpha(grid, kind, centre, number, local, alpha)
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: kind                    !! One of the kinds above
+      real(wp), intent(in) :: centre                 !! Value at the centre of the cell
+      integer, intent(in) :: number                  !! Particles of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)    !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(inout) :: alpha(:, :) !! (particle of the tile, 3)
+      integer :: p, direction
+
+      do direction = 1, 3
+         if (.not. grid%active(direction)) then
+            alpha(:number, direction) = 1.0_wp
+            cycle
+         end if
+         do p = 1, number
+            alpha(p, direction) = 4.0_wp*local(p, direction)*(1.0_wp - local(p, direction))
+         end do
+      end do
+      if (kind == alpha_product) then
+         do p = 1, number
+            alpha(p, 1) = alpha(p, 1)*alpha(p, 2)*alpha(p, 3)
+            alpha(p, 2) = alpha(p, 1)
+            alpha(p, 3) = alpha(p, 1)
+         end do
+      end if
+      do direction = 1, 3
+         if (.not. grid%active(direction)) cycle
+         do p = 1, number
+            alpha(p, direction) = centre*alpha(p, direction)
+         end do
+      end do
+   end subroutine find_alpha
+end module ddmp_alpha

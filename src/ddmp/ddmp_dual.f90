@@ -1,0 +1,212 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The dual gradient on the grid: one loop over the cells of a tile for force and for strain.
+!!
+!! With D_ji = sum_c w_c integral_c S_j grad S_i and V_j = sum_c w_c integral_c S_j the force of the
+!! stress on the nodes is - sum_j sigma_j . D_ji and the gradient on the nodes sum_i u_i D_ji / V_j
+!! (D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379). The same D, V and
+!! alpha serve both, so the power of the force is that of the stress. Each cell satisfies
+!! sum_i D_ji = 0 and sum_i x_i D_ji = V_j for itself; hence momentum is kept and linear fields
+!! are exact for any weights w_c >= 0. The weight is the least fill of the nodes of the cell, so
+!! a cell with an empty node takes no part and no force falls on a node without mass.
+module ddmp_dual
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t, lanes
+   implicit none
+   private
+
+   public :: dual_t
+
+   !> Integrals over one cell; in axisymmetry they depend on the radius of the cell.
+   type :: dual_t
+      integer :: columns = 1                         !! Cells along x with integrals of their own
+      real(wp), allocatable :: force(:, :, :, :)     !! (i, j, direction, column) D_ji [m2]
+      real(wp), allocatable :: strain(:, :, :, :)    !! (j, i, direction, column) D_ji [m2]
+      real(wp), allocatable :: volume(:, :)          !! (j, column) V_j [m3]
+   contains
+      procedure :: start => dual_start               !! Compute the integrals
+      procedure :: cell_weights => dual_cell_weights !! Fill of the cells of a tile
+      procedure :: add_volume => dual_add_volume     !! V_j of a tile
+      procedure :: add_force => dual_add_force       !! Force of the node stress
+      procedure :: add_gradient => dual_add_gradient !! Node gradient before division by V_j
+   end type dual_t
+
+contains
+
+   !> Compute the integrals of products of the node functions and their gradients.
+   pure subroutine dual_start(self, grid)
+      class(dual_t), intent(out) :: self             !! The integrals
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp) :: line(0:1, 3), mass(0:1, 0:1, 3), value
+      integer :: column, i, j, direction, other, bit_i(3), bit_j(3)
+
+      self%columns = merge(grid%cells(1), 1, grid%axisymmetric)
+      allocate (self%force(lanes, lanes, 3, self%columns), self%volume(lanes, self%columns))
+      do column = 1, self%columns
+         do direction = 1, 3
+            line(:, direction) = grid%line_weight(direction, merge(column - 1, 0, direction == 1))
+            mass(:, :, direction) = grid%mass_weight(direction, merge(column - 1, 0, direction == 1))
+         end do
+         do j = 1, lanes
+            bit_j = [(ibits(j - 1, other - 1, 1), other=1, 3)]
+            self%volume(j, column) = grid%depth*line(bit_j(1), 1)*line(bit_j(2), 2)*line(bit_j(3), 3)
+            do i = 1, lanes
+               bit_i = [(ibits(i - 1, other - 1, 1), other=1, 3)]
+               do direction = 1, 3
+                  value = grid%depth*grid%lane_slope(i, direction)/grid%spacing
+                  do other = 1, 3
+                     if (other == direction) then
+                        value = value*line(bit_j(other), other)
+                     else
+                        value = value*mass(bit_j(other), bit_i(other), other)
+                     end if
+                  end do
+                  self%force(i, j, direction, column) = value
+               end do
+            end do
+         end do
+      end do
+      allocate (self%strain, mold=self%force)
+      do j = 1, lanes
+         do i = 1, lanes
+            self%strain(j, i, :, :) = self%force(i, j, :, :)
+         end do
+      end do
+   end subroutine dual_start
+
+   !> Weight of each cell of a tile: the least fill of its nodes, at most 1.
+   pure subroutine dual_cell_weights(self, grid, filled, node_volume, weight)
+      class(dual_t), intent(in) :: self              !! The integrals
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), contiguous, intent(in) :: filled(:)  !! (node) Volume of particles around it [m3]
+      real(wp), contiguous, intent(in) :: node_volume(:) !! (node) Volume of the node [m3]
+      real(wp), contiguous, intent(inout) :: weight(0:)  !! (cell) 0 to 1
+      integer :: cell, lane, node, base
+      real(wp) :: least
+
+      do cell = 0, grid%tile_cells - 1
+         base = grid%first_node(cell)
+         least = 1.0_wp
+         do lane = 1, lanes
+            node = base + grid%lane_offset(lane)
+            if (node_volume(node) > 0.0_wp) then
+               least = min(least, filled(node)/node_volume(node))
+            else
+               least = 0.0_wp
+            end if
+         end do
+         weight(cell) = least
+      end do
+   end subroutine dual_cell_weights
+
+   !> Add w_c V_j of the cells of a tile to a patch.
+   pure subroutine dual_add_volume(self, grid, coordinate, weight, patch)
+      class(dual_t), intent(in) :: self              !! The integrals
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(inout) :: patch(:) !! (node) [m3]
+      integer :: cell, lane, node, base, column
+
+      do cell = 0, grid%tile_cells - 1
+         if (.not. weight(cell) > 0.0_wp) cycle
+         base = grid%first_node(cell)
+         column = column_of(self, grid, coordinate, cell)
+         do lane = 1, lanes
+            node = base + grid%lane_offset(lane)
+            patch(node) = patch(node) + weight(cell)*self%volume(lane, column)
+         end do
+      end do
+   end subroutine dual_add_volume
+
+   !> Add the force of the node stress, - sum_j sigma_j . D_ji, of the cells of a tile to a patch.
+   pure subroutine dual_add_force(self, grid, coordinate, weight, stress, patch)
+      class(dual_t), intent(in) :: self              !! The integrals
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: stress(:, :) !! (node, 9) (k, l) in column k + 3 (l - 1) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (node, 3) [N]
+      real(wp) :: force(lanes, 3), s(3)
+      integer :: cell, i, j, k, direction, node, base, column
+
+      do cell = 0, grid%tile_cells - 1
+         if (.not. weight(cell) > 0.0_wp) cycle
+         base = grid%first_node(cell)
+         column = column_of(self, grid, coordinate, cell)
+         force = 0.0_wp
+         do direction = 1, 3
+            if (.not. grid%active(direction)) cycle
+            do j = 1, lanes
+               node = base + grid%lane_offset(j)
+               s(1) = weight(cell)*stress(node, 3*direction - 2)
+               s(2) = weight(cell)*stress(node, 3*direction - 1)
+               s(3) = weight(cell)*stress(node, 3*direction)
+               do i = 1, lanes
+                  force(i, 1) = force(i, 1) - s(1)*self%force(i, j, direction, column)
+                  force(i, 2) = force(i, 2) - s(2)*self%force(i, j, direction, column)
+                  force(i, 3) = force(i, 3) - s(3)*self%force(i, j, direction, column)
+               end do
+            end do
+         end do
+         do k = 1, 3
+            do i = 1, lanes
+               node = base + grid%lane_offset(i)
+               patch(node, k) = patch(node, k) + force(i, k)
+            end do
+         end do
+      end do
+   end subroutine dual_add_force
+
+   !> Add sum_i u_i D_ji of the cells of a tile to a patch.
+   pure subroutine dual_add_gradient(self, grid, coordinate, weight, velocity, patch)
+      class(dual_t), intent(in) :: self              !! The integrals
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (node, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (node, 9) (k, l) in column k + 3 (l - 1)
+      real(wp) :: gradient(lanes, 9), u(3)
+      integer :: cell, i, j, k, direction, node, base, column
+
+      do cell = 0, grid%tile_cells - 1
+         if (.not. weight(cell) > 0.0_wp) cycle
+         base = grid%first_node(cell)
+         column = column_of(self, grid, coordinate, cell)
+         gradient = 0.0_wp
+         do i = 1, lanes
+            node = base + grid%lane_offset(i)
+            u(1) = weight(cell)*velocity(node, 1)
+            u(2) = weight(cell)*velocity(node, 2)
+            u(3) = weight(cell)*velocity(node, 3)
+            do direction = 1, 3
+               if (.not. grid%active(direction)) cycle
+               do j = 1, lanes
+                  gradient(j, 3*direction - 2) = gradient(j, 3*direction - 2) &
+                     + u(1)*self%strain(j, i, direction, column)
+                  gradient(j, 3*direction - 1) = gradient(j, 3*direction - 1) &
+                     + u(2)*self%strain(j, i, direction, column)
+                  gradient(j, 3*direction) = gradient(j, 3*direction) &
+                     + u(3)*self%strain(j, i, direction, column)
+               end do
+            end do
+         end do
+         do k = 1, 9
+            do j = 1, lanes
+               node = base + grid%lane_offset(j)
+               patch(node, k) = patch(node, k) + gradient(j, k)
+            end do
+         end do
+      end do
+   end subroutine dual_add_gradient
+
+   !> Which integrals a cell uses.
+   pure integer function column_of(self, grid, coordinate, cell) result(column)
+      class(dual_t), intent(in) :: self              !! The integrals
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: cell                    !! Cell of the tile, from 0
+
+      column = 1
+      if (self%columns > 1) column = 1 + coordinate(1)*grid%width(1) + mod(cell, grid%width(1))
+   end function column_of
+end module ddmp_dual

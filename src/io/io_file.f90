@@ -1,0 +1,329 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Files as the system sees them, with the system's reason when something fails.
+!!
+!! Fortran cannot rename, synchronise or list files and its runtime hides why a write failed, so
+!! this goes to the C library. All of it concerns the calling rank alone.
+module io_file
+   use base_error, only: error_t, exit_file, fail
+   use base_kinds, only: int64
+   use io_libc, only: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, c_open, &
+      c_read, c_rename, c_truncate, c_unlink, c_write, failure_number, failure_text, folder_entries
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int32_t, c_loc, c_null_char, c_size_t
+   implicit none
+   private
+
+   public :: file_exists, file_size, folder_of, join_path, list_folder, make_folder, name_of, &
+      output_file_t, read_file, remove_file, rename_file, reserve_file, sync_file, sync_folder, &
+      truncate_file, write_file
+
+   integer(c_int32_t), parameter :: file_mode = int(o"666", c_int32_t)
+   integer(c_int32_t), parameter :: folder_mode = int(o"777", c_int32_t)
+   integer(c_int), parameter :: exists_mode = 0, write_only = 1, read_only = 0
+   integer(c_int), parameter :: append_to = 1024         !! O_APPEND of Linux
+   integer(c_int), parameter :: already_there = 17       !! EEXIST
+   integer(c_int), parameter :: not_there = 2            !! ENOENT
+   integer(c_int), parameter :: no_such_call = 38, not_supported = 95 !! ENOSYS, EOPNOTSUPP
+
+   !> A file that is written piece by piece, each of which reaches the system at once.
+   type :: output_file_t
+      character(len=:), allocatable :: path              !! Where it is
+      integer(c_int), private :: descriptor = -1         !! The open file
+   contains
+      procedure :: create => output_create               !! Begin an empty file
+      procedure :: append => output_append               !! Go on at the end of a file
+      procedure :: write => output_write                 !! Write a text
+      procedure :: sync => output_sync                   !! Wait until it is on the disk
+      procedure :: close => output_close                 !! Close
+   end type output_file_t
+
+contains
+
+   !> Allocate an error that names a path and the system's reason.
+   subroutine fail_path(error, action, path)
+      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
+      character(len=*), intent(in) :: action             !! As in "cannot ACTION path"
+      character(len=*), intent(in) :: path               !! What it was about
+
+      call fail(error, exit_file, "cannot "//action//" '"//path//"': "//failure_text())
+   end subroutine fail_path
+
+   !> True if there is a file or folder of this name.
+   logical function file_exists(path) result(exists)
+      character(len=*), intent(in) :: path               !! File or folder
+
+      exists = c_access(path//c_null_char, exists_mode) == 0
+   end function file_exists
+
+   !> Length of a file, -1 if there is none [byte].
+   function file_size(path) result(bytes)
+      character(len=*), intent(in) :: path               !! File
+      integer(int64) :: bytes
+      integer(c_int), parameter :: from_end = 2
+      integer(c_int) :: descriptor, status
+
+      bytes = -1
+      descriptor = c_open(path//c_null_char, read_only, file_mode)
+      if (descriptor < 0) return
+      bytes = c_lseek(descriptor, 0_int64, from_end)
+      status = c_close(descriptor)
+   end function file_size
+
+   !> Folder part of a path, "." if there is none.
+   pure function folder_of(path) result(folder)
+      character(len=*), intent(in) :: path               !! Path of a file
+      character(len=:), allocatable :: folder
+      integer :: slash
+
+      slash = index(path, "/", back=.true.)
+      if (slash == 0) then
+         folder = "."
+      else if (slash == 1) then
+         folder = "/"
+      else
+         folder = path(:slash - 1)
+      end if
+   end function folder_of
+
+   !> Last part of a path.
+   pure function name_of(path) result(name)
+      character(len=*), intent(in) :: path               !! Path of a file
+      character(len=:), allocatable :: name
+
+      name = path(index(path, "/", back=.true.) + 1:)
+   end function name_of
+
+   !> Path of a file in a folder; an empty folder is the present one.
+   pure function join_path(folder, name) result(path)
+      character(len=*), intent(in) :: folder             !! Folder, with or without slash
+      character(len=*), intent(in) :: name               !! Name of the file
+      character(len=:), allocatable :: path
+
+      if (len(folder) == 0 .or. folder == ".") then
+         path = name
+      else if (folder(len(folder):) == "/") then
+         path = folder//name
+      else
+         path = folder//"/"//name
+      end if
+   end function join_path
+
+   !> Make a folder and those above it; one that is there is fine.
+   subroutine make_folder(path, error)
+      character(len=*), intent(in) :: path               !! Folder
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be made
+      integer :: last
+
+      do last = 1, len(path)
+         if (last < len(path)) then
+            if (path(last + 1:last + 1) /= "/") cycle
+         end if
+         if (path(last:last) == "/") cycle
+         if (file_exists(path(:last)//"/")) cycle
+         if (c_mkdir(path(:last)//c_null_char, folder_mode) == 0) cycle
+         if (failure_number() == already_there .and. file_exists(path(:last)//"/.")) cycle
+         call fail_path(error, "make the folder", path(:last))
+         return
+      end do
+   end subroutine make_folder
+
+   !> Rename a file; what had the new name is replaced in one go.
+   subroutine rename_file(old, new, error)
+      character(len=*), intent(in) :: old                !! Present path
+      character(len=*), intent(in) :: new                !! Future path
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be renamed
+
+      if (c_rename(old//c_null_char, new//c_null_char) /= 0) &
+         call fail_path(error, "rename '"//old//"' to", new)
+   end subroutine rename_file
+
+   !> Remove a file; one that is not there is fine.
+   subroutine remove_file(path, error)
+      character(len=*), intent(in) :: path               !! File
+      type(error_t), allocatable, intent(out), optional :: error !! Cannot be removed
+
+      if (c_unlink(path//c_null_char) == 0) return
+      if (failure_number() == not_there) return
+      if (present(error)) call fail_path(error, "remove", path)
+   end subroutine remove_file
+
+   !> Cut a file.
+   subroutine truncate_file(path, bytes, error)
+      character(len=*), intent(in) :: path               !! File
+      integer(int64), intent(in) :: bytes                !! What remains [byte]
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be cut
+
+      if (c_truncate(path//c_null_char, bytes) /= 0) call fail_path(error, "shorten", path)
+   end subroutine truncate_file
+
+   !> Wait until a file is on the disk.
+   subroutine sync_file(path, error)
+      character(len=*), intent(in) :: path               !! File
+      type(error_t), allocatable, intent(out) :: error   !! Not all of it reached the disk
+      integer(c_int) :: descriptor, status
+
+      descriptor = c_open(path//c_null_char, read_only, file_mode)
+      if (descriptor < 0) then
+         call fail_path(error, "open", path)
+         return
+      end if
+      if (c_fsync(descriptor) /= 0) call fail_path(error, "write", path)
+      status = c_close(descriptor)
+   end subroutine sync_file
+
+   !> Wait until the names in a folder are on the disk. Systems that cannot do that are tolerated.
+   subroutine sync_folder(path)
+      character(len=*), intent(in) :: path               !! Folder
+      integer(c_int) :: descriptor, status
+
+      descriptor = c_open(path//c_null_char, read_only, file_mode)
+      if (descriptor < 0) return
+      status = c_fsync(descriptor)
+      status = c_close(descriptor)
+   end subroutine sync_folder
+
+   !> Make sure of the space for a file, which is made if need be and then has this length.
+   !!
+   !! Message passing libraries can hang, or call it success, when the disk fills up under a
+   !! collective write (seen with Open MPI 4.1.4), so space is taken before. File systems that
+   !! cannot reserve space are tolerated.
+   subroutine reserve_file(path, bytes, error)
+      character(len=*), intent(in) :: path               !! File
+      integer(int64), intent(in) :: bytes                !! Space it may need [byte]
+      type(error_t), allocatable, intent(out) :: error   !! There is not that much space
+      character(len=24) :: megabytes
+      integer(c_int) :: descriptor, status
+
+      if (file_exists(path)) then
+         descriptor = c_open(path//c_null_char, write_only, file_mode)
+      else
+         descriptor = c_creat(path//c_null_char, file_mode)
+      end if
+      if (descriptor < 0) then
+         call fail_path(error, "write", path)
+         return
+      end if
+      if (c_fallocate(descriptor, 0_c_int, 0_int64, bytes) /= 0) then
+         if (failure_number() /= not_supported .and. failure_number() /= no_such_call) then
+            write (megabytes, "(f24.1)") real(bytes)/1.0e6
+            call fail_path(error, "reserve "//trim(adjustl(megabytes))//" MB for", path)
+         end if
+      end if
+      status = c_close(descriptor)
+   end subroutine reserve_file
+
+   !> Names in a folder with a given beginning and end, in alphabetical order.
+   subroutine list_folder(folder, prefix, suffix, names, error)
+      character(len=*), intent(in) :: folder             !! Folder
+      character(len=*), intent(in) :: prefix             !! What names begin with
+      character(len=*), intent(in) :: suffix             !! What they end with
+      character(len=:), allocatable, intent(out) :: names(:) !! Filled with blanks
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      logical :: readable
+
+      call folder_entries(folder, prefix, suffix, names, readable)
+      if (.not. readable) call fail_path(error, "read the folder", folder)
+   end subroutine list_folder
+
+   !> Write a whole file so that either the old or the new one is there at any time.
+   subroutine write_file(path, text, error)
+      character(len=*), intent(in) :: path               !! File
+      character(len=*), intent(in) :: text               !! All of it
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be written, old one intact
+      type(output_file_t) :: part
+
+      call part%create(path//".part", error)
+      if (allocated(error)) return
+      call part%write(text, error)
+      if (.not. allocated(error)) call part%sync(error)
+      call part%close()
+      if (.not. allocated(error)) call rename_file(path//".part", path, error)
+      if (allocated(error)) call remove_file(path//".part")
+   end subroutine write_file
+
+   !> Read a whole file.
+   subroutine read_file(path, text, error)
+      character(len=*), intent(in) :: path               !! File
+      character(len=:), allocatable, intent(out), target :: text !! All of it
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      integer(c_int) :: descriptor, status
+      integer(c_size_t) :: bytes, done, got
+
+      bytes = max(file_size(path), 0_int64)
+      allocate (character(len=bytes) :: text)
+      descriptor = c_open(path//c_null_char, read_only, file_mode)
+      if (descriptor < 0) then
+         call fail_path(error, "read", path)
+         return
+      end if
+      done = 0
+      do while (done < bytes)
+         got = c_read(descriptor, c_loc(text(done + 1:done + 1)), bytes - done)
+         if (got <= 0) exit
+         done = done + got
+      end do
+      if (done < bytes) call fail_path(error, "read", path)
+      status = c_close(descriptor)
+   end subroutine read_file
+
+   !> Begin an empty file; what was there is lost.
+   subroutine output_create(self, path, error)
+      class(output_file_t), intent(inout) :: self        !! The file
+      character(len=*), intent(in) :: path               !! Where
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be written
+
+      call self%close()
+      self%path = path
+      self%descriptor = c_creat(path//c_null_char, file_mode)
+      if (self%descriptor < 0) call fail_path(error, "write", path)
+   end subroutine output_create
+
+   !> Go on at the end of a file that is there.
+   subroutine output_append(self, path, error)
+      class(output_file_t), intent(inout) :: self        !! The file
+      character(len=*), intent(in) :: path               !! Where
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be written
+
+      call self%close()
+      self%path = path
+      self%descriptor = c_open(path//c_null_char, write_only + append_to, file_mode)
+      if (self%descriptor < 0) call fail_path(error, "write", path)
+   end subroutine output_append
+
+   !> Write a text.
+   subroutine output_write(self, text, error)
+      class(output_file_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: text               !! Line ends included
+      type(error_t), allocatable, intent(out) :: error   !! Not all was written
+      character(len=1, kind=c_char), allocatable, target :: letters(:)
+      integer(c_size_t) :: done, got
+
+      letters = transfer(text, letters, len(text))
+      done = 0
+      do while (done < len(text))
+         got = c_write(self%descriptor, c_loc(letters(done + 1)), len(text) - done)
+         if (got <= 0) then
+            call fail_path(error, "write", self%path)
+            return
+         end if
+         done = done + got
+      end do
+   end subroutine output_write
+
+   !> Wait until all is on the disk.
+   subroutine output_sync(self, error)
+      class(output_file_t), intent(in) :: self           !! The file
+      type(error_t), allocatable, intent(out) :: error   !! Not all of it reached the disk
+
+      if (c_fsync(self%descriptor) /= 0) call fail_path(error, "write", self%path)
+   end subroutine output_sync
+
+   !> Close the file, if it is open.
+   subroutine output_close(self)
+      class(output_file_t), intent(inout) :: self        !! The file
+      integer(c_int) :: status
+
+      if (self%descriptor < 0) return
+      status = c_close(self%descriptor)
+      self%descriptor = -1
+   end subroutine output_close
+end module io_file

@@ -1,0 +1,123 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Equation of state of Mie and Grueneisen about a linear Hugoniot Us = c0 + s up.
+!!
+!! With eta = 1 - rho0/rho and Gamma rho = Gamma0 rho0: in compression
+!! p = pH (1 - Gamma0 eta/2) + Gamma0 rho0 e with pH = rho0 c0**2 eta/(1 - s eta)**2, in expansion
+!! p = rho0 c0**2 (rho/rho0 - 1) + Gamma0 rho0 e.
+module eos_mie_gruneisen
+   use base_kinds, only: wp
+   use material_eos, only: eos_t
+   use material_matter, only: deformation_t, matter_t
+   use material_wishes, only: wishes_t
+   implicit none
+   private
+
+   public :: eos_mie_gruneisen_t
+
+   !> Beyond this share of the greatest compression 1/s the Hugoniot goes on along its tangent, as
+   !! 1 - s eta would come too close to 0.
+   real(wp), parameter :: share_of_limit = 0.9_wp
+   !> The sound speed is not let fall below this share of c0, in states that no matter reaches.
+   real(wp), parameter :: least_sound = 0.1_wp
+
+   !> Equation of state of Mie and Grueneisen.
+   type, extends(eos_t) :: eos_mie_gruneisen_t
+      real(wp) :: sound = 0.0_wp                     !! c0 [m/s]
+      real(wp) :: slope = 0.0_wp                     !! s [1]
+      real(wp) :: gamma = 0.0_wp                     !! Gamma0 [1]
+   contains
+      procedure :: request => mie_gruneisen_request  !! Asks for energy
+      procedure :: update => mie_gruneisen_update    !! Pressure and square of the sound speed
+      procedure :: stored => mie_gruneisen_stored    !! Nothing, energy is carried
+   end type eos_mie_gruneisen_t
+
+   interface eos_mie_gruneisen_t
+      module procedure mie_gruneisen_of
+   end interface eos_mie_gruneisen_t
+
+contains
+
+   !> Equation of state with derived numbers.
+   pure function mie_gruneisen_of(density, sound, slope, gamma) result(eos)
+      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: sound                  !! c0 [m/s]
+      real(wp), intent(in) :: slope                  !! s [1]
+      real(wp), intent(in) :: gamma                  !! Gamma0 [1]
+      type(eos_mie_gruneisen_t) :: eos
+
+      eos%density = density
+      eos%sound = sound
+      eos%slope = slope
+      eos%gamma = gamma
+      eos%bulk = density*sound**2
+      eos%gamma_density = gamma*density
+   end function mie_gruneisen_of
+
+   !> The pressure depends on energy.
+   pure subroutine mie_gruneisen_request(self, wishes)
+      class(eos_mie_gruneisen_t), intent(in) :: self     !! The equation of state
+      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+
+      call wishes%ask("energy", "equation of state mie_gruneisen", 1)
+   end subroutine mie_gruneisen_request
+
+   !> Pressure and square of the sound speed.
+   pure subroutine mie_gruneisen_update(self, matter, deformation, first, last)
+      class(eos_mie_gruneisen_t), intent(in) :: self           !! The equation of state
+      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+
+      call pressure_of_state(first, last, self%density, self%sound, self%slope, self%gamma, &
+         matter%mass, matter%volume, matter%energy, deformation%pressure, deformation%wave_speed)
+   end subroutine mie_gruneisen_update
+
+   !> Kernel of the above. The square of the sound speed is dp/drho + p/rho**2 dp/de.
+   pure subroutine pressure_of_state(first, last, density, sound, slope, gamma, mass, volume, &
+      energy, pressure, wave_speed)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: sound                  !! c0 [m/s]
+      real(wp), intent(in) :: slope                  !! s [1]
+      real(wp), intent(in) :: gamma                  !! Gamma0 [1]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
+      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
+      real(wp) :: bulk, most, ratio, eta, clipped, reserve, hugoniot, tangent, cold
+      integer :: i, k
+
+      bulk = density*sound**2
+      most = share_of_limit/max(slope, 1.0_wp)
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         ratio = density*volume(k)/mass(k)
+         eta = 1.0_wp - ratio
+         clipped = max(0.0_wp, min(eta, most))
+         reserve = 1.0_wp/(1.0_wp - slope*clipped)
+         tangent = bulk*(1.0_wp + slope*clipped)*reserve**3
+         hugoniot = bulk*clipped*reserve**2 + tangent*max(eta - most, 0.0_wp)
+         clipped = max(0.0_wp, eta)
+         cold = hugoniot*(1.0_wp - 0.5_wp*gamma*clipped) + bulk*min(eta, 0.0_wp)/ratio
+         pressure(i) = cold + gamma*density*energy(k)
+         ! dp/drho = dp/deta ratio**2/rho0, and dp/deta = K/ratio**2 in expansion.
+         tangent = tangent*(1.0_wp - 0.5_wp*gamma*clipped) - 0.5_wp*gamma*hugoniot
+         tangent = merge(tangent*ratio**2, bulk, eta > 0.0_wp)/density
+         wave_speed(i) = max(least_sound**2*sound**2, &
+            tangent + max(pressure(i), 0.0_wp)*gamma*ratio**2/density)
+      end do
+   end subroutine pressure_of_state
+
+   !> The energy is carried by the particles.
+   pure real(wp) function mie_gruneisen_stored(self, mass, volume, limit) result(energy)
+      class(eos_mie_gruneisen_t), intent(in) :: self     !! The equation of state
+      real(wp), intent(in) :: mass                   !! [kg]
+      real(wp), intent(in) :: volume                 !! [m3]
+      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
+
+      energy = 0.0_wp
+   end function mie_gruneisen_stored
+end module eos_mie_gruneisen

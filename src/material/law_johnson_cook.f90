@@ -1,0 +1,151 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Flow stress of Johnson and Cook (1983): (A + B ep**n) (1 + C ln(rate/rate0)) (1 - T***m).
+!!
+!! The logarithm is not less than 0, so that slow flow is not weaker than the static yield stress.
+module law_johnson_cook
+   use base_kinds, only: wp
+   use material_heat, only: homologous_temperature, melting_range_t
+   use material_law, only: equivalent_stress, law_t
+   use material_matter, only: deformation_t, matter_t
+   use material_wishes, only: wishes_t
+   implicit none
+   private
+
+   public :: law_johnson_cook_t
+
+   !> Law of Johnson and Cook. Without rate dependence the rate coefficient is 0.
+   type, extends(law_t) :: law_johnson_cook_t
+      real(wp) :: yield = 0.0_wp                     !! A, static yield stress [Pa]
+      real(wp) :: hardening = 0.0_wp                 !! B [Pa]
+      real(wp) :: exponent = 1.0_wp                  !! n [1]
+      real(wp) :: rate_coefficient = 0.0_wp          !! C [1]
+      real(wp) :: reference_rate = 1.0_wp            !! Rate of the static yield stress [1/s]
+      real(wp) :: softening_exponent = 1.0_wp        !! m [1]
+      type(melting_range_t), allocatable :: range    !! Only if temperature softens
+   contains
+      procedure :: request => johnson_cook_request   !! Asks for plastic strain and temperature
+      procedure :: update => johnson_cook_update     !! Radial return
+      procedure :: flow_stress => johnson_cook_flow_stress !! Yield stress of a state
+   end type law_johnson_cook_t
+
+contains
+
+   !> Hardening needs the plastic strain, softening the temperature.
+   pure subroutine johnson_cook_request(self, wishes)
+      class(law_johnson_cook_t), intent(in) :: self  !! The law
+      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+
+      call wishes%ask("plastic_strain", "hardening of johnson_cook", 1)
+      if (allocated(self%range)) call wishes%ask("temperature", "softening of johnson_cook", 1)
+   end subroutine johnson_cook_request
+
+   !> Yield stress [Pa] of a state.
+   pure real(wp) function johnson_cook_flow_stress(self, strain, rate, homologous) result(stress)
+      class(law_johnson_cook_t), intent(in) :: self  !! The law
+      real(wp), intent(in) :: strain                 !! Equivalent plastic strain [1]
+      real(wp), intent(in) :: rate                   !! Its rate [1/s]
+      real(wp), intent(in) :: homologous             !! Homologous temperature, 0 to 1 [1]
+
+      stress = self%yield + self%hardening*strain**self%exponent
+      if (rate > self%reference_rate) &
+         stress = stress*(1.0_wp + self%rate_coefficient*log(rate/self%reference_rate))
+      if (homologous > 0.0_wp) stress = stress*(1.0_wp - homologous**self%softening_exponent)
+   end function johnson_cook_flow_stress
+
+   !> Return to the yield surface. Few particles flow at a time, and these need powers and
+   !! logarithms, so they are treated one by one after a pass over all.
+   pure subroutine johnson_cook_update(self, matter, deformation, first, last, dt)
+      class(law_johnson_cook_t), intent(in) :: self        !! The law
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      real(wp) :: limit, increment
+      integer :: i, k
+
+      if (allocated(self%range)) then
+         call homologous_temperature(first, last, self%range, matter%temperature, &
+            deformation%homologous)
+      else
+         deformation%homologous(1:last - first + 1) = 0.0_wp
+      end if
+      call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
+      do i = 1, last - first + 1
+         associate (trial => deformation%plastic_increment(i))
+            k = first - 1 + i
+            call flow(self, trial, matter%plastic_strain(k), dt, deformation%homologous(i), limit, &
+               increment)
+            if (limit < trial) matter%stress(k, :) = limit/trial*matter%stress(k, :)
+            matter%plastic_strain(k) = matter%plastic_strain(k) + increment
+            deformation%plastic_work(i) = limit*increment*matter%volume(k)
+            trial = increment
+         end associate
+      end do
+   end subroutine johnson_cook_update
+
+   !> Plastic increment x of one particle from trial - 3 G x = Y(ep + x, x/dt, T).
+   !!
+   !! The left side falls and the right side grows, so the root lies between 0 and the increment of
+   !! a stress at rest, and Newton steps that leave the bracket are replaced by bisection. A melted
+   !! particle flows without resistance and its plastic strain is left alone.
+   pure subroutine flow(law, trial, strain, dt, homologous, limit, increment)
+      class(law_johnson_cook_t), intent(in) :: law   !! The law
+      real(wp), intent(in) :: trial                  !! Equivalent trial stress [Pa]
+      real(wp), intent(in) :: strain                 !! Equivalent plastic strain before [1]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: homologous             !! Homologous temperature, 0 to 1 [1]
+      real(wp), intent(out) :: limit                 !! Equivalent stress after the step [Pa]
+      real(wp), intent(out) :: increment             !! Increment of plastic strain [1]
+      real(wp), parameter :: tolerance = 1.0e-12_wp
+      integer, parameter :: most_iterations = 200
+      real(wp) :: lower, upper, residual, slope
+      integer :: iteration
+
+      limit = trial
+      increment = 0.0_wp
+      ! Never above the yield stress, and cheaper than its powers.
+      if (law%softening_exponent >= 1.0_wp .and. trial <= law%yield*(1.0_wp - homologous)) return
+      limit = law%flow_stress(strain, 0.0_wp, homologous)
+      if (trial <= limit) then
+         limit = trial
+         return
+      end if
+      if (limit <= 0.0_wp) return
+      lower = 0.0_wp
+      upper = (trial - limit)/(3.0_wp*law%shear)
+      increment = upper
+      do iteration = 1, most_iterations
+         limit = law%flow_stress(strain + increment, increment/dt, homologous)
+         residual = trial - 3.0_wp*law%shear*increment - limit
+         if (abs(residual) <= tolerance*limit + 4.0_wp*epsilon(1.0_wp)*trial) exit
+         if (residual > 0.0_wp) then
+            lower = increment
+         else
+            upper = increment
+         end if
+         slope = 3.0_wp*law%shear + hardening_slope(law, strain, increment, limit, dt, homologous)
+         increment = increment + residual/slope
+         if (.not. (increment > lower .and. increment < upper)) increment = 0.5_wp*(lower + upper)
+      end do
+   end subroutine flow
+
+   !> Derivative of the yield stress to the plastic increment [Pa].
+   pure real(wp) function hardening_slope(law, strain, increment, limit, dt, homologous) &
+      result(slope)
+      class(law_johnson_cook_t), intent(in) :: law   !! The law
+      real(wp), intent(in) :: strain                 !! Equivalent plastic strain before [1]
+      real(wp), intent(in) :: increment              !! Increment of plastic strain, above 0 [1]
+      real(wp), intent(in) :: limit                  !! Yield stress at the increment [Pa]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: homologous             !! Homologous temperature, 0 to 1 [1]
+      real(wp) :: static, total, rate
+
+      total = strain + increment
+      rate = increment/dt
+      static = law%yield + law%hardening*total**law%exponent
+      slope = limit/static*law%hardening*law%exponent*total**(law%exponent - 1.0_wp)
+      if (rate > law%reference_rate) slope = slope + limit*law%rate_coefficient/(increment &
+         *(1.0_wp + law%rate_coefficient*log(rate/law%reference_rate)))
+   end function hardening_slope
+end module law_johnson_cook

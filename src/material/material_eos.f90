@@ -1,0 +1,53 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What an equation of state is: pressure and sound speed from density and energy.
+module material_eos
+   use base_kinds, only: wp
+   use material_matter, only: deformation_t, matter_t
+   use material_wishes, only: wishes_t
+   implicit none
+   private
+
+   public :: eos_t
+
+   !> An equation of state. The material holds none if the mean stress follows a rate form.
+   type, abstract :: eos_t
+      real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
+      real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
+      real(wp) :: gamma_density = 0.0_wp             !! Grueneisen number times density [kg/m3]
+   contains
+      procedure(request_i), deferred :: request      !! Asks for the fields it needs
+      procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
+      procedure(stored_i), deferred :: stored        !! Energy stored in the change of volume
+   end type eos_t
+
+   abstract interface
+      pure subroutine request_i(self, wishes)
+         import :: eos_t, wishes_t
+         implicit none
+         class(eos_t), intent(in) :: self
+         class(wishes_t), intent(inout) :: wishes              !! Fields to be carried
+      end subroutine request_i
+
+      !> The square of the bulk sound speed [m2/s2] is left in the wave speed.
+      pure subroutine update_i(self, matter, deformation, first, last)
+         import :: deformation_t, eos_t, matter_t
+         implicit none
+         class(eos_t), intent(in) :: self
+         type(matter_t), intent(in) :: matter                  !! State of the store
+         type(deformation_t), intent(inout) :: deformation     !! Step of the range
+         integer, intent(in) :: first                          !! First particle of the range
+         integer, intent(in) :: last                           !! Last particle of the range
+      end subroutine update_i
+
+      !> Energy [J] of one particle that carries none: work of the pressure from the reference state,
+      !! where the material bears no pressure below a limit [Pa].
+      pure real(wp) function stored_i(self, mass, volume, limit)
+         import :: eos_t, wp
+         implicit none
+         class(eos_t), intent(in) :: self
+         real(wp), intent(in) :: mass                          !! [kg]
+         real(wp), intent(in) :: volume                        !! [m3]
+         real(wp), intent(in) :: limit                         !! Least pressure [Pa]
+      end function stored_i
+   end interface
+end module material_eos

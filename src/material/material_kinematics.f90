@@ -1,0 +1,128 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Kernels that turn a velocity gradient into volume, rotation and trial stress.
+module material_kinematics
+   use base_kinds, only: wp
+   implicit none
+   private
+
+   public :: dilate, predict_deviator
+
+contains
+
+   !> Exponential function for the growth of a volume or a temperature in a step, by the Pade
+   !! approximant of order (2, 2): relative error x**5/720, positive for every x, vectorises.
+   elemental real(wp) function growth(x)
+      real(wp), intent(in) :: x                      !! Exponent [1]
+
+      growth = (1.0_wp + x*(0.5_wp + x/12.0_wp))/(1.0_wp - x*(0.5_wp - x/12.0_wp))
+   end function growth
+
+   !> Volume after the step, for matter without a deviator of stress.
+   pure subroutine dilate(first, last, gradient, volume, old_volume, dilatation)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
+      real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]
+      real(wp), contiguous, intent(inout) :: old_volume(:) !! Volume before (range) [m3]
+      real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         dilatation(i) = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
+         old_volume(i) = volume(k)
+         volume(k) = volume(k)*growth(dilatation(i))
+      end do
+   end subroutine dilate
+
+   !> Volume and elastic trial deviator of stress after the step, with the Jaumann rate.
+   !!
+   !! The rotation is that of T. J. R. Hughes, J. Winget, "Finite rotation effects in numerical
+   !! integration of rate constitutive equations arising in large-deformation analysis", Int. J.
+   !! Numer. Meth. Eng. 15 (1980) 1862, in closed form and orthogonal to round-off. Half of the
+   !! strain is added before the rotation and half after it, which makes the step of second order.
+   !! On return the stress is a deviator and the pressure is the old mean pressure with its viscous
+   !! part.
+   pure subroutine predict_deviator(first, last, shear, gradient, volume, stress, old_volume, &
+      dilatation, pressure)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
+      real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]
+      real(wp), contiguous, intent(inout) :: stress(:, :) !! Stress in, deviator out (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: old_volume(:) !! Volume before (range) [m3]
+      real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
+      real(wp), contiguous, intent(inout) :: pressure(:)   !! Old mean pressure (range) [Pa]
+      real(wp) :: trace, mean, sxx, syy, szz, sxy, syz, sxz, dxx, dyy, dzz, dxy, dyz, dxz
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         trace = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
+         dilatation(i) = trace
+         old_volume(i) = volume(k)
+         volume(k) = volume(k)*growth(trace)
+         dxx = shear*(gradient(i, 1) - trace/3.0_wp)
+         dyy = shear*(gradient(i, 5) - trace/3.0_wp)
+         dzz = shear*(gradient(i, 9) - trace/3.0_wp)
+         dxy = 0.5_wp*shear*(gradient(i, 4) + gradient(i, 2))
+         dyz = 0.5_wp*shear*(gradient(i, 8) + gradient(i, 6))
+         dxz = 0.5_wp*shear*(gradient(i, 7) + gradient(i, 3))
+         mean = (stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
+         pressure(i) = -mean
+         sxx = stress(k, 1) - mean + dxx
+         syy = stress(k, 2) - mean + dyy
+         szz = stress(k, 3) - mean + dzz
+         sxy = stress(k, 4) + dxy
+         syz = stress(k, 5) + dyz
+         sxz = stress(k, 6) + dxz
+         call rotate(0.5_wp*(gradient(i, 6) - gradient(i, 8)), &
+            0.5_wp*(gradient(i, 7) - gradient(i, 3)), 0.5_wp*(gradient(i, 2) - gradient(i, 4)), &
+            sxx, syy, szz, sxy, syz, sxz)
+         stress(k, 1) = sxx + dxx
+         stress(k, 2) = syy + dyy
+         stress(k, 3) = szz + dzz
+         stress(k, 4) = sxy + dxy
+         stress(k, 5) = syz + dyz
+         stress(k, 6) = sxz + dxz
+      end do
+   end subroutine predict_deviator
+
+   !> Rotate a symmetric tensor by the rotation Q = I + (W + W W/2)/(1 + w w/4) that belongs to the
+   !! spin increment W with axial vector w.
+   pure subroutine rotate(wx, wy, wz, sxx, syy, szz, sxy, syz, sxz)
+      real(wp), intent(in) :: wx, wy, wz             !! Rotation vector of the step [1]
+      real(wp), intent(inout) :: sxx, syy, szz       !! Diagonal of the tensor
+      real(wp), intent(inout) :: sxy, syz, sxz       !! The other components
+      real(wp) :: a, h, q11, q12, q13, q21, q22, q23, q31, q32, q33
+      real(wp) :: t11, t12, t13, t21, t22, t23, t31, t32, t33
+
+      a = 1.0_wp/(1.0_wp + 0.25_wp*(wx*wx + wy*wy + wz*wz))
+      h = 0.5_wp*a
+      q11 = 1.0_wp - h*(wy*wy + wz*wz)
+      q22 = 1.0_wp - h*(wx*wx + wz*wz)
+      q33 = 1.0_wp - h*(wx*wx + wy*wy)
+      q12 = h*wx*wy - a*wz
+      q21 = h*wx*wy + a*wz
+      q13 = h*wx*wz + a*wy
+      q31 = h*wx*wz - a*wy
+      q23 = h*wy*wz - a*wx
+      q32 = h*wy*wz + a*wx
+      t11 = q11*sxx + q12*sxy + q13*sxz
+      t12 = q11*sxy + q12*syy + q13*syz
+      t13 = q11*sxz + q12*syz + q13*szz
+      t21 = q21*sxx + q22*sxy + q23*sxz
+      t22 = q21*sxy + q22*syy + q23*syz
+      t23 = q21*sxz + q22*syz + q23*szz
+      t31 = q31*sxx + q32*sxy + q33*sxz
+      t32 = q31*sxy + q32*syy + q33*syz
+      t33 = q31*sxz + q32*syz + q33*szz
+      sxx = t11*q11 + t12*q12 + t13*q13
+      syy = t21*q21 + t22*q22 + t23*q23
+      szz = t31*q31 + t32*q32 + t33*q33
+      sxy = t11*q21 + t12*q22 + t13*q23
+      syz = t21*q31 + t22*q32 + t23*q33
+      sxz = t11*q31 + t12*q32 + t13*q33
+   end subroutine rotate
+end module material_kinematics

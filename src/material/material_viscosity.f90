@@ -1,0 +1,70 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Artificial viscosity of shocks, after von Neumann, Richtmyer and Landshoff.
+module material_viscosity
+   use base_kinds, only: wp
+   implicit none
+   private
+
+   public :: resist, viscosity_t, viscous_losses
+
+   !> Artificial viscosity of a material.
+   type :: viscosity_t
+      real(wp) :: linear = 0.06_wp                   !! Coefficient of the wave speed [1]
+      real(wp) :: quadratic = 1.5_wp                 !! Coefficient of the rate [1]
+   end type viscosity_t
+
+contains
+
+   !> Work of the viscous pressure that was part of the force of the step, so that it balances the
+   !! work that the force did. It can be negative for the one step in which compression ends.
+   pure subroutine viscous_losses(first, last, viscous_pressure, old_volume, dilatation, &
+      viscous_work)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: viscous_pressure(:) !! Of the force (store) [Pa]
+      real(wp), contiguous, intent(in) :: old_volume(:)       !! Before the step (range) [m3]
+      real(wp), contiguous, intent(in) :: dilatation(:)       !! Trace of strain (range) [1]
+      real(wp), contiguous, intent(inout) :: viscous_work(:)  !! (range) [J]
+      integer :: i
+
+      do concurrent (i=1:last - first + 1)
+         viscous_work(i) = -viscous_pressure(first - 1 + i)*dilatation(i)*old_volume(i)
+      end do
+   end subroutine viscous_losses
+
+   !> Viscous pressure q = rho h D (q2 h D + q1 c) where the rate of compression D is positive.
+   !!
+   !! The wave speed on return limits the time step to spacing/wave_speed. For the highest mode of
+   !! a row of cells, frequency w = 2 c/h, the viscosity is a damping ratio Q/c with
+   !! Q = q1 c + 2 q2 h D, the derivative of q to D. Explicit steps with a force that lags by
+   !! half a step are stable up to 2/w (sqrt(1 + (Q/c)**2) - Q/c) = h/(Q + sqrt(Q**2 + c**2)).
+   pure subroutine resist(first, last, viscosity, dt, spacing, mass, volume, dilatation, &
+      viscous_pressure, pressure, wave_speed)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      type(viscosity_t), intent(in) :: viscosity     !! Coefficients
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: spacing                !! Cell size h [m]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
+      real(wp), contiguous, intent(in) :: dilatation(:)          !! Trace of strain (range) [1]
+      real(wp), contiguous, intent(inout) :: viscous_pressure(:) !! After the step (store) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure(:)         !! Plus q on return (range) [Pa]
+      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square in, speed out (range) [m/s]
+      real(wp) :: rate, sound, damping
+      integer :: i, k
+
+      rate = spacing/dt
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         sound = sqrt(wave_speed(i))
+         damping = max(-dilatation(i), 0.0_wp)*rate
+         viscous_pressure(k) = mass(k)/volume(k)*damping &
+            *(viscosity%quadratic*damping + viscosity%linear*sound)
+         pressure(i) = pressure(i) + viscous_pressure(k)
+         damping = merge(viscosity%linear*sound + 2.0_wp*viscosity%quadratic*damping, 0.0_wp, &
+            damping > 0.0_wp)
+         wave_speed(i) = damping + sqrt(damping**2 + wave_speed(i))
+      end do
+   end subroutine resist
+end module material_viscosity

@@ -1,0 +1,141 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What holds on the six faces of the box.
+module mesh_boundary
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   implicit none
+   private
+
+   public :: boundary_t, face_names, face_types
+
+   integer, parameter, public :: face_outflow = 1    !! Particles leave and are booked
+   integer, parameter, public :: face_symmetry = 2   !! Mirror plane
+   integer, parameter, public :: face_slip = 3       !! Rigid wall without friction
+   integer, parameter, public :: face_stick = 4      !! Rigid wall that holds on
+   integer, parameter, public :: face_periodic = 5   !! Joined to the face across
+   integer, parameter, public :: face_velocity = 6   !! Nodes move with a given velocity
+
+   !> Names of the faces, two a direction, the lower first.
+   character(len=3), parameter :: face_names(6) = ["xlo", "xhi", "ylo", "yhi", "zlo", "zhi"]
+   !> Names of the types in the order of their numbers.
+   character(len=8), parameter :: face_types(6) = [character(len=8) :: "outflow", "symmetry", &
+      "slip", "stick", "periodic", "velocity"]
+
+   !> The conditions on the faces.
+   type :: boundary_t
+      integer :: kind(6) = face_outflow              !! (face) One of the types above
+      real(wp) :: velocity(3, 6) = 0.0_wp            !! (component, face) Of a moving face [m/s]
+   contains
+      procedure :: constrain => boundary_constrain   !! Impose velocities on nodes
+      procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
+      procedure :: touches => boundary_touches       !! Does a tile have nodes on a ruled face?
+   end type boundary_t
+
+contains
+
+   !> True if some node of the tile lies on a face that rules velocities.
+   pure logical function boundary_touches(self, grid, coordinate) result(touches)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer :: face, node, length(3)
+      logical :: here
+
+      touches = .false.
+      do face = 1, 6
+         if (self%kind(face) == face_outflow .or. self%kind(face) == face_periodic) cycle
+         call face_box(grid, coordinate, face, here, node, length)
+         touches = touches .or. here
+      end do
+   end function boundary_touches
+
+   !> Set the velocity of the nodes on ruled faces and take away their acceleration.
+   pure subroutine boundary_constrain(self, grid, coordinate, velocity, acceleration)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (node, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (node, 3) [m/s2]
+      integer :: face, first, length(3), x, y, z, node, normal
+      logical :: here
+
+      do face = 1, 6
+         if (self%kind(face) == face_outflow .or. self%kind(face) == face_periodic) cycle
+         call face_box(grid, coordinate, face, here, first, length)
+         if (.not. here) cycle
+         normal = (face + 1)/2
+         do z = 0, length(3)
+            do y = 0, length(2)
+               do x = 0, length(1)
+                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  select case (self%kind(face))
+                  case (face_symmetry, face_slip)
+                     velocity(node, normal) = 0.0_wp
+                     acceleration(node, normal) = 0.0_wp
+                  case (face_velocity)
+                     velocity(node, :) = self%velocity(:, face)
+                     acceleration(node, :) = 0.0_wp
+                  case default
+                     velocity(node, :) = 0.0_wp
+                     acceleration(node, :) = 0.0_wp
+                  end select
+               end do
+            end do
+         end do
+      end do
+   end subroutine boundary_constrain
+
+   !> On mirror planes the shear components of node tensors vanish, because they are odd.
+   pure subroutine boundary_mirror(self, grid, coordinate, tensor)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      !> (node, 9) Component (k, l) in column k + 3 (l - 1)
+      real(wp), contiguous, intent(inout) :: tensor(:, :)
+      integer :: face, first, length(3), x, y, z, node, normal, other
+      logical :: here
+
+      do face = 1, 6
+         if (self%kind(face) /= face_symmetry) cycle
+         call face_box(grid, coordinate, face, here, first, length)
+         if (.not. here) cycle
+         normal = (face + 1)/2
+         do z = 0, length(3)
+            do y = 0, length(2)
+               do x = 0, length(1)
+                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  do other = 1, 3
+                     if (other == normal) cycle
+                     tensor(node, normal + 3*(other - 1)) = 0.0_wp
+                     tensor(node, other + 3*(normal - 1)) = 0.0_wp
+                  end do
+               end do
+            end do
+         end do
+      end do
+   end subroutine boundary_mirror
+
+   !> The box of nodes of a tile that lies on a face.
+   pure subroutine face_box(grid, coordinate, face, here, first, length)
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: face                    !! 1 to 6
+      logical, intent(out) :: here                   !! Does the tile touch the face?
+      integer, intent(out) :: first                  !! First node of the box
+      integer, intent(out) :: length(3)              !! Nodes of the box along each direction, less 1
+      integer :: normal
+
+      normal = (face + 1)/2
+      first = 1
+      length = merge(grid%tile_extent(coordinate), 0, grid%active)
+      here = grid%active(normal)
+      if (.not. here) return
+      if (mod(face, 2) == 1) then
+         here = coordinate(normal) == 0
+      else
+         here = coordinate(normal) == grid%tiles(normal) - 1
+         first = 1 + length(normal)*grid%stride(normal)
+      end if
+      length(normal) = 0
+   end subroutine face_box
+end module mesh_boundary

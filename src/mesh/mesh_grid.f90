@@ -1,0 +1,243 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The uniform Cartesian grid: cells, tiles of cells, and the constants of a cell's nodes.
+!!
+!! One code serves one, two and three dimensions: a cell always has eight lanes, one a node, lane
+!! a - 1 holding one bit a direction. A direction that the scene lacks has one layer of cells and
+!! nodes; its upper lanes carry weight zero and fall on the lower ones.
+module mesh_grid
+   use base_constants, only: pi
+   use base_kinds, only: int64, wp
+   implicit none
+   private
+
+   public :: grid_t
+
+   integer, parameter, public :: lanes = 8                     !! Nodes of a cell
+   integer, parameter :: default_width(3) = [64, 8, 4]         !! Cells along a tile, by dimensions
+
+   !> The grid. In two dimensions the active directions are x and z, in axisymmetry radius and axis.
+   type :: grid_t
+      integer :: dimensions = 3                      !! Active directions
+      logical :: axisymmetric = .false.              !! x is the radius, z the axis
+      logical :: active(3) = .true.                  !! Directions that the scene has
+      logical :: periodic(3) = .false.               !! Directions that close on themselves
+      real(wp) :: lower(3) = 0.0_wp                  !! Lower corner [m]
+      real(wp) :: upper(3) = 0.0_wp                  !! Upper corner [m]
+      real(wp) :: spacing = 0.0_wp                   !! Edge of a cell [m]
+      real(wp) :: depth = 1.0_wp                     !! Extent of the missing directions [m, m2, rad]
+      integer :: cells(3) = 1                        !! Cells along each direction
+      integer :: width(3) = 1                        !! Cells along a tile
+      integer :: tiles(3) = 1                        !! Tiles along each direction
+      integer :: tile_cells = 1                      !! Cells of a tile
+      integer :: tile_nodes = 1                      !! Nodes of a tile, those on its faces included
+      integer :: stride(3) = 0                       !! Step in the node index of a tile
+      integer :: lane_offset(lanes) = 0              !! Node index of a lane above the cell's first
+      !> Weight of lane a at local coordinate xi of direction k: constant(a, k) + slope(a, k) xi.
+      real(wp) :: lane_constant(lanes, 3) = 0.0_wp
+      real(wp) :: lane_slope(lanes, 3) = 0.0_wp
+   contains
+      procedure :: start => grid_start               !! Derive everything from corners and spacing
+      procedure :: tile_extent => grid_tile_extent   !! Cells of one tile along each direction
+      procedure :: tile_corner => grid_tile_corner   !! Lower corner of a tile
+      procedure :: first_node => grid_first_node     !! Node index of the first node of a cell
+      procedure :: cell_position => grid_cell_position !! Place of a cell in its tile
+      procedure :: line_weight => grid_line_weight   !! Integrals of the two functions of a line
+      procedure :: mass_weight => grid_mass_weight   !! Integrals of their products
+      procedure :: node_volume => grid_node_volume   !! Volume around each node of a tile
+      procedure :: cell_count => grid_cell_count     !! Cells of the whole box
+   end type grid_t
+
+contains
+
+   !> Derive counts, tiles and lane constants from dimensions, corners, spacing and periodicity.
+   pure subroutine grid_start(self, block)
+      class(grid_t), intent(inout) :: self           !! Corners, spacing, dimensions are set
+      integer, intent(in) :: block                   !! Cells along a tile, 0 = by dimensions
+      integer :: direction, lane, bit
+
+      self%active = [.true., self%dimensions == 3, self%dimensions >= 2]
+      self%cells = 1
+      where (self%active) self%cells = nint((self%upper - self%lower)/self%spacing)
+      self%width = 1
+      do direction = 1, 3
+         if (.not. self%active(direction)) cycle
+         self%width(direction) = tile_width(self%cells(direction), self%periodic(direction), &
+            merge(block, default_width(self%dimensions), block > 0))
+      end do
+      self%tiles = (self%cells + self%width - 1)/self%width
+      self%tile_cells = product(self%width)
+      self%stride = 0
+      self%tile_nodes = 1
+      do direction = 1, 3
+         if (.not. self%active(direction)) cycle
+         self%stride(direction) = self%tile_nodes
+         self%tile_nodes = self%tile_nodes*(self%width(direction) + 1)
+      end do
+      self%depth = 1.0_wp
+      if (self%axisymmetric) then
+         self%depth = 2.0_wp*pi
+      else
+         do direction = 1, 3
+            if (.not. self%active(direction)) &
+               self%depth = self%depth*(self%upper(direction) - self%lower(direction))
+         end do
+      end if
+      self%lane_offset = 0
+      self%lane_slope = 0.0_wp
+      do direction = 1, 3
+         do lane = 1, lanes
+            bit = ibits(lane - 1, direction - 1, 1)
+            self%lane_constant(lane, direction) = 1 - bit
+            if (.not. self%active(direction)) cycle
+            self%lane_slope(lane, direction) = 2*bit - 1
+            self%lane_offset(lane) = self%lane_offset(lane) + bit*self%stride(direction)
+         end do
+      end do
+   end subroutine grid_start
+
+   !> Cells along a tile. The halo needs four layers of cells before the next tile but one, so in a
+   !! periodic direction the last tile must not be thinner than that.
+   pure integer function tile_width(cells, periodic, wish) result(width)
+      integer, intent(in) :: cells                   !! Cells along the direction
+      logical, intent(in) :: periodic                !! Does it close on itself?
+      integer, intent(in) :: wish                    !! Preferred width
+      integer, parameter :: least = 4
+      integer :: trial, rest
+
+      width = max(min(wish, cells), min(least, cells))
+      if (.not. periodic) return
+      do trial = 0, cells
+         if (cells <= least) exit
+         width = max(wish, least) + merge(trial/2, -(trial/2), mod(trial, 2) == 0)
+         if (width < least .or. width > cells) cycle
+         rest = mod(cells, width)
+         if (rest == 0 .or. rest >= least) return
+      end do
+      width = cells
+   end function tile_width
+
+   !> Cells of one tile along each direction; the last tile may be thinner than the others.
+   pure function grid_tile_extent(self, coordinate) result(extent)
+      class(grid_t), intent(in) :: self              !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer :: extent(3)
+
+      extent = min(self%width, self%cells - coordinate*self%width)
+   end function grid_tile_extent
+
+   !> Lower corner of a tile [m].
+   pure function grid_tile_corner(self, coordinate) result(corner)
+      class(grid_t), intent(in) :: self              !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp) :: corner(3)
+
+      corner = self%lower + real(coordinate*self%width, wp)*self%spacing
+   end function grid_tile_corner
+
+   !> Place of a cell in its tile along each direction, from 0.
+   pure function grid_cell_position(self, cell) result(position)
+      class(grid_t), intent(in) :: self              !! The grid
+      integer, intent(in) :: cell                    !! Cell of a tile, counted from 0
+      integer :: position(3)
+
+      position(1) = mod(cell, self%width(1))
+      position(2) = mod(cell/self%width(1), self%width(2))
+      position(3) = cell/(self%width(1)*self%width(2))
+   end function grid_cell_position
+
+   !> Index (from 1) in the tile of the first node of a cell (from 0).
+   pure integer function grid_first_node(self, cell) result(node)
+      class(grid_t), intent(in) :: self              !! The grid
+      integer, intent(in) :: cell                    !! Cell of a tile, counted from 0
+
+      node = 1 + dot_product(self%cell_position(cell), self%stride)
+   end function grid_first_node
+
+   !> Integrals over one cell of the lower and upper function of a direction [m], with the radius
+   !! as weight along x in axisymmetry [m2]. A missing direction has one function, 1.
+   pure function grid_line_weight(self, direction, cell) result(weight)
+      class(grid_t), intent(in) :: self              !! The grid
+      integer, intent(in) :: direction               !! 1 to 3
+      integer, intent(in) :: cell                    !! Cell of the box along it, from 0
+      real(wp) :: weight(0:1)
+      real(wp) :: radius
+
+      if (.not. self%active(direction)) then
+         weight = [1.0_wp, 0.0_wp]
+      else if (self%axisymmetric .and. direction == 1) then
+         radius = self%lower(1) + real(cell, wp)*self%spacing
+         weight = self%spacing*(0.5_wp*radius + self%spacing*[1.0_wp/6.0_wp, 1.0_wp/3.0_wp])
+      else
+         weight = 0.5_wp*self%spacing
+      end if
+   end function grid_line_weight
+
+   !> Integrals over one cell of the products of the functions of a direction, weights as above.
+   pure function grid_mass_weight(self, direction, cell) result(weight)
+      class(grid_t), intent(in) :: self              !! The grid
+      integer, intent(in) :: direction               !! 1 to 3
+      integer, intent(in) :: cell                    !! Cell of the box along it, from 0
+      real(wp) :: weight(0:1, 0:1)
+      real(wp) :: radius
+
+      weight = 0.0_wp
+      if (.not. self%active(direction)) then
+         weight(0, 0) = 1.0_wp
+      else if (self%axisymmetric .and. direction == 1) then
+         radius = self%lower(1) + real(cell, wp)*self%spacing
+         weight(0, 0) = self%spacing*(radius/3.0_wp + self%spacing/12.0_wp)
+         weight(1, 1) = self%spacing*(radius/3.0_wp + self%spacing/4.0_wp)
+         weight(0, 1) = self%spacing*(radius/6.0_wp + self%spacing/12.0_wp)
+         weight(1, 0) = weight(0, 1)
+      else
+         weight(0, 0) = self%spacing/3.0_wp
+         weight(1, 1) = weight(0, 0)
+         weight(0, 1) = self%spacing/6.0_wp
+         weight(1, 0) = weight(0, 1)
+      end if
+   end function grid_mass_weight
+
+   !> Volume that belongs to each node of a tile: the integral of its function over the box [m3].
+   pure subroutine grid_node_volume(self, coordinate, volume)
+      class(grid_t), intent(in) :: self              !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), intent(out) :: volume(:)             !! (node of the tile) [m3]
+      real(wp) :: line(0:maxval(self%width), 3), weight(0:1)
+      integer :: direction, place, cell, extent(3), node, x, y, z
+
+      extent = self%tile_extent(coordinate)
+      line = 0.0_wp
+      do direction = 1, 3
+         if (.not. self%active(direction)) then
+            line(0, direction) = 1.0_wp
+            cycle
+         end if
+         do place = 0, extent(direction)
+            do cell = place - 1, place
+               associate (global => coordinate(direction)*self%width(direction) + cell)
+                  if (.not. self%periodic(direction) .and. &
+                     (global < 0 .or. global >= self%cells(direction))) cycle
+                  weight = self%line_weight(direction, global)
+                  line(place, direction) = line(place, direction) + weight(place - cell)
+               end associate
+            end do
+         end do
+      end do
+      volume = 0.0_wp
+      do z = 0, merge(extent(3), 0, self%active(3))
+         do y = 0, merge(extent(2), 0, self%active(2))
+            do x = 0, merge(extent(1), 0, self%active(1))
+               node = 1 + x*self%stride(1) + y*self%stride(2) + z*self%stride(3)
+               volume(node) = self%depth*line(x, 1)*line(y, 2)*line(z, 3)
+            end do
+         end do
+      end do
+   end subroutine grid_node_volume
+
+   !> Cells of the whole box.
+   pure integer(int64) function grid_cell_count(self) result(cells)
+      class(grid_t), intent(in) :: self              !! The grid
+
+      cells = product(int(self%cells, int64))
+   end function grid_cell_count
+end module mesh_grid

@@ -1,0 +1,401 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Moves particles that left their tiles to the tiles, and ranks, where they belong.
+module particle_migrate
+   use base_communicator, only: communicator_t
+   use base_kinds, only: int64, wp
+   use base_sort, only: sort_order
+   use mesh_boundary, only: boundary_t
+   use mesh_curve, only: curve_key
+   use mesh_grid, only: grid_t
+   use mesh_tiles, only: tiles_t
+   use particle_place, only: find_place, moved_away
+   use particle_settle, only: row_packer_t, settle_tile, settler_t
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: migrate
+
+   integer, parameter :: heading = 3                 !! Words before a row: store, key, cell
+
+   !> Particles on their way to the tiles of this rank, all of one store.
+   type :: newcomers_t
+      integer(int64), allocatable :: key(:)           !! (row) Tile on the curve
+      integer, allocatable :: cell(:)                 !! (row) Cell in the tile, from 0
+      integer(int64), allocatable :: rows(:, :)       !! (word, row) Fields
+      integer, allocatable :: row(:)                  !! Rows grouped by tile
+      integer, allocatable :: before(:)               !! (tile + 1) Rows of the tiles before
+   end type newcomers_t
+
+contains
+
+   !> Bring every particle that left its tile to its new one, make tiles where there were none,
+   !! drop empty ones, and put the particles of each tile in order. Particles that left the box
+   !! are forgotten: whoever wants to book them does so before.
+   subroutine migrate(communicator, grid, boundary, tiles, stores)
+      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(tiles_t), intent(inout) :: tiles          !! The tiles of this rank
+      type(store_t), intent(inout) :: stores(:)      !! The particles
+      type(newcomers_t), allocatable :: newcomers(:)
+      integer(int64), allocatable :: messages(:, :), arrived(:)
+      integer :: index
+
+      allocate (newcomers(size(stores)))
+      call collect(communicator, grid, boundary, tiles, stores, newcomers, messages)
+      if (communicator%size > 1) then
+         call send(communicator, tiles, messages, arrived)
+         call receive(stores, arrived, size(messages, 1), newcomers)
+      end if
+      call renew_tiles(grid, tiles, stores, newcomers)
+      do index = 1, size(stores)
+         call group_by_tile(tiles, newcomers(index))
+         call settle_store(stores(index), newcomers(index))
+      end do
+   end subroutine migrate
+
+   !> Take the particles that left their tiles: those that stay on the rank become newcomers, the
+   !! others messages.
+   subroutine collect(communicator, grid, boundary, tiles, stores, newcomers, messages)
+      type(communicator_t), intent(in) :: communicator !! The ranks
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(store_t), intent(inout) :: stores(:)      !! The particles
+      type(newcomers_t), intent(inout) :: newcomers(:) !! (store) Particles that stay on the rank
+      integer(int64), allocatable, intent(out) :: messages(:, :) !! (word, row) The others
+      integer(int64), allocatable :: more(:, :)
+      logical, allocatable :: here(:)
+      type(row_packer_t) :: packer
+      integer :: index, words, row, remote, filled
+      real(wp) :: position(3)
+
+      words = heading
+      do index = 1, size(stores)
+         words = max(words, heading + stores(index)%words())
+      end do
+      allocate (messages(words, 0))
+      do index = 1, size(stores)
+         call list_leavers(stores(index), packer%particle)
+         associate (n => size(packer%particle), come => newcomers(index))
+            if (allocated(packer%rows)) deallocate (packer%rows)
+            allocate (packer%rows(stores(index)%words(), n))
+            packer%word = 0
+            if (n > 0) call stores(index)%walk(packer)
+            allocate (come%key(n), come%cell(n), here(n))
+            do row = 1, n
+               position = [stores(index)%position(packer%particle(row), 1), &
+                  stores(index)%position(packer%particle(row), 2), &
+                  stores(index)%position(packer%particle(row), 3)]
+               call destination(grid, boundary, position, come%key(row), come%cell(row))
+               here(row) = tiles%owner(come%key(row)) == communicator%rank
+            end do
+            remote = count(.not. here)
+            filled = size(messages, 2)
+            allocate (more(words, filled + remote))
+            more(:, :filled) = messages
+            do row = 1, n
+               if (here(row)) cycle
+               filled = filled + 1
+               more(:, filled) = 0
+               more(:heading, filled) = [int(index, int64), come%key(row), int(come%cell(row), int64)]
+               more(heading + 1:heading + size(packer%rows, 1), filled) = packer%rows(:, row)
+            end do
+            call move_alloc(more, messages)
+            if (remote > 0) then
+               come%rows = pack_columns(packer%rows, here)
+               come%key = pack(come%key, here)
+               come%cell = pack(come%cell, here)
+            else
+               call move_alloc(packer%rows, come%rows)
+            end if
+            deallocate (here)
+         end associate
+      end do
+   end subroutine collect
+
+   !> Columns of an array that a mask chooses.
+   pure function pack_columns(rows, mask) result(chosen)
+      integer(int64), intent(in) :: rows(:, :)       !! (word, row)
+      logical, intent(in) :: mask(:)                 !! (row)
+      integer(int64), allocatable :: chosen(:, :)
+      integer :: row, filled
+
+      allocate (chosen(size(rows, 1), count(mask)))
+      filled = 0
+      do row = 1, size(mask)
+         if (.not. mask(row)) cycle
+         filled = filled + 1
+         chosen(:, filled) = rows(:, row)
+      end do
+   end function pack_columns
+
+   !> Particles that left their tiles but not the box.
+   pure subroutine list_leavers(store, particle)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, allocatable, intent(out) :: particle(:) !! Indices
+      integer :: tile, p, number
+
+      allocate (particle(sum(store%leaving)))
+      number = 0
+      do tile = 1, size(store%count)
+         if (store%leaving(tile) == 0) cycle
+         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+            if (store%home(p) /= moved_away) cycle
+            number = number + 1
+            particle(number) = p
+         end do
+      end do
+      particle = particle(:number)
+   end subroutine list_leavers
+
+   !> Tile and cell of a position.
+   pure subroutine destination(grid, boundary, position, key, cell)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! The faces
+      real(wp), intent(in) :: position(3)            !! [m]
+      integer(int64), intent(out) :: key             !! Tile on the curve
+      integer, intent(out) :: cell                   !! Cell in the tile, from 0
+      integer :: owner(3), cells(3)
+      logical :: lost
+
+      call find_place(grid, boundary, position, owner, cells, lost)
+      key = curve_key(owner, grid%dimensions)
+      cell = cells(1) + grid%width(1)*(cells(2) + grid%width(2)*cells(3))
+   end subroutine destination
+
+   !> Send rows to the owners of their tiles.
+   subroutine send(communicator, tiles, messages, arrived)
+      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(tiles_t), intent(in) :: tiles             !! Who owns what
+      integer(int64), intent(in) :: messages(:, :)   !! (word, row)
+      integer(int64), allocatable, intent(out) :: arrived(:) !! Rows for this rank, one after another
+      integer, allocatable :: owner(:), ranks(:), length(:)
+      integer(int64), allocatable :: outgoing(:)
+      integer :: row, rank, at
+
+      allocate (owner(size(messages, 2)), outgoing(size(messages)), ranks(0), length(0))
+      do row = 1, size(owner)
+         owner(row) = tiles%owner(messages(2, row))
+      end do
+      at = 0
+      do rank = 0, communicator%size - 1
+         if (.not. any(owner == rank)) cycle
+         ranks = [ranks, rank]
+         length = [length, size(messages, 1)*count(owner == rank)]
+         do row = 1, size(owner)
+            if (owner(row) /= rank) cycle
+            outgoing(at + 1:at + size(messages, 1)) = messages(:, row)
+            at = at + size(messages, 1)
+         end do
+      end do
+      call communicator%exchange(ranks, length, outgoing, arrived)
+   end subroutine send
+
+   !> Add the rows that arrived to the newcomers of their stores.
+   subroutine receive(stores, arrived, words, newcomers)
+      type(store_t), intent(inout) :: stores(:)      !! The particles
+      integer(int64), intent(in) :: arrived(:)       !! Rows, one after another
+      integer, intent(in) :: words                   !! Words of a row
+      type(newcomers_t), intent(inout) :: newcomers(:) !! (store)
+      integer(int64), allocatable :: rows(:, :), key(:)
+      integer, allocatable :: cell(:)
+      integer :: index, number, row, filled, n
+
+      number = size(arrived)/words
+      do index = 1, size(stores)
+         associate (come => newcomers(index))
+            filled = size(come%key)
+            n = filled
+            do row = 1, number
+               if (arrived((row - 1)*words + 1) == index) n = n + 1
+            end do
+            if (n == filled) cycle
+            allocate (rows(stores(index)%words(), n), key(n), cell(n))
+            rows(:, :filled) = come%rows
+            key(:filled) = come%key
+            cell(:filled) = come%cell
+            do row = 1, number
+               associate (at => (row - 1)*words)
+                  if (arrived(at + 1) /= index) cycle
+                  filled = filled + 1
+                  key(filled) = arrived(at + 2)
+                  cell(filled) = int(arrived(at + 3))
+                  rows(:, filled) = arrived(at + heading + 1:at + heading + size(rows, 1))
+               end associate
+            end do
+            call move_alloc(rows, come%rows)
+            call move_alloc(key, come%key)
+            call move_alloc(cell, come%cell)
+         end associate
+      end do
+   end subroutine receive
+
+   !> Make tiles for newcomers in empty space and drop tiles that nobody is left in.
+   subroutine renew_tiles(grid, tiles, stores, newcomers)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(tiles_t), intent(inout) :: tiles          !! The tiles
+      type(store_t), intent(inout) :: stores(:)      !! The particles
+      type(newcomers_t), intent(in) :: newcomers(:)  !! (store)
+      integer(int64), allocatable :: key(:), ghost(:)
+      integer, allocatable :: old(:)
+      logical, allocatable :: kept(:)
+      integer :: index, tile, row, number
+
+      allocate (kept(tiles%own))
+      kept = .false.
+      number = 0
+      do index = 1, size(stores)
+         do tile = 1, tiles%own
+            kept(tile) = kept(tile) .or. stores(index)%count(tile) > stores(index)%leaving(tile)
+         end do
+         number = number + size(newcomers(index)%key)
+      end do
+      allocate (key(number))
+      number = 0
+      do index = 1, size(stores)
+         do row = 1, size(newcomers(index)%key)
+            tile = tiles%table%find(newcomers(index)%key(row))
+            if (tile > 0 .and. tile <= tiles%own) then
+               kept(tile) = .true.
+            else
+               number = number + 1
+               key(number) = newcomers(index)%key(row)
+            end if
+         end do
+      end do
+      if (number == 0 .and. all(kept)) return
+      ghost = tiles%key(tiles%own + 1:tiles%all)
+      call merge_keys(pack(tiles%key(:tiles%own), kept), pack([(tile, tile=1, tiles%own)], kept), &
+         key(:number), old)
+      call tiles%set(grid, renewed(tiles%key, key(:number), old), ghost_without(ghost, key(:number)))
+      do index = 1, size(stores)
+         call stores(index)%remap(old_index(old), grid%tile_cells)
+      end do
+
+   contains
+
+      !> Former tile, or 0 for a new one.
+      pure function old_index(marks) result(former)
+         integer, intent(in) :: marks(:)             !! Former tile > 0 or new key < 0
+         integer :: former(size(marks))
+
+         former = max(marks, 0)
+      end function old_index
+   end subroutine renew_tiles
+
+   !> Merge kept tiles and new keys into one ascending list: former index, or minus the new key's.
+   pure subroutine merge_keys(kept_key, kept_tile, new_key, mark)
+      integer(int64), intent(in) :: kept_key(:)      !! Ascending
+      integer, intent(in) :: kept_tile(:)            !! Their indices
+      integer(int64), intent(in) :: new_key(:)       !! In any order, with repetitions
+      integer, allocatable, intent(out) :: mark(:)   !! (tile) > 0 former tile, < 0 - index in new_key
+      integer :: order(size(new_key)), i, j, n
+      integer(int64) :: before
+
+      order = sort_order(new_key)
+      allocate (mark(size(kept_key) + size(new_key)))
+      i = 1
+      n = 0
+      before = -1
+      do j = 1, size(order)
+         if (new_key(order(j)) == before) cycle
+         before = new_key(order(j))
+         do while (i <= size(kept_key))
+            if (kept_key(i) > new_key(order(j))) exit
+            n = n + 1
+            mark(n) = kept_tile(i)
+            i = i + 1
+         end do
+         n = n + 1
+         mark(n) = -order(j)
+      end do
+      do i = i, size(kept_key)
+         n = n + 1
+         mark(n) = kept_tile(i)
+      end do
+      mark = mark(:n)
+   end subroutine merge_keys
+
+   !> Keys in the merged order.
+   pure function renewed(key, new_key, mark) result(merged)
+      integer(int64), intent(in) :: key(:)           !! Former tiles
+      integer(int64), intent(in) :: new_key(:)       !! New ones
+      integer, intent(in) :: mark(:)                 !! (tile) > 0 former tile, < 0 - index in new_key
+      integer(int64) :: merged(size(mark))
+      integer :: tile
+
+      do tile = 1, size(mark)
+         if (mark(tile) > 0) then
+            merged(tile) = key(mark(tile))
+         else
+            merged(tile) = new_key(-mark(tile))
+         end if
+      end do
+   end function renewed
+
+   !> Ghosts that did not become tiles of this rank.
+   pure function ghost_without(ghost, key) result(rest)
+      integer(int64), intent(in) :: ghost(:)         !! Ghosts
+      integer(int64), intent(in) :: key(:)           !! New own tiles
+      integer(int64), allocatable :: rest(:)
+      integer :: tile
+      logical :: keep(size(ghost))
+
+      do tile = 1, size(ghost)
+         keep(tile) = .not. any(key == ghost(tile))
+      end do
+      rest = pack(ghost, keep)
+   end function ghost_without
+
+   !> Group the rows of newcomers by tile.
+   pure subroutine group_by_tile(tiles, come)
+      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(newcomers_t), intent(inout) :: come       !! Newcomers of one store
+      integer, allocatable :: tile(:), cursor(:)
+      integer :: row
+
+      allocate (tile(size(come%key)), come%row(size(come%key)), come%before(tiles%own + 1))
+      come%before = 0
+      do row = 1, size(come%key)
+         tile(row) = tiles%table%find(come%key(row))
+         come%before(tile(row) + 1) = come%before(tile(row) + 1) + 1
+      end do
+      do row = 1, tiles%own
+         come%before(row + 1) = come%before(row + 1) + come%before(row)
+      end do
+      cursor = come%before
+      do row = 1, size(come%key)
+         cursor(tile(row)) = cursor(tile(row)) + 1
+         come%row(cursor(tile(row))) = row
+      end do
+   end subroutine group_by_tile
+
+   !> Bring the particles of all tiles of a store into order.
+   subroutine settle_store(store, come)
+      type(store_t), intent(inout) :: store          !! The particles
+      type(newcomers_t), target, intent(in) :: come  !! Newcomers
+      type(settler_t) :: settler
+      integer, allocatable :: wish(:), now(:)
+      integer :: tile
+
+      allocate (wish(size(store%count)), now(size(store%count)))
+      do tile = 1, size(wish)
+         wish(tile) = store%count(tile) - store%leaving(tile) + come%before(tile + 1) &
+            - come%before(tile)
+      end do
+      call store%reserve(wish, now)
+      !$omp parallel default(none) shared(store, come, wish, now) private(tile, settler)
+      settler%rows => come%rows
+      !$omp do schedule(dynamic, 4)
+      do tile = 1, size(wish)
+         if (.not. store%restless(tile) .and. come%before(tile + 1) == come%before(tile) .and. &
+            store%first(tile) == now(tile)) cycle
+         call settle_tile(store, settler, tile, now(tile), &
+            come%row(come%before(tile) + 1:come%before(tile + 1)), come%cell)
+      end do
+      !$omp end do
+      !$omp end parallel
+   end subroutine settle_store
+end module particle_migrate

@@ -1,0 +1,131 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Finds the cells of particles that moved, and what the faces of the box do to them.
+module particle_place
+   use base_kinds, only: wp
+   use mesh_boundary, only: boundary_t, face_outflow
+   use mesh_grid, only: grid_t
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: find_place, place_tile
+
+   integer, parameter, public :: moved_away = -1     !! Home of a particle that left its tile
+   integer, parameter, public :: moved_out = -2      !! Home of a particle that left the box
+
+contains
+
+   !> Find the new cells of the particles of a tile; count those that left it.
+   pure subroutine place_tile(grid, boundary, coordinate, store, tile)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! The faces
+      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Index of the tile
+      integer :: p, first, last, extent(3), leaving, changed, cells(3), owner(3), home
+      real(wp) :: position(3), inverse, shift(3), y1, y2, z, limit(3), scale(3)
+      logical :: lost
+
+      first = store%first(tile)
+      last = first + store%count(tile) - 1
+      extent = grid%tile_extent(coordinate)
+      inverse = 1.0_wp/grid%spacing
+      shift = real(coordinate*grid%width, wp)
+      limit = real(extent, wp)
+      ! a missing direction has one cell that holds every place
+      scale = merge(inverse, 0.0_wp, grid%active)
+      where (.not. grid%active) shift = 0.0_wp
+      leaving = 0
+      changed = 0
+      do p = first, last
+         y1 = (store%position(p, 1) - grid%lower(1))*scale(1) - shift(1)
+         y2 = (store%position(p, 2) - grid%lower(2))*scale(2) - shift(2)
+         z = (store%position(p, 3) - grid%lower(3))*scale(3) - shift(3)
+         if (y1 >= 0.0_wp .and. y1 < limit(1) .and. y2 >= 0.0_wp .and. y2 < limit(2) .and. &
+            z >= 0.0_wp .and. z < limit(3)) then
+            home = int(y1) + grid%width(1)*(int(y2) + grid%width(2)*int(z))
+         else
+            home = moved_away
+            leaving = leaving + 1
+         end if
+         if (home /= store%home(p)) changed = changed + 1
+         store%home(p) = home
+      end do
+      store%leaving(tile) = leaving
+      store%restless(tile) = store%restless(tile) .or. changed > 0
+      if (leaving == 0) return
+      do p = first, last
+         if (store%home(p) >= 0) cycle
+         position = [store%position(p, 1), store%position(p, 2), store%position(p, 3)]
+         call find_place(grid, boundary, position, owner, cells, lost)
+         if (lost) then
+            store%home(p) = moved_out
+         else
+            call wrap(grid, boundary, store%position, p)
+            if (all(owner == coordinate)) then
+               store%home(p) = cells(1) + grid%width(1)*(cells(2) + grid%width(2)*cells(3))
+               store%leaving(tile) = store%leaving(tile) - 1
+            end if
+         end if
+      end do
+   end subroutine place_tile
+
+   !> Tile and cell in the tile of a position. Outside of the box a position wraps round, is held at
+   !! a closed face, or is lost through an open one.
+   pure subroutine find_place(grid, boundary, position, owner, cells, lost)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! The faces
+      real(wp), intent(in) :: position(3)            !! [m]
+      integer, intent(out) :: owner(3)               !! Tile, counted from 0
+      integer, intent(out) :: cells(3)               !! Cell in the tile, counted from 0
+      logical, intent(out) :: lost                   !! Did it leave through an open face?
+      real(wp) :: y, inside(1, 3)
+      integer :: direction, face, cell
+
+      lost = .false.
+      owner = 0
+      cells = 0
+      inside(1, :) = position
+      call wrap(grid, boundary, inside, 1)
+      do direction = 1, 3
+         if (.not. grid%active(direction)) cycle
+         y = (inside(1, direction) - grid%lower(direction))*(1.0_wp/grid%spacing)
+         face = 0
+         if (.not. y >= 0.0_wp) face = 2*direction - 1
+         if (y >= real(grid%cells(direction), wp)) face = 2*direction
+         if (face > 0) lost = lost .or. boundary%kind(face) == face_outflow
+         cell = min(max(floor(min(max(y, -1.0_wp), real(grid%cells(direction), wp))), 0), &
+            grid%cells(direction) - 1)
+         owner(direction) = cell/grid%width(direction)
+         cells(direction) = mod(cell, grid%width(direction))
+      end do
+   end subroutine find_place
+
+   !> Bring a position back into the box: round a periodic direction, or just inside a closed face,
+   !! which rounding alone can make a particle cross.
+   pure subroutine wrap(grid, boundary, position, p)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! The faces
+      real(wp), contiguous, intent(inout) :: position(:, :) !! (particle, 3) [m]
+      integer, intent(in) :: p                       !! Which particle
+      real(wp), parameter :: inside = 1.0e-9_wp      ! of a cell, far above rounding
+      real(wp) :: length, lower, upper
+      integer :: direction
+
+      do direction = 1, 3
+         if (.not. grid%active(direction)) cycle
+         lower = grid%lower(direction)
+         upper = grid%upper(direction)
+         if (grid%periodic(direction)) then
+            length = upper - lower
+            if (position(p, direction) < lower) position(p, direction) = position(p, direction) + length
+            if (position(p, direction) >= upper) position(p, direction) = position(p, direction) - length
+         else
+            if (boundary%kind(2*direction - 1) /= face_outflow .and. position(p, direction) <= lower) &
+               position(p, direction) = lower + inside*grid%spacing
+            if (boundary%kind(2*direction) /= face_outflow .and. position(p, direction) >= upper) &
+               position(p, direction) = upper - inside*grid%spacing
+         end if
+      end do
+   end subroutine wrap
+end module particle_place

@@ -1,0 +1,452 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Shapes of bodies: box, sphere, cylinder, and set operations on shapes.
+!!
+!! All questions are pure, so threads may ask them side by side. Scenes in a plane or around an
+!! axis ask at y = 0.
+module particle_shape
+   use base_constants, only: pi
+   use base_kinds, only: wp
+   implicit none
+   private
+
+   public :: box, combine, cylinder, sphere
+
+   integer, parameter, public :: set_union = 1        !! Points in any operand
+   integer, parameter, public :: set_difference = 2   !! Points in the first operand alone
+   integer, parameter, public :: set_intersection = 3 !! Points in all operands
+   real(wp), parameter :: unturned(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, &
+      0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
+   !> Bounds of a shape that cannot hold a point: the lower corner lies above the upper one.
+   real(wp), parameter :: empty_lower = 1.0_wp, empty_upper = -1.0_wp
+
+   !> A set of points.
+   type, abstract, public :: shape_t
+   contains
+      procedure :: place => shape_place              !! Scale, turn and move
+      procedure(contains_i), deferred :: contains    !! Whether a point belongs to it
+      procedure(bounds_i), deferred :: bounds        !! A box around it
+      procedure(transform_i), deferred :: transform  !! The same as place, with a matrix
+   end type shape_t
+
+   !> A shape of any kind, for arrays of shapes. Without a shape it holds no point.
+   type, public :: shape_holder_t
+      class(shape_t), allocatable :: shape           !! The shape
+   contains
+      procedure :: contains => holder_contains       !! Whether a point belongs to it
+      procedure :: bounds => holder_bounds           !! A box around it
+      procedure :: set => holder_set                 !! Hold a copy of a shape
+   end type shape_holder_t
+
+   !> A box. Along its own directions it is half-open, so boxes side by side share no point.
+   type, extends(shape_t), public :: box_t
+      private
+      real(wp) :: lower(3) = 0.0_wp                  !! Corner in its own coordinates, inside [m]
+      real(wp) :: upper(3) = 0.0_wp                  !! Corner in its own coordinates, outside [m]
+      logical :: turned = .false.                    !! Its own coordinates are not those of space
+      real(wp) :: origin(3) = 0.0_wp                 !! Origin of its own coordinates [m]
+      real(wp) :: rotation(3, 3) = unturned          !! Columns are its own directions [1]
+   contains
+      procedure :: contains => box_contains          !! Whether a point belongs to it
+      procedure :: bounds => box_bounds              !! A box around it
+      procedure :: transform => box_transform        !! Scale, turn and move
+   end type box_t
+
+   !> A ball without its surface.
+   type, extends(shape_t), public :: sphere_t
+      private
+      real(wp) :: centre(3) = 0.0_wp                 !! Centre [m]
+      real(wp) :: radius = 0.0_wp                    !! Radius [m]
+   contains
+      procedure :: contains => sphere_contains       !! Whether a point belongs to it
+      procedure :: bounds => sphere_bounds           !! A box around it
+      procedure :: transform => sphere_transform     !! Scale, turn and move
+   end type sphere_t
+
+   !> A solid cylinder without its mantle, half-open along its axis.
+   type, extends(shape_t), public :: cylinder_t
+      private
+      real(wp) :: centre(3) = 0.0_wp                 !! Middle of the axis [m]
+      real(wp) :: axis(3) = 0.0_wp                   !! Direction of length one [1]
+      real(wp) :: radius = 0.0_wp                    !! Radius [m]
+      real(wp) :: height = 0.0_wp                    !! Length of the axis [m]
+   contains
+      procedure :: contains => cylinder_contains     !! Whether a point belongs to it
+      procedure :: bounds => cylinder_bounds         !! A box around it
+      procedure :: transform => cylinder_transform   !! Scale, turn and move
+   end type cylinder_t
+
+   !> A set operation on shapes.
+   type, extends(shape_t), public :: combination_t
+      private
+      integer :: kind = set_union                    !! One of the constants above
+      type(shape_holder_t), allocatable :: operand(:) !! The shapes
+   contains
+      procedure :: contains => combination_contains  !! Whether a point belongs to it
+      procedure :: bounds => combination_bounds      !! A box around it
+      procedure :: transform => combination_transform !! Scale, turn and move
+   end type combination_t
+
+   abstract interface
+      pure recursive logical function contains_i(self, x) result(inside)
+         import :: shape_t, wp
+         implicit none
+         class(shape_t), intent(in) :: self          !! The shape
+         real(wp), intent(in) :: x(3)                !! Point [m]
+      end function contains_i
+
+      pure recursive subroutine bounds_i(self, lo, hi)
+         import :: shape_t, wp
+         implicit none
+         class(shape_t), intent(in) :: self          !! The shape
+         real(wp), intent(out) :: lo(3), hi(3)       !! Corners [m]; lo > hi if it is surely empty
+      end subroutine bounds_i
+
+      pure recursive subroutine transform_i(self, scale, rotation, translate)
+         import :: shape_t, wp
+         implicit none
+         class(shape_t), intent(inout) :: self       !! The shape
+         real(wp), intent(in) :: scale               !! Factor above 0 [1]
+         real(wp), intent(in) :: rotation(3, 3)      !! Orthogonal, applied after the factor [1]
+         real(wp), intent(in) :: translate(3)        !! Displacement, applied last [m]
+      end subroutine transform_i
+   end interface
+
+contains
+
+   !> A box with its edges along the coordinates: lo <= x < hi.
+   pure type(box_t) function box(lo, hi) result(shape)
+      real(wp), intent(in) :: lo(3)                  !! Lower corner, inside [m]
+      real(wp), intent(in) :: hi(3)                  !! Upper corner, outside [m]
+
+      shape%lower = lo
+      shape%upper = hi
+   end function box
+
+   !> A ball.
+   pure type(sphere_t) function sphere(centre, radius) result(shape)
+      real(wp), intent(in) :: centre(3)              !! Centre [m]
+      real(wp), intent(in) :: radius                 !! Radius [m]
+
+      shape%centre = centre
+      shape%radius = radius
+   end function sphere
+
+   !> A solid cylinder. It is empty if the axis has no length.
+   pure type(cylinder_t) function cylinder(centre, axis, radius, height) result(shape)
+      real(wp), intent(in) :: centre(3)              !! Middle of the axis [m]
+      real(wp), intent(in) :: axis(3)                !! Direction, of any length
+      real(wp), intent(in) :: radius                 !! Radius [m]
+      real(wp), intent(in) :: height                 !! Length of the axis [m]
+      real(wp) :: largest
+
+      shape%centre = centre
+      shape%radius = radius
+      largest = maxval(abs(axis))
+      if (.not. largest > 0.0_wp) return
+      shape%height = height
+      ! The first division makes an axis along a coordinate exactly that.
+      shape%axis = axis/largest
+      shape%axis = shape%axis/sqrt(dot_product(shape%axis, shape%axis))
+   end function cylinder
+
+   !> A set operation on copies of shapes. A difference takes all others from the first.
+   type(combination_t) function combine(kind, operands) result(shape)
+      integer, intent(in) :: kind                    !! set_union, set_difference, set_intersection
+      type(shape_holder_t), intent(in) :: operands(:) !! The shapes
+      integer :: number
+
+      shape%kind = kind
+      allocate (shape%operand(size(operands)))
+      do number = 1, size(operands)
+         if (allocated(operands(number)%shape)) &
+            call shape%operand(number)%set(operands(number)%shape)
+      end do
+   end function combine
+
+   !> Scale, then turn around x, then y, then z, all about the origin of coordinates, then move.
+   pure subroutine shape_place(self, scale, rotate, translate)
+      class(shape_t), intent(inout) :: self          !! The shape
+      real(wp), intent(in) :: scale                  !! Factor above 0 [1]
+      real(wp), intent(in) :: rotate(3)              !! Angles about the axes x, y, z [deg]
+      real(wp), intent(in) :: translate(3)           !! Displacement [m]
+
+      call self%transform(scale, rotation_matrix(rotate), translate)
+   end subroutine shape_place
+
+   !> Rotation about x, then y, then z; exact for right angles.
+   pure function rotation_matrix(angle) result(rotation)
+      real(wp), intent(in) :: angle(3)               !! About x, y and z [deg]
+      real(wp) :: rotation(3, 3)                     !! Columns are the turned directions [1]
+      real(wp) :: turn(3, 3), cosine, sine
+      integer :: axis, next, last
+
+      rotation = unturned
+      do axis = 1, 3
+         next = 1 + mod(axis, 3)
+         last = 1 + mod(next, 3)
+         sine = sine_of_degrees(angle(axis))
+         cosine = cosine_of_degrees(angle(axis))
+         turn = unturned
+         turn(next, next) = cosine
+         turn(last, last) = cosine
+         turn(last, next) = sine
+         turn(next, last) = -sine
+         rotation = matmul(turn, rotation)
+      end do
+   end function rotation_matrix
+
+   !> Sine of an angle in degrees; multiples of 90 give exactly 0, 1 or -1.
+   pure real(wp) function sine_of_degrees(angle) result(sine)
+      real(wp), intent(in) :: angle                  !! Angle [deg]
+      real(wp) :: rest
+
+      rest = modulo(angle, 360.0_wp)
+      sine = sin(rest*pi/180.0_wp)
+      if (modulo(rest, 180.0_wp) <= 0.0_wp) sine = 0.0_wp
+   end function sine_of_degrees
+
+   !> Cosine of an angle in degrees; multiples of 90 give exactly 0, 1 or -1.
+   pure real(wp) function cosine_of_degrees(angle) result(cosine)
+      real(wp), intent(in) :: angle                  !! Angle [deg]
+      real(wp) :: rest
+
+      rest = modulo(angle, 360.0_wp)
+      cosine = cos(rest*pi/180.0_wp)
+      if (abs(modulo(rest, 180.0_wp) - 90.0_wp) <= 0.0_wp) cosine = 0.0_wp
+   end function cosine_of_degrees
+
+   !> Whether a point belongs to the held shape.
+   pure recursive logical function holder_contains(self, x) result(inside)
+      class(shape_holder_t), intent(in) :: self      !! The holder
+      real(wp), intent(in) :: x(3)                   !! Point [m]
+
+      inside = .false.
+      if (allocated(self%shape)) inside = self%shape%contains(x)
+   end function holder_contains
+
+   !> A box around the held shape.
+   pure recursive subroutine holder_bounds(self, lo, hi)
+      class(shape_holder_t), intent(in) :: self      !! The holder
+      real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
+
+      lo = empty_lower
+      hi = empty_upper
+      if (allocated(self%shape)) call self%shape%bounds(lo, hi)
+   end subroutine holder_bounds
+
+   !> Hold a copy of a shape instead of what was held.
+   subroutine holder_set(self, shape)
+      class(shape_holder_t), intent(inout) :: self   !! The holder
+      class(shape_t), intent(in) :: shape            !! The shape
+      class(shape_t), allocatable :: copy
+
+      allocate (copy, source=shape)
+      call move_alloc(copy, self%shape)
+   end subroutine holder_set
+
+   !> Whether a point belongs to the box, without any tolerance.
+   pure recursive logical function box_contains(self, x) result(inside)
+      class(box_t), intent(in) :: self               !! The box
+      real(wp), intent(in) :: x(3)                   !! Point [m]
+      real(wp) :: own(3), offset(3)
+      integer :: direction
+
+      own = x
+      if (self%turned) then
+         offset = x - self%origin
+         do direction = 1, 3
+            own(direction) = dot_product(self%rotation(:, direction), offset)
+         end do
+      end if
+      inside = all(own >= self%lower .and. own < self%upper)
+   end function box_contains
+
+   !> A box around the box, exact up to rounding if it is turned.
+   pure recursive subroutine box_bounds(self, lo, hi)
+      class(box_t), intent(in) :: self               !! The box
+      real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
+      real(wp) :: corner(3)
+      integer :: number
+
+      if (any(self%lower >= self%upper)) then
+         lo = empty_lower
+         hi = empty_upper
+         return
+      end if
+      lo = self%lower
+      hi = self%upper
+      if (.not. self%turned) return
+      do number = 0, 7
+         corner = merge(self%upper, self%lower, &
+            [btest(number, 0), btest(number, 1), btest(number, 2)])
+         corner = matmul(self%rotation, corner) + self%origin
+         if (number == 0) then
+            lo = corner
+            hi = corner
+         end if
+         lo = min(lo, corner)
+         hi = max(hi, corner)
+      end do
+   end subroutine box_bounds
+
+   !> Scale, turn and move the box. If its edges are then along the coordinates it is kept by its
+   !> corners in space, so that it stays half-open there and meets other boxes without a gap.
+   pure recursive subroutine box_transform(self, scale, rotation, translate)
+      class(box_t), intent(inout) :: self            !! The box
+      real(wp), intent(in) :: scale                  !! Factor above 0 [1]
+      real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
+      real(wp), intent(in) :: translate(3)           !! Displacement [m]
+      real(wp) :: first(3), last(3)
+      logical :: empty
+
+      empty = any(self%lower >= self%upper)
+      self%lower = scale*self%lower
+      self%upper = scale*self%upper
+      self%origin = scale*matmul(rotation, self%origin) + translate
+      self%rotation = matmul(rotation, self%rotation)
+      self%turned = any(abs(self%rotation) > 0.0_wp .and. abs(self%rotation) < 1.0_wp)
+      if (self%turned) return
+      first = matmul(self%rotation, self%lower) + self%origin
+      last = matmul(self%rotation, self%upper) + self%origin
+      self%lower = min(first, last)
+      self%upper = max(first, last)
+      if (empty) self%upper = self%lower
+      self%origin = 0.0_wp
+      self%rotation = unturned
+   end subroutine box_transform
+
+   !> Whether a point belongs to the ball.
+   pure recursive logical function sphere_contains(self, x) result(inside)
+      class(sphere_t), intent(in) :: self            !! The ball
+      real(wp), intent(in) :: x(3)                   !! Point [m]
+
+      inside = self%radius > 0.0_wp .and. sum((x - self%centre)**2) < self%radius**2
+   end function sphere_contains
+
+   !> A box around the ball.
+   pure recursive subroutine sphere_bounds(self, lo, hi)
+      class(sphere_t), intent(in) :: self            !! The ball
+      real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
+
+      lo = empty_lower
+      hi = empty_upper
+      if (.not. self%radius > 0.0_wp) return
+      lo = self%centre - self%radius
+      hi = self%centre + self%radius
+   end subroutine sphere_bounds
+
+   !> Scale, turn and move the ball.
+   pure recursive subroutine sphere_transform(self, scale, rotation, translate)
+      class(sphere_t), intent(inout) :: self         !! The ball
+      real(wp), intent(in) :: scale                  !! Factor above 0 [1]
+      real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
+      real(wp), intent(in) :: translate(3)           !! Displacement [m]
+
+      self%centre = scale*matmul(rotation, self%centre) + translate
+      self%radius = scale*self%radius
+   end subroutine sphere_transform
+
+   !> Whether a point belongs to the cylinder.
+   pure recursive logical function cylinder_contains(self, x) result(inside)
+      class(cylinder_t), intent(in) :: self          !! The cylinder
+      real(wp), intent(in) :: x(3)                   !! Point [m]
+      real(wp) :: offset(3), along, half
+
+      offset = x - self%centre
+      along = dot_product(offset, self%axis)
+      half = 0.5_wp*self%height
+      inside = self%radius > 0.0_wp .and. along >= -half .and. along < half
+      if (.not. inside) return
+      inside = sum((offset - along*self%axis)**2) < self%radius**2
+   end function cylinder_contains
+
+   !> A box around the cylinder.
+   pure recursive subroutine cylinder_bounds(self, lo, hi)
+      class(cylinder_t), intent(in) :: self          !! The cylinder
+      real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
+      real(wp) :: reach(3)
+
+      lo = empty_lower
+      hi = empty_upper
+      if (.not. (self%radius > 0.0_wp .and. self%height > 0.0_wp)) return
+      reach = 0.5_wp*self%height*abs(self%axis) &
+         + self%radius*sqrt(max(1.0_wp - self%axis**2, 0.0_wp))
+      lo = self%centre - reach
+      hi = self%centre + reach
+   end subroutine cylinder_bounds
+
+   !> Scale, turn and move the cylinder.
+   pure recursive subroutine cylinder_transform(self, scale, rotation, translate)
+      class(cylinder_t), intent(inout) :: self       !! The cylinder
+      real(wp), intent(in) :: scale                  !! Factor above 0 [1]
+      real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
+      real(wp), intent(in) :: translate(3)           !! Displacement [m]
+
+      self%centre = scale*matmul(rotation, self%centre) + translate
+      self%axis = matmul(rotation, self%axis)
+      self%radius = scale*self%radius
+      self%height = scale*self%height
+   end subroutine cylinder_transform
+
+   !> Whether a point belongs to the combination.
+   pure recursive logical function combination_contains(self, x) result(inside)
+      class(combination_t), intent(in) :: self       !! The combination
+      real(wp), intent(in) :: x(3)                   !! Point [m]
+      integer :: number
+
+      inside = .false.
+      if (.not. allocated(self%operand)) return
+      do number = 1, size(self%operand)
+         ! The first operand decides alone; each further one can only change it one way.
+         if (number > 1 .and. (inside .eqv. self%kind == set_union)) return
+         inside = self%operand(number)%contains(x)
+         if (number > 1 .and. self%kind == set_difference) inside = .not. inside
+      end do
+   end function combination_contains
+
+   !> A box around the combination; of a difference, the box around its first operand.
+   pure recursive subroutine combination_bounds(self, lo, hi)
+      class(combination_t), intent(in) :: self       !! The combination
+      real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
+      real(wp) :: lower(3), upper(3)
+      integer :: number
+
+      lo = empty_lower
+      hi = empty_upper
+      if (.not. allocated(self%operand)) return
+      if (size(self%operand) == 0) return
+      call self%operand(1)%bounds(lo, hi)
+      if (self%kind == set_difference) return
+      do number = 2, size(self%operand)
+         call self%operand(number)%bounds(lower, upper)
+         if (self%kind == set_intersection) then
+            lo = max(lo, lower)
+            hi = min(hi, upper)
+         else if (any(lo > hi)) then
+            lo = lower
+            hi = upper
+         else if (all(lower <= upper)) then
+            lo = min(lo, lower)
+            hi = max(hi, upper)
+         end if
+      end do
+      if (all(lo <= hi)) return
+      lo = empty_lower
+      hi = empty_upper
+   end subroutine combination_bounds
+
+   !> Scale, turn and move all operands.
+   pure recursive subroutine combination_transform(self, scale, rotation, translate)
+      class(combination_t), intent(inout) :: self    !! The combination
+      real(wp), intent(in) :: scale                  !! Factor above 0 [1]
+      real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
+      real(wp), intent(in) :: translate(3)           !! Displacement [m]
+      integer :: number
+
+      if (.not. allocated(self%operand)) return
+      do number = 1, size(self%operand)
+         if (allocated(self%operand(number)%shape)) &
+            call self%operand(number)%shape%transform(scale, rotation, translate)
+      end do
+   end subroutine combination_transform
+end module particle_shape

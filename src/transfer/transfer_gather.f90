@@ -1,0 +1,245 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Nodes to particles with the linear functions of the cell: the nodes of a cell are loaded once,
+!! then the particles of the cell are the lanes.
+module transfer_gather
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t, lanes
+   implicit none
+   private
+
+   public :: gather_gradient, gather_dual_gradient, gather_hoop, gather_vector, gather_local, locate
+
+contains
+
+   !> Place of each particle in its cell, 0 to 1 along each active direction.
+   pure subroutine locate(grid, start, first, coordinate, position, local)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
+      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) [m]
+      real(wp), contiguous, intent(inout) :: local(:, :)     !! (particle of the tile, 3)
+      real(wp) :: corner, inverse
+      integer :: cell, p, direction, place(3)
+
+      inverse = 1.0_wp/grid%spacing
+      do direction = 1, 3
+         if (.not. grid%active(direction)) then
+            local(:start(grid%tile_cells), direction) = 0.0_wp
+            cycle
+         end if
+         do cell = 0, grid%tile_cells - 1
+            if (start(cell + 1) == start(cell)) cycle
+            place = grid%cell_position(cell)
+            corner = real(coordinate(direction)*grid%width(direction) + place(direction), wp)
+            do p = start(cell) + 1, start(cell + 1)
+               local(p, direction) = (position(first + p - 1, direction) - grid%lower(direction)) &
+                  *inverse - corner
+            end do
+         end do
+      end do
+   end subroutine locate
+
+   !> Scaled velocity gradient of the plain method: gradient_kl = scale sum u_k dS/dx_l.
+   pure subroutine gather_gradient(grid, start, local, nodes, scale, gradient)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, 3) Velocity [m/s]
+      real(wp), intent(in) :: scale                          !! Time step [s]
+      !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
+      real(wp), contiguous, intent(inout) :: gradient(:, :)
+      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), x1, x2, x3, s1, s2, s3, g1, g2, g3
+      real(wp) :: l11, l21, l31, l12, l22, l32, l13, l23, l33
+      integer :: cell, p, lane
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         call load_cell(grid, cell, nodes, scale/grid%spacing, u)
+         !$omp simd private(x1, x2, x3, s1, s2, s3, g1, g2, g3, lane) &
+         !$omp private(l11, l21, l31, l12, l22, l32, l13, l23, l33)
+         do p = start(cell) + 1, start(cell + 1)
+            x1 = local(p, 1)
+            x2 = local(p, 2)
+            x3 = local(p, 3)
+            l11 = 0.0_wp; l21 = 0.0_wp; l31 = 0.0_wp
+            l12 = 0.0_wp; l22 = 0.0_wp; l32 = 0.0_wp
+            l13 = 0.0_wp; l23 = 0.0_wp; l33 = 0.0_wp
+            do lane = 1, lanes
+               s1 = a(lane, 1) + b(lane, 1)*x1
+               s2 = a(lane, 2) + b(lane, 2)*x2
+               s3 = a(lane, 3) + b(lane, 3)*x3
+               g1 = b(lane, 1)*(s2*s3)
+               g2 = b(lane, 2)*(s1*s3)
+               g3 = b(lane, 3)*(s1*s2)
+               l11 = l11 + g1*u(lane, 1)
+               l21 = l21 + g1*u(lane, 2)
+               l31 = l31 + g1*u(lane, 3)
+               l12 = l12 + g2*u(lane, 1)
+               l22 = l22 + g2*u(lane, 2)
+               l32 = l32 + g2*u(lane, 3)
+               l13 = l13 + g3*u(lane, 1)
+               l23 = l23 + g3*u(lane, 2)
+               l33 = l33 + g3*u(lane, 3)
+            end do
+            gradient(p, 1) = l11
+            gradient(p, 2) = l21
+            gradient(p, 3) = l31
+            gradient(p, 4) = l12
+            gradient(p, 5) = l22
+            gradient(p, 6) = l32
+            gradient(p, 7) = l13
+            gradient(p, 8) = l23
+            gradient(p, 9) = l33
+         end do
+      end do
+   end subroutine gather_gradient
+
+   !> Blend the gradient of the cell, already in place, with the gradient on the nodes:
+   !! gradient_kl = alpha_l gradient_kl + (1 - alpha_l) scale sum S_j (grad u)_j,kl.
+   pure subroutine gather_dual_gradient(grid, start, local, alpha, nodes, scale, gradient)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of the tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, 9) Node gradient [1/s]
+      real(wp), intent(in) :: scale                          !! Time step [s]
+      real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
+      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 9), shape, share
+      real(wp) :: n1, n2, n3, x1, x2, x3
+      integer :: cell, p, lane, direction, k
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         call load_cell(grid, cell, nodes, scale, u)
+         do direction = 1, 3
+            if (.not. grid%active(direction)) cycle
+            k = 3*direction - 2
+            !$omp simd private(x1, x2, x3, shape, share, n1, n2, n3, lane)
+            do p = start(cell) + 1, start(cell + 1)
+               x1 = local(p, 1)
+               x2 = local(p, 2)
+               x3 = local(p, 3)
+               n1 = 0.0_wp
+               n2 = 0.0_wp
+               n3 = 0.0_wp
+               do lane = 1, lanes
+                  shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
+                     *(a(lane, 3) + b(lane, 3)*x3)
+                  n1 = n1 + shape*u(lane, k)
+                  n2 = n2 + shape*u(lane, k + 1)
+                  n3 = n3 + shape*u(lane, k + 2)
+               end do
+               share = alpha(p, direction)
+               gradient(p, k) = share*gradient(p, k) + (1.0_wp - share)*n1
+               gradient(p, k + 1) = share*gradient(p, k + 1) + (1.0_wp - share)*n2
+               gradient(p, k + 2) = share*gradient(p, k + 2) + (1.0_wp - share)*n3
+            end do
+         end do
+      end do
+   end subroutine gather_dual_gradient
+
+   !> Hoop rate of axisymmetry, scale u_r / r, into component (2, 2) of the gradient.
+   pure subroutine gather_hoop(grid, start, first, local, position, nodes, scale, gradient)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, 3) Velocity [m/s]
+      real(wp), intent(in) :: scale                          !! Time step [s]
+      real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
+      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), radial
+      integer :: cell, p, lane
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         call load_cell(grid, cell, nodes, scale, u)
+         do p = start(cell) + 1, start(cell + 1)
+            radial = 0.0_wp
+            do lane = 1, lanes
+               radial = radial + (a(lane, 1) + b(lane, 1)*local(p, 1)) &
+                  *(a(lane, 2) + b(lane, 2)*local(p, 2))*(a(lane, 3) + b(lane, 3)*local(p, 3)) &
+                  *u(lane, 1)
+            end do
+            gradient(p, 5) = radial/position(first + p - 1, 1)
+         end do
+      end do
+   end subroutine gather_hoop
+
+   !> Particle vectors from node vectors: values = keep values + scale sum S_i nodes_i.
+   pure subroutine gather_vector(grid, start, first, local, nodes, keep, scale, values)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, 3)
+      real(wp), intent(in) :: keep                           !! Share of the old value
+      real(wp), intent(in) :: scale                          !! Factor of the node values
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle, 3)
+      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), shape, v1, v2, v3, x1, x2, x3
+      integer :: cell, p, lane, q
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         call load_cell(grid, cell, nodes, scale, u)
+         !$omp simd private(x1, x2, x3, shape, v1, v2, v3, lane, q)
+         do p = start(cell) + 1, start(cell + 1)
+            x1 = local(p, 1)
+            x2 = local(p, 2)
+            x3 = local(p, 3)
+            v1 = 0.0_wp
+            v2 = 0.0_wp
+            v3 = 0.0_wp
+            do lane = 1, lanes
+               shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
+                  *(a(lane, 3) + b(lane, 3)*x3)
+               v1 = v1 + shape*u(lane, 1)
+               v2 = v2 + shape*u(lane, 2)
+               v3 = v3 + shape*u(lane, 3)
+            end do
+            q = first + p - 1
+            values(q, 1) = keep*values(q, 1) + v1
+            values(q, 2) = keep*values(q, 2) + v2
+            values(q, 3) = keep*values(q, 3) + v3
+         end do
+      end do
+   end subroutine gather_vector
+
+   !> The same into scratch of the tile, without an old value.
+   pure subroutine gather_local(grid, start, local, nodes, values)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, 3)
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, 3)
+
+      values(:start(grid%tile_cells), :) = 0.0_wp
+      call gather_vector(grid, start, 1, local, nodes, 0.0_wp, 1.0_wp, values)
+   end subroutine gather_local
+
+   !> Load the node values of a cell as lanes.
+   pure subroutine load_cell(grid, cell, nodes, scale, values)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: cell                            !! Cell of the tile, from 0
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, component)
+      real(wp), intent(in) :: scale                          !! Factor
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (lane, component)
+      integer :: component, lane, base
+
+      base = grid%first_node(cell)
+      do component = 1, size(values, 2)
+         do lane = 1, lanes
+            values(lane, component) = scale*nodes(base + grid%lane_offset(lane), component)
+         end do
+      end do
+   end subroutine load_cell
+end module transfer_gather

@@ -1,0 +1,232 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Particles to nodes with the linear functions of the cell.
+!!
+!! For each cell the values of its eight nodes are kept as vectors of eight lanes, particles are
+!! added one by one in their order, and the cell is added to the patch of the tile once.
+!! Columns of the patch: 1 mass, 2-4 momentum, 5-7 internal force, and for the dual domain method
+!! 8 volume, 9-17 stress that stays on the nodes.
+module transfer_scatter
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t, lanes
+   implicit none
+   private
+
+   public :: scatter_motion, scatter_force, scatter_dual_force, scatter_hoop, scatter_product
+
+   integer, parameter, public :: motion_columns = 7  !! Mass, momentum, force
+   integer, parameter, public :: dual_columns = 17   !! With volume and node stress
+
+contains
+
+   !> Add mass and momentum to columns 1 to 4 of a patch.
+   pure subroutine scatter_motion(grid, start, first, local, mass, velocity, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, column)
+      real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 4), weight
+      integer :: cell, p, q, lane
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            q = first + p - 1
+            do lane = 1, lanes
+               weight = (a(lane, 1) + b(lane, 1)*local(p, 1))*(a(lane, 2) + b(lane, 2)*local(p, 2)) &
+                  *(a(lane, 3) + b(lane, 3)*local(p, 3))*mass(q)
+               sums(lane, 1) = sums(lane, 1) + weight
+               sums(lane, 2) = sums(lane, 2) + weight*velocity(q, 1)
+               sums(lane, 3) = sums(lane, 3) + weight*velocity(q, 2)
+               sums(lane, 4) = sums(lane, 4) + weight*velocity(q, 3)
+            end do
+         end do
+         call add_cell(grid, cell, sums, 0, patch)
+      end do
+   end subroutine scatter_motion
+
+   !> Add mass times a vector to the columns of a patch, one a component.
+   pure subroutine scatter_product(grid, start, first, local, mass, vector, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, 3) [kg m/s]
+      real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 3), weight
+      integer :: cell, p, lane
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            do lane = 1, lanes
+               weight = (a(lane, 1) + b(lane, 1)*local(p, 1))*(a(lane, 2) + b(lane, 2)*local(p, 2)) &
+                  *(a(lane, 3) + b(lane, 3)*local(p, 3))*mass(first + p - 1)
+               sums(lane, 1) = sums(lane, 1) + weight*vector(p, 1)
+               sums(lane, 2) = sums(lane, 2) + weight*vector(p, 2)
+               sums(lane, 3) = sums(lane, 3) + weight*vector(p, 3)
+            end do
+         end do
+         call add_cell(grid, cell, sums, 0, patch)
+      end do
+   end subroutine scatter_product
+
+   !> Add the internal force of the plain method, - sum v sigma . grad S, to columns 5 to 7.
+   pure subroutine scatter_force(grid, start, first, local, volume, stress, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, column)
+      real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 3), s1, s2, s3, g1, g2, g3, scale
+      integer :: cell, p, q, lane
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            q = first + p - 1
+            scale = volume(q)/grid%spacing
+            do lane = 1, lanes
+               s1 = a(lane, 1) + b(lane, 1)*local(p, 1)
+               s2 = a(lane, 2) + b(lane, 2)*local(p, 2)
+               s3 = a(lane, 3) + b(lane, 3)*local(p, 3)
+               g1 = scale*b(lane, 1)*(s2*s3)
+               g2 = scale*b(lane, 2)*(s1*s3)
+               g3 = scale*b(lane, 3)*(s1*s2)
+               sums(lane, 1) = sums(lane, 1) - (g1*stress(q, 1) + g2*stress(q, 4) + g3*stress(q, 6))
+               sums(lane, 2) = sums(lane, 2) - (g1*stress(q, 4) + g2*stress(q, 2) + g3*stress(q, 5))
+               sums(lane, 3) = sums(lane, 3) - (g1*stress(q, 6) + g2*stress(q, 5) + g3*stress(q, 3))
+            end do
+         end do
+         call add_cell(grid, cell, sums, 4, patch)
+      end do
+   end subroutine scatter_force
+
+   !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
+   !! column 8, and the stress handed to the nodes, sum v (1 - alpha_l) sigma_kl S, to column
+   !! 8 + k + 3 (l - 1).
+   !!
+   !! D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379, in the two-step form.
+   pure subroutine scatter_dual_force(grid, start, first, local, alpha, volume, stress, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of the tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, column)
+      real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 13), s1, s2, s3, g(3), n(9), scale
+      real(wp) :: v, shape
+      integer :: cell, p, q, lane
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            q = first + p - 1
+            v = volume(q)
+            scale = v/grid%spacing
+            n(1) = v*(1.0_wp - alpha(p, 1))*stress(q, 1)
+            n(2) = v*(1.0_wp - alpha(p, 1))*stress(q, 4)
+            n(3) = v*(1.0_wp - alpha(p, 1))*stress(q, 6)
+            n(4) = v*(1.0_wp - alpha(p, 2))*stress(q, 4)
+            n(5) = v*(1.0_wp - alpha(p, 2))*stress(q, 2)
+            n(6) = v*(1.0_wp - alpha(p, 2))*stress(q, 5)
+            n(7) = v*(1.0_wp - alpha(p, 3))*stress(q, 6)
+            n(8) = v*(1.0_wp - alpha(p, 3))*stress(q, 5)
+            n(9) = v*(1.0_wp - alpha(p, 3))*stress(q, 3)
+            do lane = 1, lanes
+               s1 = a(lane, 1) + b(lane, 1)*local(p, 1)
+               s2 = a(lane, 2) + b(lane, 2)*local(p, 2)
+               s3 = a(lane, 3) + b(lane, 3)*local(p, 3)
+               shape = s1*s2*s3
+               g(1) = alpha(p, 1)*scale*b(lane, 1)*(s2*s3)
+               g(2) = alpha(p, 2)*scale*b(lane, 2)*(s1*s3)
+               g(3) = alpha(p, 3)*scale*b(lane, 3)*(s1*s2)
+               sums(lane, 1) = sums(lane, 1) &
+                  - (g(1)*stress(q, 1) + g(2)*stress(q, 4) + g(3)*stress(q, 6))
+               sums(lane, 2) = sums(lane, 2) &
+                  - (g(1)*stress(q, 4) + g(2)*stress(q, 2) + g(3)*stress(q, 5))
+               sums(lane, 3) = sums(lane, 3) &
+                  - (g(1)*stress(q, 6) + g(2)*stress(q, 5) + g(3)*stress(q, 3))
+               sums(lane, 4) = sums(lane, 4) + v*shape
+               sums(lane, 5) = sums(lane, 5) + n(1)*shape
+               sums(lane, 6) = sums(lane, 6) + n(2)*shape
+               sums(lane, 7) = sums(lane, 7) + n(3)*shape
+               sums(lane, 8) = sums(lane, 8) + n(4)*shape
+               sums(lane, 9) = sums(lane, 9) + n(5)*shape
+               sums(lane, 10) = sums(lane, 10) + n(6)*shape
+               sums(lane, 11) = sums(lane, 11) + n(7)*shape
+               sums(lane, 12) = sums(lane, 12) + n(8)*shape
+               sums(lane, 13) = sums(lane, 13) + n(9)*shape
+            end do
+         end do
+         call add_cell(grid, cell, sums, 4, patch)
+      end do
+   end subroutine scatter_dual_force
+
+   !> Add the force of the hoop stress in axisymmetry, - sum v sigma_yy S / r, to column 5.
+   pure subroutine scatter_hoop(grid, start, first, local, position, volume, stress, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, column)
+      real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 1), force
+      integer :: cell, p, q, lane
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            q = first + p - 1
+            force = volume(q)*stress(q, 2)/position(q, 1)
+            do lane = 1, lanes
+               sums(lane, 1) = sums(lane, 1) - force*(a(lane, 1) + b(lane, 1)*local(p, 1)) &
+                  *((a(lane, 2) + b(lane, 2)*local(p, 2))*(a(lane, 3) + b(lane, 3)*local(p, 3)))
+            end do
+         end do
+         call add_cell(grid, cell, sums, 4, patch)
+      end do
+   end subroutine scatter_hoop
+
+   !> Add the lanes of a cell to the patch.
+   pure subroutine add_cell(grid, cell, sums, before, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: cell                            !! Cell of the tile, from 0
+      real(wp), contiguous, intent(in) :: sums(:, :)         !! (lane, column)
+      integer, intent(in) :: before                          !! Columns of the patch before the first
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, column)
+      integer :: column, lane, node, base
+
+      base = grid%first_node(cell)
+      do column = 1, size(sums, 2)
+         do lane = 1, lanes
+            node = base + grid%lane_offset(lane)
+            patch(node, before + column) = patch(node, before + column) + sums(lane, column)
+         end do
+      end do
+   end subroutine add_cell
+end module transfer_scatter

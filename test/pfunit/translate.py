@@ -1,0 +1,220 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Translate a pFUnit file (.pf) to plain Fortran, for machines without pFUnit.
+
+    translate.py test_name.pf test_name.f90 run_test_name.f90
+
+writes the module with its directives expanded, line by line, and a program that runs its tests.
+Supported are @test, @test(npes=[1,2]), @before, @after, @assertEqual, @assertTrue, @assertFalse,
+@assertLessThan and @assertGreaterThan, as pFUnit 4 has them: a directive stands on one line, and
+the subroutine that it marks begins on the next line. Everything else is an error.
+`translate.py --check FILE ...` only looks for errors.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+OPERANDS = {"equal": 2, "true": 1, "false": 1, "lessthan": 2, "greaterthan": 2}
+KEYWORDS = {"equal": {"tolerance", "message"}}
+SUBROUTINE = re.compile(r"\s*subroutine\s+(\w+)\s*(?:\(\s*(\w*)\s*\))?\s*(?:!.*)?$", re.I)
+LONGEST = 120  # so that what pFUnit makes of a directive fits in the 132 columns of Fortran
+
+
+class TranslationError(Exception):
+    """A line that the translator does not understand."""
+
+
+def split_arguments(text):
+    """Split at the commas that are in no bracket and no quotes."""
+    parts, depth, quote, start = [], 0, "", 0
+    for place, letter in enumerate(text):
+        if quote:
+            if letter == quote:
+                quote = ""
+        elif letter in "\"'":
+            quote = letter
+        elif letter in "([":
+            depth += 1
+        elif letter in ")]":
+            depth -= 1
+            if depth < 0:
+                raise TranslationError("a bracket is closed that was not opened")
+        elif letter == "," and depth == 0:
+            parts.append(text[start:place].strip())
+            start = place + 1
+    if quote or depth:
+        raise TranslationError("a bracket or a quote is not closed")
+    parts.append(text[start:].strip())
+    return parts
+
+
+class Translator:
+    """Reads the lines of one file."""
+
+    def __init__(self, path):
+        self.path = Path(path)
+        self.module = ""
+        self.tests = []  # (name, list of ranks or None)
+        self.fixtures = {}  # "before" and "after"
+        self.pending = None  # what the next line's subroutine is
+        self.lines = []
+
+    def run(self):
+        """Translate all lines and check the whole."""
+        text = self.path.read_text(encoding="utf-8")
+        for number, line in enumerate(text.splitlines(), 1):
+            try:
+                self.lines.append(self.translate(line, number))
+            except TranslationError as error:
+                raise TranslationError(f"{self.path}:{number}: {error}") from None
+        try:
+            self.check_whole()
+        except TranslationError as error:
+            raise TranslationError(f"{self.path}: {error}") from None
+
+    def translate(self, line, number):
+        """One line in, one line out, so that line numbers stay."""
+        if self.pending:
+            return self.marked_subroutine(line)
+        if not line.lstrip().startswith("@"):
+            found = re.match(r"\s*module\s+(\w+)\s*$", line, re.I)
+            if found and found.group(1).lower() != "procedure":
+                self.module = found.group(1)
+            return line
+        if len(line) > LONGEST:
+            raise TranslationError(f"a directive has at most {LONGEST} columns")
+        return self.directive(line, number)
+
+    def directive(self, line, number):
+        """Expand one directive."""
+        found = re.match(r"\s*@(\w+)\s*(?:\((.*)\))?\s*$", line)
+        if not found:
+            raise TranslationError(f"not a directive on one line: {line.strip()}")
+        name, arguments = found.group(1).lower(), found.group(2)
+        if name == "test":
+            self.pending = ("test", self.ranks(arguments))
+            return ""
+        if name in ("before", "after"):
+            if arguments is not None:
+                raise TranslationError(f"@{name} has no arguments")
+            if name in self.fixtures:
+                raise TranslationError(f"@{name} stands twice in this file")
+            self.pending = (name, None)
+            return ""
+        if name.startswith("assert") and name[6:] in OPERANDS:
+            return self.assertion(found.group(1), arguments or "", number)
+        raise TranslationError(f"the directive @{found.group(1)} is not supported")
+
+    @staticmethod
+    def ranks(arguments):
+        """The numbers of ranks in @test(npes=[1,2])."""
+        if arguments is None:
+            return None
+        found = re.match(r"\s*npes\s*=\s*\[([\d,\s]+)\]\s*$", arguments, re.I)
+        if not found:
+            raise TranslationError("only @test and @test(npes=[1,2]) are supported")
+        ranks = [int(number) for number in found.group(1).split(",")]
+        if min(ranks) < 1 or max(ranks) > 16:
+            raise TranslationError("a test runs on 1 to 16 ranks")
+        return ranks
+
+    def assertion(self, name, arguments, number):
+        """The call, and the return from the test if it has failed."""
+        kind = name[6:].lower()
+        parts = split_arguments(arguments)
+        operands = OPERANDS[kind]
+        if len(parts) < operands or not all(parts):
+            raise TranslationError(f"@{name} has {operands} arguments")
+        for part in parts[operands:]:
+            keyword = re.match(r"(\w+)\s*=(?!=)", part)
+            allowed = KEYWORDS.get(kind, {"message"})
+            if not keyword or keyword.group(1).lower() not in allowed:
+                raise TranslationError(f"@{name}: '{part}' is none of: {', '.join(sorted(allowed))}")
+        place = f'location=sourcelocation("{self.path.name}", {number})'
+        return f"call {name}({arguments}, {place}); if (anyexceptions()) return"
+
+    def marked_subroutine(self, line):
+        """The line after @test, @before or @after."""
+        kind, ranks = self.pending
+        self.pending = None
+        found = SUBROUTINE.match(line)
+        if not found:
+            raise TranslationError(f"the line after @{kind} must begin a subroutine")
+        name, argument = found.group(1), found.group(2)
+        if kind == "test":
+            if bool(argument) != (ranks is not None):
+                raise TranslationError("a test has one argument if, and only if, it has npes")
+            if name.lower() in (known.lower() for known, _ in self.tests):
+                raise TranslationError(f"there are two tests {name}")
+            self.tests.append((name, ranks))
+        else:
+            self.fixtures[kind] = name
+        return line
+
+    def check_whole(self):
+        """What can only be seen at the end of the file."""
+        if self.pending:
+            raise TranslationError(f"nothing follows @{self.pending[0]}")
+        if self.module.lower() != self.path.stem.lower():
+            raise TranslationError(f"the module must be named {self.path.stem}")
+        if not self.tests:
+            raise TranslationError("there is no test in this file")
+        if self.fixtures and len({ranks is None for _, ranks in self.tests}) == 2:
+            raise TranslationError("with @before or @after all tests have npes, or none has")
+
+    def module_text(self):
+        """The module; the compiler will speak of lines of the .pf file."""
+        return f'# 1 "{self.path}"\n' + "\n".join(self.lines) + "\n"
+
+    def program_text(self):
+        """The program that runs the tests."""
+        parallel = any(ranks for _, ranks in self.tests)
+        names = [name for name, _ in self.tests] + list(self.fixtures.values())
+        fixtures = "".join(f", {kind}={name}" for kind, name in self.fixtures.items())
+        text = ["! SPDX-License-Identifier: BSD-3-Clause", f"program run_{self.module}"]
+        if parallel:
+            text.append("   use pfunit_runner, only: finish_ranks, run_on_ranks, run_on_root, start_ranks")
+            text.append("   use funit_runner, only: summary_t")
+        else:
+            text.append("   use funit_runner, only: finish_tests, run_test, summary_t")
+        text += [f"   use {self.module}, only: {name}" for name in names]
+        text += ["   implicit none", "   type(summary_t) :: summary", ""]
+        if parallel:
+            text.append("   call start_ranks()")
+        for name, ranks in self.tests:
+            if ranks is None:
+                call = "run_on_root" if parallel else "run_test"
+                text.append(f'   call {call}(summary, "{name}", {name}{fixtures})')
+            for number in ranks or []:
+                text.append(
+                    f'   call run_on_ranks(summary, "{name}", {name}, {number}{fixtures})'
+                )
+        text.append("   call finish_ranks(summary)" if parallel else "   call finish_tests(summary)")
+        text.append(f"end program run_{self.module}")
+        return "\n".join(text) + "\n"
+
+
+def main(arguments):
+    """Translate, or check, from the command line."""
+    check = arguments[:1] == ["--check"]
+    if not check and len(arguments) != 3:
+        print(__doc__, file=sys.stderr)
+        return 2
+    errors = 0
+    for source in arguments[1:] if check else arguments[:1]:
+        translator = Translator(source)
+        try:
+            translator.run()
+        except (TranslationError, OSError) as error:
+            print(error, file=sys.stderr)
+            errors += 1
+            continue
+        if not check:
+            Path(arguments[1]).write_text(translator.module_text(), encoding="utf-8")
+            Path(arguments[2]).write_text(translator.program_text(), encoding="utf-8")
+    return 1 if errors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
