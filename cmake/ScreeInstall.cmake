@@ -1,1 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# cmake --install build --prefix PLACE: program, libraries, modules, post-processing and scenes.
+
+get_property(layers GLOBAL PROPERTY scree_layers)
+install(TARGETS ${layers} ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}/scree")
+if(TARGET scree)
+   install(TARGETS scree RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+endif()
+# Modules of gfortran fit one generation of compilers, hence beside the libraries.
+install(DIRECTORY "${PROJECT_BINARY_DIR}/modules/" DESTINATION "${CMAKE_INSTALL_LIBDIR}/scree/modules"
+   FILES_MATCHING PATTERN "*.mod"
+   PATTERN pfunit EXCLUDE PATTERN main EXCLUDE)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/scripts/" DESTINATION "${CMAKE_INSTALL_DATADIR}/scree/scripts"
+   USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.py" PATTERN requirements.txt
+   PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/input/" DESTINATION "${CMAKE_INSTALL_DATADIR}/scree/input"
+   FILES_MATCHING PATTERN "*.nml" PATTERN "*.md" PATTERN "*.csv")
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # One static library a folder of src/, each with its own module directory.
 #
-#   scree_layer(particle USES base mesh material [LINKS MPI::MPI_Fortran] [EXTRA file ...])
+#   scree_layer(particle USES base mesh material [LINKS MPI::MPI_Fortran] [EXTRA file])
 #
 # All links are private, so a folder sees the modules of the folders it names and of no other,
 # and a forbidden `use` does not compile. A folder without sources gives no library.
@@ -23,7 +23,7 @@ function(scree_layer folder)
    target_include_directories(${target} INTERFACE
       "$<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/modules/${folder}>")
    target_link_libraries(${target} PRIVATE
-      scree_options scree_strictness OpenMP::OpenMP_Fortran ${layer_LINKS})
+      scree_options OpenMP::OpenMP_Fortran ${layer_LINKS})
    foreach(lower IN LISTS layer_USES)
       if(TARGET scree_${lower})
          target_link_libraries(${target} PRIVATE scree_${lower})

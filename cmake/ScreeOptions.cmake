@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Compile options, on interface targets that the libraries link to.
-#   scree_options     language, optimisation and checks: every Fortran target
-#   scree_strictness  what only the sources of src/ promise: no hidden array copies
+# Compile options, on an interface target that all Fortran targets link to, never in global flags:
+# language, warnings, optimisation and checks.
 
 if(NOT CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
    message(FATAL_ERROR "Scree is built with gfortran 12 or newer, not with "
@@ -44,8 +43,6 @@ target_compile_options(scree_options INTERFACE
    "$<$<CONFIG:Sanitize>:${scree_sanitize_flags}>")
 target_link_options(scree_options INTERFACE
    "$<$<CONFIG:Sanitize>:-fsanitize=address,undefined>")
-
-add_library(scree_strictness INTERFACE)
 
 # For the report of --version and the provenance in files.
 string(TOUPPER "${CMAKE_BUILD_TYPE}" scree_type)

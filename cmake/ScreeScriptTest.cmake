@@ -35,7 +35,9 @@ function(scree_script_test script label)
    if(label STREQUAL "gate")
       set(processors 1)
    endif()
+   set(environment ${scree_test_environment} "SCREE=${program}" "WORK=${work}"
+      "PYTHONPATH=${PROJECT_SOURCE_DIR}/test/support" PYTHONDONTWRITEBYTECODE=1)
    set_tests_properties(${name} PROPERTIES
       LABELS "${labels}" TIMEOUT ${timeout} PROCESSORS ${processors} SKIP_RETURN_CODE 77
-      ENVIRONMENT "${scree_test_environment};SCREE=${program};WORK=${work};PYTHONPATH=${PROJECT_SOURCE_DIR}/test/support;PYTHONDONTWRITEBYTECODE=1")
+      ENVIRONMENT "${environment}")
 endfunction()

@@ -51,7 +51,8 @@ function(scree_with_pfunit name file ranks)
    else()
       add_pfunit_ctest(${name} TEST_SOURCES "${relative}")
    endif()
-   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}")
+   set_target_properties(${name} PROPERTIES Fortran_PREPROCESS ON
+      RUNTIME_OUTPUT_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}")
    target_link_libraries(${name} MPI::MPI_Fortran)
 endfunction()
 

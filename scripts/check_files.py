@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Checks that VTK, and so ParaView, reads the files of a run as they were written.
 
-Every snapshot is opened with h5py and with the VTKHDF reader of VTK, the .xdmf with its Xdmf2 reader,
-and the .vtkhdf index, where there is one, with the VTKHDF reader: the number of points and cells, the
-bounds, the time, and the number of components and the mean of every field must agree.
+Every snapshot is opened with h5py and with the VTKHDF reader of VTK, the .xdmf with its Xdmf2
+reader, and the .vtkhdf index, where there is one, with the VTKHDF reader: the number of points and
+cells, the bounds, the time, and the components and mean of every field must agree.
 """
+
 import argparse
 import os
 import sys
@@ -12,7 +13,6 @@ import sys
 sys.dont_write_bytecode = True
 
 import scree_post                                        # noqa: E402
-from scree_post import PostError                         # noqa: E402
 
 EXIT_DIFFERENT = 1
 EXIT_NO_VTK = 77         # what CTest takes for "skipped"
@@ -38,11 +38,16 @@ class Report:
 def summary(points, fields):
     """What is compared: number of points, bounds, components and scaled mean of every field."""
     (np,) = scree_post.modules("numpy")
-    bounds = [(float(points[:, k].min()), float(points[:, k].max())) for k in range(3)] if len(points) \
+    bounds = (
+        [(float(points[:, k].min()), float(points[:, k].max())) for k in range(3)]
+        if len(points)
         else None
+    )
     means = {}
     for name, values in fields.items():
-        values = np.asarray(values, "f8").reshape(len(values), -1) if len(values) else np.zeros((0, 1))
+        values = (
+            np.asarray(values, "f8").reshape(len(values), -1) if len(values) else np.zeros((0, 1))
+        )
         size = np.abs(values).max(axis=0) if len(values) else np.zeros(1)
         means[name] = (values.shape[1], values.mean(axis=0) if len(values) else size, size)
     return len(points), bounds, means
@@ -75,7 +80,9 @@ def compare(report, label, wanted, found, cells):
             report.check(False, f"{label}: field {name} is not seen")
             continue
         seen_parts, seen_mean, _ = found[2][name]
-        report.check(seen_parts == parts, f"{label}: {name} has {seen_parts} components, {parts} written")
+        report.check(
+            seen_parts == parts, f"{label}: {name} has {seen_parts} components, {parts} written"
+        )
         if seen_parts == parts:
             good = np.abs(seen_mean - mean) <= MEAN * np.maximum(size, 1.0e-300)
             report.check(good.all() or (size == 0.0).all() and (seen_mean == 0.0).all(),
@@ -92,9 +99,13 @@ def check_structure(report, file, snap):
         kind = kind.encode() if isinstance(kind, str) else bytes(kind)
         report.check(kind == b"UnstructuredGrid", f"{name}: Type is {kind!r}")
         stored = group.attrs.get_id("Type").get_type() if "Type" in group.attrs else None
-        report.check(stored is not None and not stored.is_variable_str() and stored.get_size() == 16,
-                     f"{name}: Type is a string of 16 fixed characters")
-        report.check(list(np.ravel(group.attrs.get("Version", []))) == [1, 0], f"{name}: Version is 1.0")
+        report.check(
+            stored is not None and not stored.is_variable_str() and stored.get_size() == 16,
+            f"{name}: Type is a string of 16 fixed characters",
+        )
+        report.check(
+            list(np.ravel(group.attrs.get("Version", []))) == [1, 0], f"{name}: Version is 1.0"
+        )
         count = len(snap.points)
         for key in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):
             value = group[key][...].tolist() if key in group else None
@@ -151,7 +162,9 @@ def check_xdmf(report, vtk, file, wanted):
     key = vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()
     information = reader.GetOutputInformation(0)
     times = list(information.Get(key) or ()) if information else []
-    report.check(len(times) == len(wanted), f"{name}: {len(times)} time steps, {len(wanted)} snapshots")
+    report.check(
+        len(times) == len(wanted), f"{name}: {len(times)} time steps, {len(wanted)} snapshots"
+    )
     for seen, (time, parts) in zip(times, wanted):
         close = abs(seen - time) <= 1.0e-6 * max(abs(time), 1.0e-300)
         report.check(close, f"{name}: time {seen:.9g} s, {time:.9g} s written")
@@ -173,10 +186,15 @@ def load_vtk():
 def parser():
     """The command line."""
     result = argparse.ArgumentParser(
-        prog="check_files.py", description=__doc__.split("\n\n")[0],
-        epilog="Exit codes: 0 all agree, 1 something differs, 2 command line wrong, 3 file problem, "
-               "77 the package vtk is missing (what h5py alone can check did agree).")
-    result.add_argument("series", metavar="SERIES", help="CASE_p.hdf.series, a snapshot, or out/CASE")
+        prog="check_files.py",
+        description=__doc__.split("\n\n")[0],
+        epilog="Exit codes: 0 all agree, 1 something differs, 2 command line wrong, 3 file "
+        "problem, "
+        "77 the package vtk is missing (what h5py alone can check did agree).",
+    )
+    result.add_argument(
+        "series", metavar="SERIES", help="CASE_p.hdf.series, a snapshot, or out/CASE"
+    )
     result.add_argument("-v", "--verbose", action="store_true", help="print also what agrees")
     result.add_argument("--need-xdmf", action="store_true", help="a missing .xdmf is a difference")
     return result
@@ -208,7 +226,9 @@ def main():
         if os.path.exists(stem + ".vtkhdf"):
             for step, (time, parts) in enumerate(wanted):
                 found, cells = from_vtk(from_hdf(vtk, stem + ".vtkhdf", step))
-                compare(report, f"{os.path.basename(stem)}.vtkhdf at {time:.4g} s", parts, found, cells)
+                compare(
+                    report, f"{os.path.basename(stem)}.vtkhdf at {time:.4g} s", parts, found, cells
+                )
     print(f"{len(wanted)} snapshots: {report.agree} comparisons agree, {report.differ} differ"
           + ("" if vtk else "; VTK not asked, the package vtk is missing"))
     if report.differ:

@@ -15,8 +15,12 @@ from scree_post import PostError                         # noqa: E402
 
 ENERGY = {"total": "#111111", "kinetic": "#1f5a93", "internal": "#b3311b", "plastic": "#e08a1e",
           "viscous": "#2f7d3b", "lost_energy": "#8a8a8a", "external_work": "#6a4098"}
-ERRORS = {"total_error": ("#111111", "total energy"), "mass_error": ("#1f5a93", "mass"),
-          "momentum_error": ("#b3311b", "momentum"), "angular_momentum_error": ("#2f7d3b", "angular momentum")}
+ERRORS = {
+    "total_error": ("#111111", "total energy"),
+    "mass_error": ("#1f5a93", "mass"),
+    "momentum_error": ("#b3311b", "momentum"),
+    "angular_momentum_error": ("#2f7d3b", "angular momentum"),
+}
 AXES = ("#1f5a93", "#2f7d3b", "#b3311b")
 DASHES = {"total": "-", "lost_energy": (0, (4, 2)), "external_work": (0, (1, 1.2))}
 FLOOR = 1.0e-17          # errors below are drawn here: round-off of one number is 1e-16
@@ -59,8 +63,15 @@ def lines(axes, time, table, names, style):
         label = prefix + ("1" if unit == "1" and prefix else "" if unit == "1" else unit)
     for name in names:
         colour, dash, text = style(name)
-        axes.plot(time, factor * table[name], color=colour, linestyle=dash, linewidth=1.6, label=text,
-                  zorder=3 if name == "total" else 2)
+        axes.plot(
+            time,
+            factor * table[name],
+            color=colour,
+            linestyle=dash,
+            linewidth=1.6,
+            label=text,
+            zorder=3 if name == "total" else 2,
+        )
     return label
 
 
@@ -78,16 +89,18 @@ def errors(axes, time, table):
     for name, (colour, text) in ERRORS.items():
         if name in table:
             axes.semilogy(time, np.maximum(np.abs(table[name]), FLOOR), color=colour, linewidth=1.4,
-                          label=text)
+                          label=text if abs(table[name]).max() > 0.0 else f"{text} (zero)")
     low, high = axes.get_ylim()
     axes.set_ylim(0.3 * FLOOR if low < 1.0e-15 else low / 2.0, max(high * 2.0, 1.0e-13))
     axes.set_ylabel("relative error")
-    axes.set_title("Errors of the ledger", loc="left")
+    axes.set_title("Ledger", loc="left")
 
 
 def momenta(axes, time, table):
     """Components of the momentum, and what left through faces dashed."""
-    names = present(table, [stem + axis for stem in ("momentum_", "lost_momentum_") for axis in "xyz"])
+    names = present(
+        table, [stem + axis for stem in ("momentum_", "lost_momentum_") for axis in "xyz"]
+    )
     size = largest(table, names)
     names = [name for name in names if abs(table[name]).max() > 1.0e-9 * size]
     label = lines(axes, time, table, names, lambda n: (
@@ -111,7 +124,7 @@ def masses(axes, time, table):
         "#1f5a93" if n == "mass" else "#8a8a8a", "-" if n == "mass" else (0, (4, 2)),
         "in the domain" if n == "mass" else "left the domain"))
     axes.set_ylabel(f"mass [{label}]")
-    axes.set_ylim(bottom=0.0, top=1.12 * axes.get_ylim()[1])
+    axes.set_ylim(bottom=-0.02 * axes.get_ylim()[1])
     axes.set_title("Mass", loc="left")
 
 
@@ -136,9 +149,14 @@ def others(names):
 
 def panels(table):
     """The panels that the columns of the file allow, in the order of the page."""
-    wanted = [(energies, ENERGY), (errors, ERRORS), (momenta, ["momentum_" + axis for axis in "xyz"]),
-              (angular, ["angular_momentum_" + axis for axis in "xyz"]), (masses, ["mass"]),
-              (steps, ["dt"])]
+    wanted = [
+        (energies, ENERGY),
+        (errors, ERRORS),
+        (momenta, ["momentum_" + axis for axis in "xyz"]),
+        (angular, ["angular_momentum_" + axis for axis in "xyz"]),
+        (masses, ["mass"]),
+        (steps, ["dt"]),
+    ]
     found = [draw for draw, names in wanted
              if (any(name in table for name in names) if draw is errors else present(table, names))]
     known = {"time", "mass", "lost_mass", "dt", *ENERGY, *ERRORS, *BOOKKEEPING}
@@ -163,8 +181,13 @@ def picture(table, title):
     factor, unit = scree_post.scaled(float(np.abs(table["time"]).max()), "s")
     columns = min(2, len(draws))
     rows = (len(draws) + columns - 1) // columns
-    figure, grid = plot.subplots(rows, columns, figsize=(6.4 * columns, 3.5 * rows + 0.5), squeeze=False,
-                                 layout="constrained")
+    figure, grid = plot.subplots(
+        rows,
+        columns,
+        figsize=(6.4 * columns, 3.5 * rows + 0.5),
+        squeeze=False,
+        layout="constrained",
+    )
     cells = list(grid.ravel())
     for axes, draw in zip(cells, draws):
         draw(axes, factor * table["time"], table)
@@ -174,9 +197,15 @@ def picture(table, title):
         axes.spines[["top", "right"]].set_visible(False)
         axes.margins(x=0.0)
         if axes.get_legend_handles_labels()[1]:
-            handles = axes.get_legend_handles_labels()[0]
-            axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), handlelength=1.8,
-                        borderaxespad=0.3) if len(handles) > 3 else axes.legend(loc="best", handlelength=1.8)
+            count = len(axes.get_legend_handles_labels()[1])
+            axes.legend(
+                loc="lower right",
+                bbox_to_anchor=(1.0, 1.0),
+                borderaxespad=0.2,
+                handlelength=1.6,
+                columnspacing=1.2,
+                ncol=count if count <= 3 else (count + 1) // 2,
+            )
     for axes in cells[len(draws):]:
         axes.set_visible(False)
     figure.suptitle(title, fontweight="bold", fontsize=14)
@@ -185,10 +214,15 @@ def picture(table, title):
 
 def parser():
     """The command line."""
-    result = argparse.ArgumentParser(prog="history.py", description=__doc__.split("\n\n")[0],
-                                     epilog="Exit codes: 0 done, 2 command line wrong, 3 file problem.")
+    result = argparse.ArgumentParser(
+        prog="history.py",
+        description=__doc__.split("\n\n")[0],
+        epilog="Exit codes: 0 done, 2 command line wrong, 3 file problem.",
+    )
     result.add_argument("csv", metavar="CSV", help="CASE_history.csv")
-    result.add_argument("--out", metavar="PNG", help="picture (.png, .pdf, .svg); default beside the CSV")
+    result.add_argument(
+        "--out", metavar="PNG", help="picture (.png, .pdf, .svg); default beside the CSV"
+    )
     result.add_argument("--title", help="default: the name of the case")
     result.add_argument("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
     return result

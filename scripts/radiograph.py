@@ -28,16 +28,18 @@ TINTS = (("#b3311b", "#f0a36b"), ("#1f5a93", "#8fc1e3"), ("#2f7d3b", "#a8d8a0"),
          ("#6a4098", "#c8b0dd"), ("#7a5a12", "#dcc07a"), ("#444444", "#b5b5b5"))
 
 
-# --- the picture -------------------------------------------------------------------------------------
+# --- the picture ------------------------------------------------------------------------------
 
 def exposure(frame):
-    """Absorption [m2/kg], rounded to 1, 2, 5, that lets a quarter of the cloud darken the film by half."""
+    """Absorption [m2/kg], rounded to 1, 2, 5, at which a quarter of the cloud halves the light."""
     seen = frame.sigma[frame.sigma > 1.0e-3 * frame.sigma.max()] if frame.sigma.max() > 0.0 else []
     if len(seen) == 0:
         return 1.0
     wanted = math.log(2.0) / float(np.quantile(seen, 0.75))
     decade = 10.0 ** math.floor(math.log10(wanted))
-    return min((step * decade for step in (1.0, 2.0, 5.0, 10.0)), key=lambda mu: abs(math.log(mu / wanted)))
+    return min(
+        (step * decade for step in (1.0, 2.0, 5.0, 10.0)), key=lambda mu: abs(math.log(mu / wanted))
+    )
 
 
 def density_range(sigma, factor):
@@ -48,7 +50,7 @@ def density_range(sigma, factor):
 
 
 def shown_box(frames, floor, view):
-    """Horizontal range of each frame and common vertical range: where the film shows anything [m]."""
+    """Horizontal range of each frame and common vertical range, where anything is seen [m]."""
     ranges, low, high = [], math.inf, -math.inf
     for frame in frames:
         left, right, bottom, top = frame.box
@@ -68,16 +70,20 @@ def shown_box(frames, floor, view):
 
 
 class Picture:
-    """Places panels on a page: a column per frame, or the three kinds side by side for one frame."""
+    """Places panels on a page: a column per frame, or three kinds side by side for one frame."""
 
     def __init__(self, frames, title, options, common=None):
         self.plot = scree_post.pyplot()
         self.frames, self.title, self.options = frames, title, options
         self.mu = options["mu"] or exposure(frames[-1])
-        self.unit, self.factor = ("g/cm$^2$", 0.1) if options["unit"] == "g/cm2" else ("kg/m$^2$", 1.0)
+        self.unit, self.factor = (
+            ("g/cm$^2$", 0.1) if options["unit"] == "g/cm2" else ("kg/m$^2$", 1.0)
+        )
         self.range = common["range"] if common else density_range(frames[-1].sigma, self.factor)
         floor = self.range[0] / self.factor
-        self.spans, self.height = common["box"] if common else shown_box(frames, floor, options["view"])
+        self.spans, self.height = (
+            common["box"] if common else shown_box(frames, floor, options["view"])
+        )
         self.spans = self.spans[:1] * len(frames) if common else self.spans
         self.mu = common["mu"] if common else self.mu
         self.metres, self.length = scree_post.scaled(max(np.abs(self.height).max(), 1.0e-9), "m")
@@ -154,10 +160,20 @@ class Picture:
                 pick = (spot["body"] == body) & (spot["failed"] == failed)
                 wide = self.metres * np.clip(1.3 * spot["size"][pick], least, None)
                 place = self.metres * np.stack([spot["along"][pick], spot["across"][pick]], axis=1)
-                axes.add_collection(EllipseCollection(
-                    wide, wide, np.zeros(len(wide)), units="xy", offsets=place,
-                    offset_transform=axes.transData, facecolors=TINTS[body % len(TINTS)][int(failed)],
-                    linewidths=0.0, rasterized=True))
+                axes.add_collection(
+                    EllipseCollection(
+                        wide,
+                        wide,
+                        np.zeros(len(wide)),
+                        units="xy",
+                        offsets=place,
+                        offset_transform=axes.transData,
+                        facecolors=TINTS[body % len(TINTS)][int(failed)],
+                        linewidths=0.0,
+                        antialiaseds=False,
+                        rasterized=True,
+                    )
+                )
 
     def dress(self, axes, kind, number, lowest):
         """Ticks, labels and scale bar of a panel."""
@@ -210,11 +226,18 @@ class Picture:
             place = panel.get_position()
             x = 0.5 if self.lone else 0.5 * (place.x0 + place.x1)
             k, label = scree_post.scaled(abs(frame.speed), "m/s")
-            edge = f"leading edge {k * frame.speed:.2f} {label}" if math.isfinite(frame.speed) else ""
+            edge = (f"leading edge {k * abs(frame.speed):.2f} {label}"
+                    if math.isfinite(frame.speed) and frame.speed != 0.0 else "")
             gap = "     " if self.lone else "\n"
-            figure.text(x, place.y1 + (0.34 if self.lone else 0.36) / high,
-                        f"t = {factor * frame.time:.2f} {unit}{gap}{edge}", ha="center", va="bottom",
-                        fontsize=11, linespacing=1.25)
+            figure.text(
+                x,
+                place.y1 + (0.34 if self.lone else 0.36) / high,
+                f"t = {factor * frame.time:.2f} {unit}{gap}{edge}",
+                ha="center",
+                va="bottom",
+                fontsize=11,
+                linespacing=1.25,
+            )
 
     def headings(self, figure, panels, page, high):
         """Name of each row (or of each panel of a lone frame), colour bar and legend."""
@@ -224,8 +247,15 @@ class Picture:
         firsts = [next(axes for kind, axes in panels if kind == wanted) for wanted in range(3)]
         for axes, line in zip(firsts, words):
             place = axes.get_position()
-            figure.text(place.x0, place.y1 + 0.07 / high, line, ha="left", va="bottom", fontsize=10.5,
-                        color="#222222")
+            figure.text(
+                place.x0,
+                place.y1 + 0.07 / high,
+                line,
+                ha="left",
+                va="bottom",
+                fontsize=10.5,
+                color="#222222",
+            )
         place = [axes for kind, axes in panels if kind == 1][-1].get_position()
         if self.lone:
             slot = figure.add_axes((place.x0, 0.42 / high, place.x1 - place.x0, 0.13 / high))
@@ -239,8 +269,13 @@ class Picture:
     def legend(self, figure, place, high):
         """Colours of the bodies, below the lowest row."""
         from matplotlib.patches import Patch
-        seen = sorted({(int(b), bool(f)) for frame in self.frames
-                       for b, f in {*zip(frame.dots["body"].tolist(), frame.dots["failed"].tolist())}})
+        seen = sorted(
+            {
+                (int(b), bool(f))
+                for frame in self.frames
+                for b, f in {*zip(frame.dots["body"].tolist(), frame.dots["failed"].tolist())}
+            }
+        )
         names = self.frames[0].names
         patches = []
         for body, failed in seen:
@@ -267,10 +302,12 @@ def mass_under(frame, along, across):
 def scale_bar(longest):
     """Longest of 1, 2, 5 times a power of ten that is not longer."""
     decade = 10.0 ** math.floor(math.log10(longest))
-    return max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= longest * (1.0 + 1.0e-9))
+    return max(
+        step * decade for step in (1.0, 2.0, 5.0) if step * decade <= longest * (1.0 + 1.0e-9)
+    )
 
 
-# --- from the command line ---------------------------------------------------------------------------
+# --- from the command line --------------------------------------------------------------------
 
 def choose(frames, arguments):
     """The snapshots asked for: by time, the last, or a number of them spread evenly over time."""
@@ -280,7 +317,9 @@ def choose(frames, arguments):
     wanted = arguments.time
     if wanted is None:
         count = arguments.frames
-        wanted = [1.0e6 * (times[0] + (times[-1] - times[0]) * k / count) for k in range(1, count + 1)]
+        wanted = [
+            1.0e6 * (times[0] + (times[-1] - times[0]) * k / count) for k in range(1, count + 1)
+        ]
     nearest = {int(np.argmin(np.abs(times - 1.0e-6 * time))) for time in wanted}
     return [frames[index] for index in sorted(nearest)]
 
@@ -307,7 +346,9 @@ def encode(pages, path, rate):
         (image,) = scree_post.modules("PIL.Image")
         stills = [image.fromarray(page[..., :3]).quantize(256) for page in pages]
         try:
-            stills[0].save(path, save_all=True, append_images=stills[1:], duration=int(1000 / rate), loop=0)
+            stills[0].save(
+                path, save_all=True, append_images=stills[1:], duration=int(1000 / rate), loop=0
+            )
         except OSError as error:
             raise PostError(f"cannot write {path}: {error.strerror or error}") from error
         return
@@ -340,8 +381,6 @@ def encoder():
 
 def movie(frames, make, title, options, arguments):
     """A film of all snapshots, each page in the ranges of the last one."""
-    if os.path.splitext(arguments.movie)[1].lower() not in (".gif", ".mp4"):
-        raise PostError(f"--movie {arguments.movie}: write a .gif or .mp4", scree_post.EXIT_USAGE)
     ends = Picture([make(frames[0][1]), make(frames[-1][1])], title, options).common()
 
     def pages():
@@ -358,20 +397,42 @@ def movie(frames, make, title, options, arguments):
 
 def parser():
     """The command line."""
-    result = argparse.ArgumentParser(prog="radiograph.py", description=__doc__.split("\n\n")[0],
-                                     epilog="Exit codes: 0 done, 2 command line wrong, 3 file problem.")
+    result = argparse.ArgumentParser(
+        prog="radiograph.py",
+        description=__doc__.split("\n\n")[0],
+        epilog="Exit codes: 0 done, 2 command line wrong, 3 file problem.",
+    )
     add = result.add_argument
-    add("source", metavar="SERIES_OR_SNAPSHOT", help="CASE_p.hdf.series, CASE_p_000012.hdf or out/CASE")
-    add("--out", metavar="PNG", help="picture (.png, .pdf, .svg); default CASE_radiograph.png beside it")
+    add(
+        "source",
+        metavar="SERIES_OR_SNAPSHOT",
+        help="CASE_p.hdf.series, CASE_p_000012.hdf or out/CASE",
+    )
+    add(
+        "--out",
+        metavar="PNG",
+        help="picture (.png, .pdf, .svg); default CASE_radiograph.png beside it",
+    )
     which = result.add_mutually_exclusive_group()
     which.add_argument("--time", type=float, nargs="+", metavar="T", help="nearest snapshots [us]")
     which.add_argument("--last", action="store_true", help="the last snapshot only")
     which.add_argument("--frames", type=int, default=4, metavar="N", help="number of frames (4)")
     add("--axis", choices=("x", "y"), default="y", help="line of sight (y); 3-D only")
-    add("--pixel", type=float, metavar="MM", help="size of a pixel [mm]; default: 700 over the cloud")
+    add(
+        "--pixel",
+        type=float,
+        metavar="MM",
+        help="size of a pixel [mm]; default: 700 over the cloud",
+    )
     add("--mu", type=float, metavar="MU", help="absorption [m2/kg]; default: chosen for contrast")
     add("--unit", choices=("kg/m2", "g/cm2"), default="kg/m2", help="of the areal density (kg/m2)")
-    add("--view", type=float, nargs=4, metavar=("ZLO", "ZHI", "VLO", "VHI"), help="part to show [mm]")
+    add(
+        "--view",
+        type=float,
+        nargs=4,
+        metavar=("ZLO", "ZHI", "VLO", "VHI"),
+        help="part to show [mm]",
+    )
     add("--title", help="default: the title of the run")
     add("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
     add("--movie", metavar="FILE", help="also a film of all snapshots, .gif or .mp4")
@@ -387,6 +448,8 @@ def checked_arguments():
         value = getattr(arguments, name)
         if value is not None and not (math.isfinite(value) and value > 0):
             command.error(f"--{name} must be above 0")
+    if arguments.movie and os.path.splitext(arguments.movie)[1].lower() not in (".gif", ".mp4"):
+        command.error(f"--movie {arguments.movie}: write a .gif or .mp4")
     view = arguments.view
     if view and not (view[0] < view[1] and view[2] < view[3]):
         command.error("--view wants ZLO < ZHI and VLO < VHI")
@@ -402,7 +465,9 @@ def main():
     pixel = 1.0e-3 * arguments.pixel if arguments.pixel else default_pixel(last)
     options = {"mu": arguments.mu, "unit": arguments.unit, "towards": flight(last),
                "view": [1.0e-3 * edge for edge in arguments.view] if arguments.view else None}
-    title = arguments.title or str(last.provenance.get("title") or last.provenance.get("case") or "")
+    title = arguments.title or str(
+        last.provenance.get("title") or last.provenance.get("case") or ""
+    )
 
     def make(file):
         snap = scree_post.snapshot(file, FIELDS)
@@ -412,8 +477,11 @@ def main():
     print(f"{'time [us]':>10} {'front [mm]':>11} {'speed [m/s]':>12} {'particles [kg]':>15} "
           f"{'image [kg]':>13} {'difference':>11}")
     for frame in chosen:
-        print(f"{1e6 * frame.time:10.3f} {1e3 * frame.front:11.3f} {frame.speed:12.1f} {frame.mass:15.8e} "
-              f"{frame.sigma.sum() * frame.pixel ** 2:13.6e} {frame.mass_error:11.1e}")
+        print(
+            f"{1e6 * frame.time:10.3f} {1e3 * frame.front:11.3f} {frame.speed:12.1f} "
+            f"{frame.mass:15.8e} "
+            f"{frame.sigma.sum() * frame.pixel ** 2:13.6e} {frame.mass_error:11.1e}"
+        )
     stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
     out = arguments.out or os.path.join(os.path.dirname(source) or ".", f"{stem}_radiograph.png")
     scree_post.save(Picture(chosen, title, options).draw(), out, arguments.dpi)

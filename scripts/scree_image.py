@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Areal density of a snapshot along a line of sight.
 
-Every particle is spread over a tent as wide as its present size, and the tent is integrated exactly
-over the pixels, so the image holds the mass of the particles to round-off. In axisymmetry the mass is
-first spread in (r, z) and every thin annulus is then projected exactly (Abel transform of a uniform
-annulus, integrated over the pixels), so no caustic noise appears. 3-D models are mirrored at their
-planes of symmetry.
+Every particle is spread over a tent as wide as its present size, and the tent is integrated
+exactly over the pixels, so the image holds the mass of the particles to round-off. In axisymmetry
+the mass is first spread in (r, z) and every thin annulus is then projected exactly (Abel transform
+of a uniform annulus, integrated over the pixels), so no caustic noise appears. 3-D models are
+mirrored at their planes of symmetry.
 """
+
 import math
 from dataclasses import dataclass
 
@@ -58,7 +59,7 @@ def tent_weights(position, half, low, pixel, count, radial):
     total, moment = tent_moments((low + index * pixel - position[:, None]) / half[:, None])
     weight = np.diff(total, axis=1)
     index = index[:, :-1]
-    if radial:                                           # low is 0 here; what passes the axis folds back
+    if radial:  # low is 0 here; what passes the axis folds back
         weight = position[:, None] * weight + half[:, None] * np.diff(moment, axis=1)
         weight = np.where(index < 0, -weight, weight)
         weight /= weight.sum(axis=1, keepdims=True)
@@ -75,10 +76,10 @@ def deposit(points, mass, half, low, pixel, shape, radial=False):
     image = np.zeros(shape[0] * shape[1])
     if len(mass) == 0:
         return image.reshape(shape)
-    foot = [np.ceil(2.0 * half / p).astype(np.int64) + 1 for p in pixel]
+    foot = [np.ceil(2.0 * half / pixel[d]).astype(np.int64) + 1 for d in (0, 1)]
     order = np.argsort(foot[0], kind="stable")
     begin = 0
-    while begin < len(order):                            # chunks of particles of about the same size
+    while begin < len(order):  # chunks of particles of about the same size
         span = max(foot[0][order[begin]], 4)
         end = begin + int(np.searchsorted(foot[0][order[begin:]], 1.5 * span, side="right"))
         end = min(max(end, begin + 1), begin + max(1, int(2.0e6 / (1.5 * span) ** 2)))
@@ -98,8 +99,8 @@ def deposit(points, mass, half, low, pixel, shape, radial=False):
 def annulus_projection(radius_edges, edges):
     """Share of the mass of each uniform annulus that projects onto each pixel (annulus, pixel).
 
-    Integral of the Abel transform of a ring, m / (pi sqrt(r2 - x2)), over the annulus and the pixel:
-    the disc of radius r has the share (asin u + u sqrt(1 - u2)) / pi between the axis and x = u r.
+    Integral of the Abel transform of a ring, m / (pi sqrt(r2 - x2)), over annulus and pixel: a disc
+    of radius r has the share (asin u + u sqrt(1 - u2)) / pi between the axis and x = u r.
     """
     outer = radius_edges[:, None]
     u = np.clip(edges[None, :] / np.where(outer > 0.0, outer, 1.0), -1.0, 1.0)
@@ -126,10 +127,12 @@ def mirrored(snap, positions, *others):
             raise PostError(f"{snap.file}: unknown symmetry face '{face}' in /provenance")
         axis = "xyz".index(face[0])
         if snap.dimension != "3d" and axis == 1 or snap.dimension == "axisymmetric" and axis == 0:
-            continue                                     # not a direction of this model, or its axis
+            continue  # not a direction of this model, or its axis
         plane = snap.provenance.get(f"grid_{face[1:]}")
         if plane is None and face[1:] == "hi":
-            raise PostError(f"{snap.file}: symmetry at {face} needs the attribute grid_hi of /provenance")
+            raise PostError(
+                f"{snap.file}: symmetry at {face} needs the attribute grid_hi of /provenance"
+            )
         plane = 0.0 if plane is None else float(np.ravel(plane)[axis])
         image = positions.copy()
         image[:, axis] = 2.0 * plane - image[:, axis]
@@ -141,7 +144,9 @@ def mirrored(snap, positions, *others):
 def checked(snap):
     """Mass and velocity of a snapshot that can be drawn."""
     if snap.dimension == "1d":
-        raise PostError(f"{snap.file}: a one-dimensional run has no radiograph", scree_post.EXIT_USAGE)
+        raise PostError(
+            f"{snap.file}: a one-dimensional run has no radiograph", scree_post.EXIT_USAGE
+        )
     snap.need("mass", "volume", "velocity")
     if not (np.isfinite(snap.fields["mass"]).all() and np.isfinite(snap.points).all()):
         raise PostError(f"{snap.file}: mass or position is not a number in some particles")
@@ -174,7 +179,9 @@ def radiograph(snap, pixel, sight="y", towards=1.0):
     if round_model and (snap.points[:, 0] < 0.0).any():
         raise PostError(f"{snap.file}: axisymmetric particles at a negative radius")
     positions, mass, size, rows = mirrored(snap, snap.points, mass, size, rows)
-    half = np.maximum(size, pixel)
+    # No widening to a pixel: the tents are integrated over the pixels, and tents as wide as the
+    # spacing of the particles add up to an even density, wider ones do not.
+    half = np.maximum(size, 1.0e-3 * pixel)
     along, across = positions[:, 2], positions[:, side]
     reach = float(half.max()) if len(half) else pixel
     left, right = grid_range(along - half, along + half, pixel)
@@ -189,17 +196,28 @@ def radiograph(snap, pixel, sight="y", towards=1.0):
     if round_model:
         rings = deposit((along, across), mass, half, (left * pixel, 0.0), (pixel, 0.5 * pixel),
                         (2 * high, shape[1]), radial=True)
-        share = annulus_projection(0.5 * pixel * np.arange(2 * high + 1), pixel * np.arange(high + 1))
+        share = annulus_projection(
+            0.5 * pixel * np.arange(2 * high + 1), pixel * np.arange(high + 1)
+        )
         right_half = share.T @ rings
         image = np.concatenate([right_half[::-1], right_half])
     else:
-        image = deposit((along, across), mass, half, (left * pixel, low * pixel), (pixel, pixel), shape)
+        image = deposit(
+            (along, across), mass, half, (left * pixel, low * pixel), (pixel, pixel), shape
+        )
     front, speed = leading_edge(along, mass, velocity[rows, 2], towards)
-    return Frame(time=snap.time, sigma=image / pixel ** 2, pixel=pixel, mass=float(mass.sum()),
-                 box=(left * pixel, right * pixel, low * pixel, high * pixel), front=front, speed=speed,
-                 dots=dots(snap, positions, size, rows, side),
-                 names=[body.get("name", "") for body in snap.bodies],
-                 vertical="r" if round_model else "xy"[side])
+    return Frame(
+        time=snap.time,
+        sigma=image / pixel**2,
+        pixel=pixel,
+        mass=float(mass.sum()),
+        box=(left * pixel, right * pixel, low * pixel, high * pixel),
+        front=front,
+        speed=speed,
+        dots=dots(snap, positions, size, rows, side),
+        names=[body.get("name", "") for body in snap.bodies],
+        vertical="r" if round_model else "xy"[side],
+    )
 
 
 def grid_range(lows, highs, pixel):

@@ -35,8 +35,10 @@ def modules(*names):
     try:
         return [importlib.import_module(name) for name in names]
     except ImportError as error:
-        raise PostError(f"Python package '{error.name}' is missing; scripts/setup.sh installs it in "
-                        "build/venv, then use build/venv/bin/python") from error
+        raise PostError(
+            f"Python package '{error.name}' is missing; scripts/setup.sh installs it in "
+            "build/venv, then use build/venv/bin/python"
+        ) from error
 
 
 def pyplot():
@@ -89,13 +91,15 @@ def series_file(path):
         found = sorted(name for name in os.listdir(path) if name.endswith("_p.hdf.series"))
         if len(found) == 1:
             return os.path.join(path, found[0])
-        raise PostError(f"{path}: {len(found) or 'no'} particle series (*_p.hdf.series) in this folder, "
-                        "name the file")
+        raise PostError(
+            f"{path}: {len(found) or 'no'} particle series (*_p.hdf.series) in this folder, "
+            "name the file"
+        )
     return path
 
 
 def series(path):
-    """List of (time [s], file) of a .series file, a single snapshot, or a folder with one series."""
+    """List of (time [s], file) of a .series file, a snapshot, or a folder with one series."""
     path = readable(series_file(path))
     if not path.endswith(".series"):
         return [(snapshot_time(path), path)]
@@ -105,7 +109,9 @@ def series(path):
         folder = os.path.dirname(os.path.abspath(path))
         frames = [(float(entry["time"]), os.path.join(folder, entry["name"])) for entry in entries]
     except (ValueError, KeyError, TypeError) as error:
-        raise PostError(f"{path} is not a snapshot series: {type(error).__name__}: {error}") from error
+        raise PostError(
+            f"{path} is not a snapshot series: {type(error).__name__}: {error}"
+        ) from error
     except OSError as error:
         raise PostError(f"cannot read {path}: {error.strerror}") from error
     if not frames:
@@ -152,8 +158,10 @@ class Snapshot:
         """The named fields, or a message naming those that the file does not hold."""
         missing = [name for name in names if name not in self.fields]
         if missing:
-            raise PostError(f"{self.file}: no field {', '.join(missing)}; write it with &output fields "
-                            f"(there are: {', '.join(sorted(self.fields)) or 'none'})")
+            raise PostError(
+                f"{self.file}: no field {', '.join(missing)}; write it with &output fields "
+                f"(there are: {', '.join(sorted(self.fields)) or 'none'})"
+            )
         return [self.fields[name] for name in names]
 
 
@@ -162,7 +170,9 @@ def _open(path):
     try:
         handle = h5py.File(readable(path), "r")
     except OSError as error:
-        reason = "still being written" if "lock" in str(error).lower() else "not HDF5, or cut short"
+        reason = (
+            "still being written" if "unable to lock" in str(error) else "not HDF5, or cut short"
+        )
         raise PostError(f"cannot open {path}: {reason}") from error
     if "VTKHDF/Points" not in handle:
         handle.close()
@@ -197,7 +207,7 @@ def _bodies(handle):
 
 
 def snapshot(file, names=None):
-    """Read a snapshot: points, fields (all, or those named and present), units, bodies, provenance."""
+    """Read a snapshot: points, fields (all, or those named), units, bodies, provenance."""
     with _open(file) as handle:
         try:
             data = handle.get("VTKHDF/PointData", {})
@@ -223,7 +233,7 @@ def snapshot(file, names=None):
 
 
 class History(dict):
-    """Columns of a history by name, without the unit; `units` holds the units, `order` the names."""
+    """Columns of a history by name; `units` holds the units, `order` the names."""
 
     def __init__(self):
         super().__init__()
@@ -238,7 +248,9 @@ def history(file):
         with open(readable(file), newline="", encoding="utf-8") as handle:
             rows = [row for row in csv.reader(handle) if row and not row[0].startswith("#")]
     except (UnicodeDecodeError, csv.Error) as error:
-        raise PostError(f"{file} is not a history: not a text file of comma separated values") from error
+        raise PostError(
+            f"{file} is not a history: not a text file of comma separated values"
+        ) from error
     if not rows or not any(cell.strip().startswith("time") for cell in rows[0]):
         raise PostError(f"{file} is not a history: its first line names no column 'time [s]'")
     head, body = rows[0], rows[1:]
@@ -261,11 +273,13 @@ def history(file):
 
 def scaled(largest, unit):
     """Factor and label that make numbers of this size readable, such as (1e6, "µs")."""
-    steps = {"s": ((1.0, 1.0, "s"), (1.0e-3, 1.0e3, "ms"), (1.0e-6, 1.0e6, "µs"), (0.0, 1.0e9, "ns")),
-             "m": ((0.5, 1.0, "m"), (5.0e-4, 1.0e3, "mm"), (0.0, 1.0e6, "µm")),
-             "J": ((1.0e6, 1.0e-6, "MJ"), (1.0e3, 1.0e-3, "kJ"), (1.0, 1.0, "J"), (0.0, 1.0e3, "mJ")),
-             "kg": ((1.0, 1.0, "kg"), (1.0e-3, 1.0e3, "g"), (0.0, 1.0e6, "mg")),
-             "m/s": ((1.0e3, 1.0e-3, "km/s"), (0.0, 1.0, "m/s"))}
+    steps = {
+        "s": ((1.0, 1.0, "s"), (1.0e-3, 1.0e3, "ms"), (1.0e-6, 1.0e6, "µs"), (0.0, 1.0e9, "ns")),
+        "m": ((0.5, 1.0, "m"), (5.0e-4, 1.0e3, "mm"), (0.0, 1.0e6, "µm")),
+        "J": ((1.0e6, 1.0e-6, "MJ"), (1.0e3, 1.0e-3, "kJ"), (1.0, 1.0, "J"), (0.0, 1.0e3, "mJ")),
+        "kg": ((1.0, 1.0, "kg"), (1.0e-3, 1.0e3, "g"), (0.0, 1.0e6, "mg")),
+        "m/s": ((1.0e3, 1.0e-3, "km/s"), (0.0, 1.0, "m/s")),
+    }
     if unit == "s" and largest >= 1.0e-6:                # impacts are told in microseconds
         return (1.0e6, "µs") if largest < 1.0e-3 else scaled_step(steps[unit], largest)
     return scaled_step(steps.get(unit, ((0.0, 1.0, unit),)), largest)

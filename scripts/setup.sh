@@ -27,6 +27,7 @@ for argument in "$@"; do
 done
 
 missing=()
+drawing=()
 
 # Note a package if a command is not there: need_command COMMAND PACKAGE
 need_command() {
@@ -80,13 +81,30 @@ collect_missing() {
    fi
 }
 
+# VTK loads these when it draws without a screen. The pictures of scripts/run.sh do without, so
+# they are taken along where possible and are no reason to stop.
+collect_drawing() {
+   local package
+   drawing=()
+   [[ "${with_python}" == yes ]] && command -v dpkg-query > /dev/null 2>&1 || return 0
+   for package in libegl1 libgl1 libxrender1; do
+      is_installed "${package}" || drawing+=("${package}")
+   done
+}
+
+# Sudo is of use if it needs no password, or if somebody is there to type it.
+may_use_sudo() {
+   command -v sudo > /dev/null 2>&1 || return 1
+   [[ -t 0 ]] || sudo -n true 2> /dev/null
+}
+
 install_missing() {
    # Ninja is faster than make: take it along when something is installed anyway.
-   command -v ninja > /dev/null 2>&1 || missing+=(ninja-build)
+   command -v ninja > /dev/null 2>&1 || drawing+=(ninja-build)
    local as_root=()
    if [[ "$(id -u)" != 0 ]]; then
       as_root=(sudo)
-      if ! command -v sudo > /dev/null 2>&1 || { [[ ! -t 0 ]] && ! sudo -n true 2> /dev/null; }; then
+      if ! may_use_sudo; then
          stop_with 3 "packages are missing and can only be installed by root; please run
    apt-get install ${missing[*]}"
       fi
@@ -95,6 +113,7 @@ install_missing() {
       stop_with 3 "this system has no apt-get; please install what these Debian packages hold:
    ${missing[*]}"
    fi
+   missing+=("${drawing[@]}")
    say "Installing: ${missing[*]}"
    "${as_root[@]}" apt-get update -qq || say "The list of packages could not be renewed."
    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
@@ -123,7 +142,8 @@ setup_python() {
 }
 
 collect_missing
-if ((${#missing[@]} > 0)); then
+collect_drawing
+if ((${#missing[@]} > 0)) || { ((${#drawing[@]} > 0)) && [[ "$(id -u)" == 0 ]]; }; then
    install_missing
    hash -r
    collect_missing

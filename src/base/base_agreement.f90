@@ -18,28 +18,28 @@ contains
       type(communicator_t), intent(in) :: communicator       !! The ranks
       type(error_t), allocatable, intent(inout) :: error     !! Own error in, common error out
       integer(int64), allocatable :: codes(:), letters(:), whole(:)
+      integer(int64) :: own(1)
       character(len=:), allocatable :: message
       character(len=12) :: label
       integer :: letter, speaker
 
       if (communicator%size == 1) return
-      if (allocated(error)) then
-         call communicator%gather([int(error%code, int64)], codes)
-      else
-         call communicator%gather([-1_int64], codes)
-      end if
+      own = -1
+      if (allocated(error)) own = error%code
+      call communicator%gather(own, codes)
       if (all(codes < 0)) return
       speaker = 0
       do while (codes(speaker + 1) < 0)
          speaker = speaker + 1
       end do
-      allocate (letters(0))
-      if (communicator%rank == speaker) then
-         message = error%message
-         letters = [(int(iachar(message(letter:letter)), int64), letter=1, len(message))]
-      end if
+      message = ""
+      if (communicator%rank == speaker) message = error%message
+      allocate (letters(len(message)))
+      do letter = 1, len(message)
+         letters(letter) = iachar(message(letter:letter))
+      end do
       call communicator%gather(letters, whole)
-      if (allocated(message)) deallocate (message)
+      deallocate (message)
       allocate (character(len=size(whole)) :: message)
       do letter = 1, size(whole)
          message(letter:letter) = achar(int(whole(letter)))

@@ -8,7 +8,7 @@ module base_hash
    implicit none
    private
 
-   public :: digest_text, hash_reals, hash_text, hash_wholes, mix
+   public :: add_hash, digest_text, hash_reals, hash_text, hash_wholes, mix
 
    !> Odd numbers of the splitmix64 generator.
    integer(int64), parameter :: golden = int(z"9E3779B97F4A7C15", int64)
@@ -30,6 +30,15 @@ contains
       mixed = ieor(mixed, shiftr(mixed, 27))*second_factor
       mixed = ieor(mixed, shiftr(mixed, 31))
    end function mix
+
+   !> Sum of two hashes, wrapped round.
+   elemental function add_hash(first, second) result(hash)
+      integer(int64), intent(in) :: first               !! One hash
+      integer(int64), intent(in) :: second              !! Another one
+      integer(int64) :: hash
+
+      hash = first + second
+   end function add_hash
 
    !> Hash of a text, blanks at its end included.
    pure function hash_text(text) result(hash)

@@ -33,7 +33,7 @@ module ddmp_dual
 contains
 
    !> Compute the integrals of products of the node functions and their gradients.
-   pure subroutine dual_start(self, grid)
+   subroutine dual_start(self, grid)
       class(dual_t), intent(out) :: self             !! The integrals
       type(grid_t), intent(in) :: grid               !! The grid
       real(wp) :: line(0:1, 3), mass(0:1, 0:1, 3), value
@@ -124,8 +124,8 @@ contains
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
-      real(wp), contiguous, intent(in) :: stress(:, :) !! (node, 9) (k, l) in column k + 3 (l - 1) [Pa]
-      real(wp), contiguous, intent(inout) :: patch(:, :) !! (node, 3) [N]
+      real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
       real(wp) :: force(lanes, 3), s(3)
       integer :: cell, i, j, k, direction, node, base, column
 
@@ -138,9 +138,9 @@ contains
             if (.not. grid%active(direction)) cycle
             do j = 1, lanes
                node = base + grid%lane_offset(j)
-               s(1) = weight(cell)*stress(node, 3*direction - 2)
-               s(2) = weight(cell)*stress(node, 3*direction - 1)
-               s(3) = weight(cell)*stress(node, 3*direction)
+               s(1) = weight(cell)*stress(3*direction - 2, node)
+               s(2) = weight(cell)*stress(3*direction - 1, node)
+               s(3) = weight(cell)*stress(3*direction, node)
                do i = 1, lanes
                   force(i, 1) = force(i, 1) - s(1)*self%force(i, j, direction, column)
                   force(i, 2) = force(i, 2) - s(2)*self%force(i, j, direction, column)
@@ -148,10 +148,10 @@ contains
                end do
             end do
          end do
-         do k = 1, 3
-            do i = 1, lanes
-               node = base + grid%lane_offset(i)
-               patch(node, k) = patch(node, k) + force(i, k)
+         do i = 1, lanes
+            node = base + grid%lane_offset(i)
+            do k = 1, 3
+               patch(k, node) = patch(k, node) + force(i, k)
             end do
          end do
       end do
@@ -163,8 +163,8 @@ contains
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
-      real(wp), contiguous, intent(in) :: velocity(:, :) !! (node, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :) !! (node, 9) (k, l) in column k + 3 (l - 1)
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
       real(wp) :: gradient(lanes, 9), u(3)
       integer :: cell, i, j, k, direction, node, base, column
 
@@ -175,9 +175,9 @@ contains
          gradient = 0.0_wp
          do i = 1, lanes
             node = base + grid%lane_offset(i)
-            u(1) = weight(cell)*velocity(node, 1)
-            u(2) = weight(cell)*velocity(node, 2)
-            u(3) = weight(cell)*velocity(node, 3)
+            u(1) = weight(cell)*velocity(1, node)
+            u(2) = weight(cell)*velocity(2, node)
+            u(3) = weight(cell)*velocity(3, node)
             do direction = 1, 3
                if (.not. grid%active(direction)) cycle
                do j = 1, lanes
@@ -190,10 +190,10 @@ contains
                end do
             end do
          end do
-         do k = 1, 9
-            do j = 1, lanes
-               node = base + grid%lane_offset(j)
-               patch(node, k) = patch(node, k) + gradient(j, k)
+         do j = 1, lanes
+            node = base + grid%lane_offset(j)
+            do k = 1, 9
+               patch(k, node) = patch(k, node) + gradient(j, k)
             end do
          end do
       end do

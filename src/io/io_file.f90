@@ -5,22 +5,23 @@
 !! this goes to the C library. All of it concerns the calling rank alone.
 module io_file
    use base_error, only: error_t, exit_file, fail
-   use base_kinds, only: int64
+   use base_kinds, only: int64, wp
    use io_libc, only: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, c_open, &
-      c_read, c_rename, c_truncate, c_unlink, c_write, failure_number, failure_text, folder_entries
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int32_t, c_loc, c_null_char, c_size_t
+      c_read, c_rename, c_truncate, c_unlink, c_write, failure_number, failure_text, &
+      folder_entries, longest_name
+   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_loc, c_null_char, c_size_t
    implicit none
    private
 
-   public :: file_exists, file_size, folder_of, join_path, list_folder, make_folder, name_of, &
-      output_file_t, read_file, remove_file, rename_file, reserve_file, sync_file, sync_folder, &
-      truncate_file, write_file
+   public :: file_exists, file_size, folder_of, join_path, list_folder, longest_name, make_folder, &
+      name_of, output_file_t, read_file, remove_file, rename_file, reserve_file, sync_file, &
+      sync_folder, truncate_file, write_file
 
+   integer, parameter, public :: longest_path = 1024     !! Letters of a path with folder
    integer(c_int32_t), parameter :: file_mode = int(o"666", c_int32_t)
    integer(c_int32_t), parameter :: folder_mode = int(o"777", c_int32_t)
    integer(c_int), parameter :: exists_mode = 0, write_only = 1, read_only = 0
    integer(c_int), parameter :: append_to = 1024         !! O_APPEND of Linux
-   integer(c_int), parameter :: already_there = 17       !! EEXIST
    integer(c_int), parameter :: not_there = 2            !! ENOENT
    integer(c_int), parameter :: no_such_call = 38, not_supported = 95 !! ENOSYS, EOPNOTSUPP
 
@@ -120,7 +121,8 @@ contains
          if (path(last:last) == "/") cycle
          if (file_exists(path(:last)//"/")) cycle
          if (c_mkdir(path(:last)//c_null_char, folder_mode) == 0) cycle
-         if (failure_number() == already_there .and. file_exists(path(:last)//"/.")) cycle
+         ! Another program may have made it just now.
+         if (file_exists(path(:last)//"/")) cycle
          call fail_path(error, "make the folder", path(:last))
          return
       end do
@@ -191,7 +193,7 @@ contains
       integer(int64), intent(in) :: bytes                !! Space it may need [byte]
       type(error_t), allocatable, intent(out) :: error   !! There is not that much space
       character(len=24) :: megabytes
-      integer(c_int) :: descriptor, status
+      integer(c_int) :: descriptor, reason, status
 
       if (file_exists(path)) then
          descriptor = c_open(path//c_null_char, write_only, file_mode)
@@ -203,8 +205,9 @@ contains
          return
       end if
       if (c_fallocate(descriptor, 0_c_int, 0_int64, bytes) /= 0) then
-         if (failure_number() /= not_supported .and. failure_number() /= no_such_call) then
-            write (megabytes, "(f24.1)") real(bytes)/1.0e6
+         reason = failure_number()
+         if (reason /= not_supported .and. reason /= no_such_call) then
+            write (megabytes, "(f24.3)") 1.0e-6_wp*real(bytes, wp)
             call fail_path(error, "reserve "//trim(adjustl(megabytes))//" MB for", path)
          end if
       end if
@@ -216,7 +219,7 @@ contains
       character(len=*), intent(in) :: folder             !! Folder
       character(len=*), intent(in) :: prefix             !! What names begin with
       character(len=*), intent(in) :: suffix             !! What they end with
-      character(len=:), allocatable, intent(out) :: names(:) !! Filled with blanks
+      character(len=longest_name), allocatable, intent(out) :: names(:) !! Filled with blanks
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       logical :: readable
 
@@ -294,13 +297,13 @@ contains
       class(output_file_t), intent(in) :: self           !! The file
       character(len=*), intent(in) :: text               !! Line ends included
       type(error_t), allocatable, intent(out) :: error   !! Not all was written
-      character(len=1, kind=c_char), allocatable, target :: letters(:)
+      character(len=:), allocatable, target :: letters
       integer(c_size_t) :: done, got
 
-      letters = transfer(text, letters, len(text))
+      letters = text
       done = 0
       do while (done < len(text))
-         got = c_write(self%descriptor, c_loc(letters(done + 1)), len(text) - done)
+         got = c_write(self%descriptor, c_loc(letters(done + 1:done + 1)), len(text) - done)
          if (got <= 0) then
             call fail_path(error, "write", self%path)
             return

@@ -10,7 +10,7 @@ module io_libc
       c_rename, c_truncate, c_unlink, c_write, clear_failure, failure_number, failure_text, &
       folder_entries
 
-   integer, parameter :: longest_name = 255              !! Longest file name
+   integer, parameter, public :: longest_name = 255              !! Longest file name
    integer, parameter :: name_offset = 19                !! Bytes before the name in a dirent
 
    interface
@@ -203,7 +203,7 @@ contains
       character(len=*), intent(in) :: folder              !! Folder
       character(len=*), intent(in) :: prefix              !! What names begin with
       character(len=*), intent(in) :: suffix              !! What they end with
-      character(len=:), allocatable, intent(out) :: names(:) !! Filled with blanks
+      character(len=longest_name), allocatable, intent(out) :: names(:) !! Filled with blanks
       logical, intent(out) :: readable                    !! The folder could be read
       character(len=longest_name), allocatable :: found(:), larger(:)
       character(len=:), allocatable :: name
@@ -230,7 +230,7 @@ contains
          end do
          status = c_closedir(stream)
       end if
-      allocate (character(len=longest_name) :: names(count))
+      allocate (names(count))
       names(:) = found(:count)
    end subroutine folder_entries
 

@@ -14,8 +14,8 @@ module eos_mie_gruneisen
 
    public :: eos_mie_gruneisen_t
 
-   !> Beyond this share of the greatest compression 1/s the Hugoniot goes on along its tangent, as
-   !! 1 - s eta would come too close to 0.
+   !> Beyond this share of the greatest compression 1/s the cold pressure goes on along its tangent,
+   !! as 1 - s eta would come too close to 0.
    real(wp), parameter :: share_of_limit = 0.9_wp
    !> The sound speed is not let fall below this share of c0, in states that no matter reaches.
    real(wp), parameter :: least_sound = 0.1_wp
@@ -87,7 +87,7 @@ contains
       real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
-      real(wp) :: bulk, most, ratio, eta, clipped, reserve, hugoniot, tangent, cold
+      real(wp) :: bulk, most, ratio, eta, clipped, reserve, tangent, cold
       integer :: i, k
 
       bulk = density*sound**2
@@ -98,16 +98,14 @@ contains
          eta = 1.0_wp - ratio
          clipped = max(0.0_wp, min(eta, most))
          reserve = 1.0_wp/(1.0_wp - slope*clipped)
-         tangent = bulk*(1.0_wp + slope*clipped)*reserve**3
-         hugoniot = bulk*clipped*reserve**2 + tangent*max(eta - most, 0.0_wp)
-         clipped = max(0.0_wp, eta)
-         cold = hugoniot*(1.0_wp - 0.5_wp*gamma*clipped) + bulk*min(eta, 0.0_wp)/ratio
+         ! Derivative of pH (1 - Gamma0 eta/2) to eta; at eta = 0 it is K.
+         tangent = bulk*(1.0_wp + (slope - gamma)*clipped)*reserve**3
+         cold = bulk*clipped*reserve**2*(1.0_wp - 0.5_wp*gamma*clipped) &
+            + tangent*max(eta - most, 0.0_wp) + bulk*min(eta, 0.0_wp)/ratio
          pressure(i) = cold + gamma*density*energy(k)
-         ! dp/drho = dp/deta ratio**2/rho0, and dp/deta = K/ratio**2 in expansion.
-         tangent = tangent*(1.0_wp - 0.5_wp*gamma*clipped) - 0.5_wp*gamma*hugoniot
-         tangent = merge(tangent*ratio**2, bulk, eta > 0.0_wp)/density
-         wave_speed(i) = max(least_sound**2*sound**2, &
-            tangent + max(pressure(i), 0.0_wp)*gamma*ratio**2/density)
+         ! deta/drho = ratio**2/rho0 in compression, and in expansion dp/drho = K/rho0.
+         wave_speed(i) = max(least_sound**2*sound**2, (tangent*min(1.0_wp, ratio)**2 &
+            + max(pressure(i), 0.0_wp)*gamma*ratio**2)/density)
       end do
    end subroutine pressure_of_state
 

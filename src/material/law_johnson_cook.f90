@@ -25,7 +25,6 @@ module law_johnson_cook
    contains
       procedure :: request => johnson_cook_request   !! Asks for plastic strain and temperature
       procedure :: update => johnson_cook_update     !! Radial return
-      procedure :: flow_stress => johnson_cook_flow_stress !! Yield stress of a state
    end type law_johnson_cook_t
 
 contains
@@ -38,19 +37,6 @@ contains
       call wishes%ask("plastic_strain", "hardening of johnson_cook", 1)
       if (allocated(self%range)) call wishes%ask("temperature", "softening of johnson_cook", 1)
    end subroutine johnson_cook_request
-
-   !> Yield stress [Pa] of a state.
-   pure real(wp) function johnson_cook_flow_stress(self, strain, rate, homologous) result(stress)
-      class(law_johnson_cook_t), intent(in) :: self  !! The law
-      real(wp), intent(in) :: strain                 !! Equivalent plastic strain [1]
-      real(wp), intent(in) :: rate                   !! Its rate [1/s]
-      real(wp), intent(in) :: homologous             !! Homologous temperature, 0 to 1 [1]
-
-      stress = self%yield + self%hardening*strain**self%exponent
-      if (rate > self%reference_rate) &
-         stress = stress*(1.0_wp + self%rate_coefficient*log(rate/self%reference_rate))
-      if (homologous > 0.0_wp) stress = stress*(1.0_wp - homologous**self%softening_exponent)
-   end function johnson_cook_flow_stress
 
    !> Return to the yield surface. Few particles flow at a time, and these need powers and
    !! logarithms, so they are treated one by one after a pass over all.
@@ -99,24 +85,23 @@ contains
       real(wp), intent(out) :: increment             !! Increment of plastic strain [1]
       real(wp), parameter :: tolerance = 1.0e-12_wp
       integer, parameter :: most_iterations = 200
-      real(wp) :: lower, upper, residual, slope
+      real(wp) :: lower, upper, residual, slope, softening
       integer :: iteration
 
       limit = trial
       increment = 0.0_wp
       ! Never above the yield stress, and cheaper than its powers.
       if (law%softening_exponent >= 1.0_wp .and. trial <= law%yield*(1.0_wp - homologous)) return
-      limit = law%flow_stress(strain, 0.0_wp, homologous)
-      if (trial <= limit) then
-         limit = trial
-         return
-      end if
-      if (limit <= 0.0_wp) return
+      softening = 1.0_wp
+      if (homologous > 0.0_wp) softening = 1.0_wp - homologous**law%softening_exponent
+      limit = (law%yield + law%hardening*strain**law%exponent)*softening
+      if (trial <= limit) limit = trial
+      if (trial <= limit .or. limit <= 0.0_wp) return
       lower = 0.0_wp
       upper = (trial - limit)/(3.0_wp*law%shear)
       increment = upper
       do iteration = 1, most_iterations
-         limit = law%flow_stress(strain + increment, increment/dt, homologous)
+         call yield_stress(law, strain + increment, increment, dt, softening, limit, slope)
          residual = trial - 3.0_wp*law%shear*increment - limit
          if (abs(residual) <= tolerance*limit + 4.0_wp*epsilon(1.0_wp)*trial) exit
          if (residual > 0.0_wp) then
@@ -124,28 +109,31 @@ contains
          else
             upper = increment
          end if
-         slope = 3.0_wp*law%shear + hardening_slope(law, strain, increment, limit, dt, homologous)
-         increment = increment + residual/slope
+         increment = increment + residual/(3.0_wp*law%shear + slope)
          if (.not. (increment > lower .and. increment < upper)) increment = 0.5_wp*(lower + upper)
       end do
    end subroutine flow
 
-   !> Derivative of the yield stress to the plastic increment [Pa].
-   pure real(wp) function hardening_slope(law, strain, increment, limit, dt, homologous) &
-      result(slope)
+   !> Yield stress, and its derivative to the plastic increment.
+   pure subroutine yield_stress(law, strain, increment, dt, softening, limit, slope)
       class(law_johnson_cook_t), intent(in) :: law   !! The law
-      real(wp), intent(in) :: strain                 !! Equivalent plastic strain before [1]
+      real(wp), intent(in) :: strain                 !! Equivalent plastic strain after [1]
       real(wp), intent(in) :: increment              !! Increment of plastic strain, above 0 [1]
-      real(wp), intent(in) :: limit                  !! Yield stress at the increment [Pa]
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), intent(in) :: homologous             !! Homologous temperature, 0 to 1 [1]
-      real(wp) :: static, total, rate
+      real(wp), intent(in) :: softening              !! Factor of temperature [1]
+      real(wp), intent(out) :: limit                 !! Yield stress [Pa]
+      real(wp), intent(out) :: slope                 !! Its derivative [Pa]
+      real(wp) :: hardening, rate, factor
 
-      total = strain + increment
-      rate = increment/dt
-      static = law%yield + law%hardening*total**law%exponent
-      slope = limit/static*law%hardening*law%exponent*total**(law%exponent - 1.0_wp)
-      if (rate > law%reference_rate) slope = slope + limit*law%rate_coefficient/(increment &
-         *(1.0_wp + law%rate_coefficient*log(rate/law%reference_rate)))
-   end function hardening_slope
+      hardening = law%hardening*strain**law%exponent
+      rate = increment/(dt*law%reference_rate)
+      factor = softening
+      slope = 0.0_wp
+      if (rate > 1.0_wp) then
+         factor = softening*(1.0_wp + law%rate_coefficient*log(rate))
+         slope = softening*law%rate_coefficient/increment
+      end if
+      slope = slope*(law%yield + hardening) + factor*law%exponent*hardening/strain
+      limit = factor*(law%yield + hardening)
+   end subroutine yield_stress
 end module law_johnson_cook

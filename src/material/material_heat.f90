@@ -43,13 +43,14 @@ contains
       real(wp), contiguous, intent(in) :: plastic_work(:)   !! In the step (range) [J]
       real(wp), contiguous, intent(in) :: viscous_work(:)   !! In the step (range) [J]
       real(wp), contiguous, intent(inout) :: temperature(:) !! (store) [K]
-      real(wp) :: compression, growth
+      real(wp) :: closed, compression, growth
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         compression = gamma_density*(old_volume(i) - volume(k))/mass(k)
-         compression = merge(compression, 0.0_wp, pressure(i) > pressure_floor(i))
+         ! 1 above the floor and 0 on it; a merge here would keep the loop from vectorising.
+         closed = 0.5_wp - sign(0.5_wp, pressure_floor(i) - pressure(i))
+         compression = closed*gamma_density*(old_volume(i) - volume(k))/mass(k)
          ! The exponential function, by its positive Pade approximant of order (2, 2).
          growth = (1.0_wp + compression*(0.5_wp + compression/12.0_wp)) &
             /(1.0_wp - compression*(0.5_wp - compression/12.0_wp))

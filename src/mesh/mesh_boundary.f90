@@ -54,8 +54,8 @@ contains
       class(boundary_t), intent(in) :: self          !! The conditions
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
-      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (node, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (node, 3) [m/s2]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       integer :: face, first, length(3), x, y, z, node, normal
       logical :: here
 
@@ -70,14 +70,14 @@ contains
                   node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
                   select case (self%kind(face))
                   case (face_symmetry, face_slip)
-                     velocity(node, normal) = 0.0_wp
-                     acceleration(node, normal) = 0.0_wp
+                     velocity(normal, node) = 0.0_wp
+                     acceleration(normal, node) = 0.0_wp
                   case (face_velocity)
-                     velocity(node, :) = self%velocity(:, face)
-                     acceleration(node, :) = 0.0_wp
+                     velocity(:, node) = self%velocity(:, face)
+                     acceleration(:, node) = 0.0_wp
                   case default
-                     velocity(node, :) = 0.0_wp
-                     acceleration(node, :) = 0.0_wp
+                     velocity(:, node) = 0.0_wp
+                     acceleration(:, node) = 0.0_wp
                   end select
                end do
             end do
@@ -90,7 +90,7 @@ contains
       class(boundary_t), intent(in) :: self          !! The conditions
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
-      !> (node, 9) Component (k, l) in column k + 3 (l - 1)
+      !> (9, node) Component (k, l) in row k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: tensor(:, :)
       integer :: face, first, length(3), x, y, z, node, normal, other
       logical :: here
@@ -106,8 +106,8 @@ contains
                   node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
                   do other = 1, 3
                      if (other == normal) cycle
-                     tensor(node, normal + 3*(other - 1)) = 0.0_wp
-                     tensor(node, other + 3*(normal - 1)) = 0.0_wp
+                     tensor(normal + 3*(other - 1), node) = 0.0_wp
+                     tensor(other + 3*(normal - 1), node) = 0.0_wp
                   end do
                end do
             end do

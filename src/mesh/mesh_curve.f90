@@ -172,6 +172,8 @@ contains
          a = last
          c = b
          b = first
+      case default
+         return
       end select
    end subroutine move_round
 
@@ -238,28 +240,28 @@ contains
    !> Every second bit, from the lowest on, moved together.
    pure integer function gather_second(spaced) result(bits)
       integer(int64), intent(in) :: spaced           !! Bits in between are ignored
-      integer(int64) :: close
+      integer(int64) :: packed
 
-      close = iand(spaced, second(5))
-      close = iand(ior(close, shiftr(close, 1)), second(4))
-      close = iand(ior(close, shiftr(close, 2)), second(3))
-      close = iand(ior(close, shiftr(close, 4)), second(2))
-      close = iand(ior(close, shiftr(close, 8)), second(1))
-      close = iand(ior(close, shiftr(close, 16)), all_bits)
-      bits = int(close)
+      packed = iand(spaced, second(5))
+      packed = iand(ior(packed, shiftr(packed, 1)), second(4))
+      packed = iand(ior(packed, shiftr(packed, 2)), second(3))
+      packed = iand(ior(packed, shiftr(packed, 4)), second(2))
+      packed = iand(ior(packed, shiftr(packed, 8)), second(1))
+      packed = iand(ior(packed, shiftr(packed, 16)), all_bits)
+      bits = int(packed)
    end function gather_second
 
    !> Every third bit, from the lowest on, moved together.
    pure integer function gather_third(spaced) result(bits)
       integer(int64), intent(in) :: spaced           !! Bits in between are ignored
-      integer(int64) :: close
+      integer(int64) :: packed
 
-      close = iand(spaced, third(5))
-      close = iand(ior(close, shiftr(close, 2)), third(4))
-      close = iand(ior(close, shiftr(close, 4)), third(3))
-      close = iand(ior(close, shiftr(close, 8)), third(2))
-      close = iand(ior(close, shiftr(close, 16)), third(1))
-      close = iand(ior(close, shiftr(close, 32)), all_bits)
-      bits = int(close)
+      packed = iand(spaced, third(5))
+      packed = iand(ior(packed, shiftr(packed, 2)), third(4))
+      packed = iand(ior(packed, shiftr(packed, 4)), third(3))
+      packed = iand(ior(packed, shiftr(packed, 8)), third(2))
+      packed = iand(ior(packed, shiftr(packed, 16)), third(1))
+      packed = iand(ior(packed, shiftr(packed, 32)), all_bits)
+      bits = int(packed)
    end function gather_third
 end module mesh_curve

@@ -35,12 +35,12 @@ module mesh_grid
       !> Weight of lane a at local coordinate xi of direction k: constant(a, k) + slope(a, k) xi.
       real(wp) :: lane_constant(lanes, 3) = 0.0_wp
       real(wp) :: lane_slope(lanes, 3) = 0.0_wp
+      integer, allocatable :: cell_position(:, :)    !! (3, 0:cells - 1) Place of a cell in its tile
+      integer, allocatable :: first_node(:)          !! (0:cells - 1) Its first node in the tile
    contains
       procedure :: start => grid_start               !! Derive everything from corners and spacing
       procedure :: tile_extent => grid_tile_extent   !! Cells of one tile along each direction
       procedure :: tile_corner => grid_tile_corner   !! Lower corner of a tile
-      procedure :: first_node => grid_first_node     !! Node index of the first node of a cell
-      procedure :: cell_position => grid_cell_position !! Place of a cell in its tile
       procedure :: line_weight => grid_line_weight   !! Integrals of the two functions of a line
       procedure :: mass_weight => grid_mass_weight   !! Integrals of their products
       procedure :: node_volume => grid_node_volume   !! Volume around each node of a tile
@@ -93,6 +93,7 @@ contains
             self%lane_offset(lane) = self%lane_offset(lane) + bit*self%stride(direction)
          end do
       end do
+      call number_cells(self)
    end subroutine grid_start
 
    !> Cells along a tile. The halo needs four layers of cells before the next tile but one, so in a
@@ -134,24 +135,21 @@ contains
       corner = self%lower + real(coordinate*self%width, wp)*self%spacing
    end function grid_tile_corner
 
-   !> Place of a cell in its tile along each direction, from 0.
-   pure function grid_cell_position(self, cell) result(position)
-      class(grid_t), intent(in) :: self              !! The grid
-      integer, intent(in) :: cell                    !! Cell of a tile, counted from 0
-      integer :: position(3)
+   !> Tables of the cells of a tile.
+   pure subroutine number_cells(grid)
+      class(grid_t), intent(inout) :: grid           !! The grid
+      integer :: cell
 
-      position(1) = mod(cell, self%width(1))
-      position(2) = mod(cell/self%width(1), self%width(2))
-      position(3) = cell/(self%width(1)*self%width(2))
-   end function grid_cell_position
-
-   !> Index (from 1) in the tile of the first node of a cell (from 0).
-   pure integer function grid_first_node(self, cell) result(node)
-      class(grid_t), intent(in) :: self              !! The grid
-      integer, intent(in) :: cell                    !! Cell of a tile, counted from 0
-
-      node = 1 + dot_product(self%cell_position(cell), self%stride)
-   end function grid_first_node
+      if (allocated(grid%first_node)) deallocate (grid%first_node, grid%cell_position)
+      allocate (grid%cell_position(3, 0:grid%tile_cells - 1), &
+         grid%first_node(0:grid%tile_cells - 1))
+      do cell = 0, grid%tile_cells - 1
+         grid%cell_position(1, cell) = mod(cell, grid%width(1))
+         grid%cell_position(2, cell) = mod(cell/grid%width(1), grid%width(2))
+         grid%cell_position(3, cell) = cell/(grid%width(1)*grid%width(2))
+         grid%first_node(cell) = 1 + dot_product(grid%cell_position(:, cell), grid%stride)
+      end do
+   end subroutine number_cells
 
    !> Integrals over one cell of the lower and upper function of a direction [m], with the radius
    !! as weight along x in axisymmetry [m2]. A missing direction has one function, 1.

@@ -22,7 +22,7 @@ contains
       type(communicator_t), intent(inout) :: communicator !! The ranks
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(inout) :: tiles          !! Gets ghosts
-      real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (node, component, tile)
+      real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
       integer(int64), allocatable :: outgoing(:), incoming(:)
       integer, allocatable :: destination(:), length(:)
       integer :: words
@@ -39,7 +39,7 @@ contains
       type(communicator_t), intent(in) :: communicator !! The ranks
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
-      real(wp), contiguous, intent(in) :: patch(:, :, :) !! (node, component, tile)
+      real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile)
       integer, allocatable, intent(out) :: destination(:)      !! Ranks
       integer, allocatable, intent(out) :: length(:)           !! Words for each
       integer(int64), allocatable, intent(out) :: outgoing(:)  !! Messages
@@ -99,7 +99,7 @@ contains
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
       integer, intent(in) :: words                   !! Words of one tile in a message
       integer(int64), contiguous, intent(in) :: incoming(:) !! What arrived
-      real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (node, component, tile)
+      real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
       integer(int64), allocatable :: ghost(:), own(:)
       real(wp), allocatable :: larger(:, :, :)
       integer, allocatable :: order(:)

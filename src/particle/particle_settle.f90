@@ -65,12 +65,11 @@ contains
          settler%order(n) = -newcomer(row)
          settler%cell(n) = home(newcomer(row))
       end do
-      associate (start => store%cell_start(:, tile))
-         start = 0
-         do p = 1, n
-            start(settler%cell(p) + 1) = start(settler%cell(p) + 1) + 1
-         end do
-      end associate
+      store%cell_start(:, tile) = 0
+      do p = 1, n
+         cell = settler%cell(p) + 1
+         store%cell_start(cell, tile) = store%cell_start(cell, tile) + 1
+      end do
       do cell = 1, cells
          store%cell_start(cell, tile) = store%cell_start(cell, tile) &
             + store%cell_start(cell - 1, tile)

@@ -16,6 +16,7 @@ module particle_shape
    integer, parameter, public :: set_intersection = 3 !! Points in all operands
    real(wp), parameter :: unturned(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, &
       0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
+   real(wp), parameter :: unmoved(3) = 0.0_wp
    !> Bounds of a shape that cannot hold a point: the lower corner lies above the upper one.
    real(wp), parameter :: empty_lower = 1.0_wp, empty_upper = -1.0_wp
 
@@ -144,7 +145,7 @@ contains
       largest = maxval(abs(axis))
       if (.not. largest > 0.0_wp) return
       shape%height = height
-      ! The first division makes an axis along a coordinate exactly that.
+      ! The first division keeps the squares of very long and very short axes in range.
       shape%axis = axis/largest
       shape%axis = shape%axis/sqrt(dot_product(shape%axis, shape%axis))
    end function cylinder
@@ -158,8 +159,8 @@ contains
       shape%kind = kind
       allocate (shape%operand(size(operands)))
       do number = 1, size(operands)
-         if (allocated(operands(number)%shape)) &
-            call shape%operand(number)%set(operands(number)%shape)
+         if (.not. allocated(operands(number)%shape)) cycle
+         call shape%operand(number)%set(operands(number)%shape)
       end do
    end function combine
 
@@ -169,8 +170,10 @@ contains
       real(wp), intent(in) :: scale                  !! Factor above 0 [1]
       real(wp), intent(in) :: rotate(3)              !! Angles about the axes x, y, z [deg]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
+      real(wp) :: rotation(3, 3)
 
-      call self%transform(scale, rotation_matrix(rotate), translate)
+      rotation = rotation_matrix(rotate)
+      call self%transform(scale, rotation, translate)
    end subroutine shape_place
 
    !> Rotation about x, then y, then z; exact for right angles.
@@ -191,9 +194,33 @@ contains
          turn(last, last) = cosine
          turn(last, next) = sine
          turn(next, last) = -sine
-         rotation = matmul(turn, rotation)
+         call rotate_columns(turn, rotation)
       end do
    end function rotation_matrix
+
+   !> Turn the columns of a matrix.
+   pure subroutine rotate_columns(rotation, columns)
+      real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
+      real(wp), intent(inout) :: columns(3, 3)       !! Vectors
+      integer :: column
+
+      do column = 1, 3
+         call transform_point(1.0_wp, rotation, unmoved, columns(:, column))
+      end do
+   end subroutine rotate_columns
+
+   !> Scale, turn and move a point.
+   pure subroutine transform_point(scale, rotation, translate, x)
+      real(wp), intent(in) :: scale                  !! Factor [1]
+      real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
+      real(wp), intent(in) :: translate(3)           !! Displacement [m]
+      real(wp), intent(inout) :: x(3)                !! Point [m]
+      real(wp) :: before(3)
+
+      before = scale*x
+      x = rotation(:, 1)*before(1) + rotation(:, 2)*before(2) + rotation(:, 3)*before(3) &
+         + translate
+   end subroutine transform_point
 
    !> Sine of an angle in degrees; multiples of 90 give exactly 0, 1 or -1.
    pure real(wp) function sine_of_degrees(angle) result(sine)
@@ -266,7 +293,7 @@ contains
       class(box_t), intent(in) :: self               !! The box
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
       real(wp) :: corner(3)
-      integer :: number
+      integer :: number, direction
 
       if (any(self%lower >= self%upper)) then
          lo = empty_lower
@@ -277,9 +304,11 @@ contains
       hi = self%upper
       if (.not. self%turned) return
       do number = 0, 7
-         corner = merge(self%upper, self%lower, &
-            [btest(number, 0), btest(number, 1), btest(number, 2)])
-         corner = matmul(self%rotation, corner) + self%origin
+         do direction = 1, 3
+            corner(direction) = merge(self%upper(direction), self%lower(direction), &
+               btest(number, direction - 1))
+         end do
+         call transform_point(1.0_wp, self%rotation, self%origin, corner)
          if (number == 0) then
             lo = corner
             hi = corner
@@ -302,12 +331,14 @@ contains
       empty = any(self%lower >= self%upper)
       self%lower = scale*self%lower
       self%upper = scale*self%upper
-      self%origin = scale*matmul(rotation, self%origin) + translate
-      self%rotation = matmul(rotation, self%rotation)
+      call transform_point(scale, rotation, translate, self%origin)
+      call rotate_columns(rotation, self%rotation)
       self%turned = any(abs(self%rotation) > 0.0_wp .and. abs(self%rotation) < 1.0_wp)
       if (self%turned) return
-      first = matmul(self%rotation, self%lower) + self%origin
-      last = matmul(self%rotation, self%upper) + self%origin
+      first = self%lower
+      last = self%upper
+      call transform_point(1.0_wp, self%rotation, self%origin, first)
+      call transform_point(1.0_wp, self%rotation, self%origin, last)
       self%lower = min(first, last)
       self%upper = max(first, last)
       if (empty) self%upper = self%lower
@@ -342,7 +373,7 @@ contains
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
 
-      self%centre = scale*matmul(rotation, self%centre) + translate
+      call transform_point(scale, rotation, translate, self%centre)
       self%radius = scale*self%radius
    end subroutine sphere_transform
 
@@ -382,8 +413,8 @@ contains
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
 
-      self%centre = scale*matmul(rotation, self%centre) + translate
-      self%axis = matmul(rotation, self%axis)
+      call transform_point(scale, rotation, translate, self%centre)
+      call transform_point(1.0_wp, rotation, unmoved, self%axis)
       self%radius = scale*self%radius
       self%height = scale*self%height
    end subroutine cylinder_transform
@@ -445,8 +476,8 @@ contains
 
       if (.not. allocated(self%operand)) return
       do number = 1, size(self%operand)
-         if (allocated(self%operand(number)%shape)) &
-            call self%operand(number)%shape%transform(scale, rotation, translate)
+         if (.not. allocated(self%operand(number)%shape)) cycle
+         call self%operand(number)%shape%transform(scale, rotation, translate)
       end do
    end subroutine combination_transform
 end module particle_shape

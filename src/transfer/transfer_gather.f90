@@ -20,7 +20,7 @@ contains
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) [m]
       real(wp), contiguous, intent(inout) :: local(:, :)     !! (particle of the tile, 3)
       real(wp) :: corner, inverse
-      integer :: cell, p, direction, place(3)
+      integer :: cell, p, direction
 
       inverse = 1.0_wp/grid%spacing
       do direction = 1, 3
@@ -30,8 +30,8 @@ contains
          end if
          do cell = 0, grid%tile_cells - 1
             if (start(cell + 1) == start(cell)) cycle
-            place = grid%cell_position(cell)
-            corner = real(coordinate(direction)*grid%width(direction) + place(direction), wp)
+            corner = real(coordinate(direction)*grid%width(direction) &
+               + grid%cell_position(direction, cell), wp)
             do p = start(cell) + 1, start(cell + 1)
                local(p, direction) = (position(first + p - 1, direction) - grid%lower(direction)) &
                   *inverse - corner
@@ -45,7 +45,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, 3) Velocity [m/s]
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: gradient(:, :)
@@ -104,7 +104,7 @@ contains
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of the tile, 3) Share of cell
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, 9) Node gradient [1/s]
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (9, node) Node gradient [1/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
       real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 9), shape, share
@@ -150,7 +150,7 @@ contains
       integer, intent(in) :: first                           !! First particle of the tile
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, 3) Velocity [m/s]
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
       real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), radial
@@ -179,7 +179,7 @@ contains
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, 3)
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
       real(wp), intent(in) :: keep                           !! Share of the old value
       real(wp), intent(in) :: scale                          !! Factor of the node values
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle, 3)
@@ -219,7 +219,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, 3)
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, 3)
 
       values(:start(grid%tile_cells), :) = 0.0_wp
@@ -230,15 +230,15 @@ contains
    pure subroutine load_cell(grid, cell, nodes, scale, values)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (node, component)
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (component, node)
       real(wp), intent(in) :: scale                          !! Factor
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (lane, component)
       integer :: component, lane, base
 
       base = grid%first_node(cell)
-      do component = 1, size(values, 2)
-         do lane = 1, lanes
-            values(lane, component) = scale*nodes(base + grid%lane_offset(lane), component)
+      do lane = 1, lanes
+         do component = 1, size(values, 2)
+            values(lane, component) = scale*nodes(component, base + grid%lane_offset(lane))
          end do
       end do
    end subroutine load_cell

@@ -26,7 +26,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, column)
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 4), weight
       integer :: cell, p, q, lane
 
@@ -58,7 +58,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, 3) [kg m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (3, node) [kg m/s]
       real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 3), weight
       integer :: cell, p, lane
 
@@ -88,7 +88,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, column)
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 3), s1, s2, s3, g1, g2, g3, scale
       integer :: cell, p, q, lane
 
@@ -129,7 +129,7 @@ contains
       real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of the tile, 3) Share of cell
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, column)
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 13), s1, s2, s3, g(3), n(9), scale
       real(wp) :: v, shape
       integer :: cell, p, q, lane
@@ -191,7 +191,7 @@ contains
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, column)
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 1), force
       integer :: cell, p, q, lane
 
@@ -218,14 +218,14 @@ contains
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
       real(wp), contiguous, intent(in) :: sums(:, :)         !! (lane, column)
       integer, intent(in) :: before                          !! Columns of the patch before the first
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (node, column)
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: column, lane, node, base
 
       base = grid%first_node(cell)
-      do column = 1, size(sums, 2)
-         do lane = 1, lanes
-            node = base + grid%lane_offset(lane)
-            patch(node, before + column) = patch(node, before + column) + sums(lane, column)
+      do lane = 1, lanes
+         node = base + grid%lane_offset(lane)
+         do column = 1, size(sums, 2)
+            patch(before + column, node) = patch(before + column, node) + sums(lane, column)
          end do
       end do
    end subroutine add_cell

@@ -22,7 +22,6 @@ module funit_assert_real
    interface assertlessthan
       module procedure less_0_0
       module procedure less_1_1
-      module procedure less_1_0
       module procedure less_0_1
    end interface assertlessthan
 
@@ -30,7 +29,6 @@ module funit_assert_real
    interface assertgreaterthan
       module procedure greater_0_0
       module procedure greater_1_1
-      module procedure greater_1_0
       module procedure greater_0_1
    end interface assertgreaterthan
 
@@ -148,14 +146,6 @@ contains
       call order(shape(left), shape(right), left, right, message, location)
    end subroutine less_1_1
 
-   subroutine less_1_0(left, right, message, location)
-      real(wp), intent(in) :: left(:), right
-      character(len=*), intent(in), optional :: message
-      type(sourcelocation), intent(in), optional :: location
-
-      call order(shape(left), shape(left), left, spread(right, 1, size(left)), message, location)
-   end subroutine less_1_0
-
    subroutine less_0_1(left, right, message, location)
       real(wp), intent(in) :: left, right(:)
       character(len=*), intent(in), optional :: message
@@ -179,14 +169,6 @@ contains
 
       call order(shape(left), shape(right), right, left, message, location)
    end subroutine greater_1_1
-
-   subroutine greater_1_0(left, right, message, location)
-      real(wp), intent(in) :: left(:), right
-      character(len=*), intent(in), optional :: message
-      type(sourcelocation), intent(in), optional :: location
-
-      call order(shape(left), shape(left), spread(right, 1, size(left)), left, message, location)
-   end subroutine greater_1_0
 
    subroutine greater_0_1(left, right, message, location)
       real(wp), intent(in) :: left, right(:)

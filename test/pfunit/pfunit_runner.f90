@@ -45,7 +45,7 @@ contains
       type(mpitestmethod) :: this
       type(mpi_comm) :: group
       character(len=40) :: text
-      integer :: rank, available, colour
+      integer :: rank, available, colour, members
 
       call begin_test(name)
       call mpi_comm_rank(mpi_comm_world, rank)
@@ -57,7 +57,8 @@ contains
       else if (rank < ranks) then
          write (text, "(a, i0, a, i0, a)") " (rank ", rank, " of ", ranks, ")"
          call set_rank_text(text)
-         this = mpitestmethod(communicator=group%mpi_val, rank=rank, ranks=ranks)
+         call mpi_comm_size(group, members)
+         this = mpitestmethod(communicator=group%mpi_val, rank=rank, ranks=members)
          if (present(before)) call before(this)
          if (.not. anyexceptions()) then
             call method(this)

@@ -18,7 +18,7 @@ from pathlib import Path
 OPERANDS = {"equal": 2, "true": 1, "false": 1, "lessthan": 2, "greaterthan": 2}
 KEYWORDS = {"equal": {"tolerance", "message"}}
 SUBROUTINE = re.compile(r"\s*subroutine\s+(\w+)\s*(?:\(\s*(\w*)\s*\))?\s*(?:!.*)?$", re.I)
-LONGEST = 120  # so that what pFUnit makes of a directive fits in the 132 columns of Fortran
+LONGEST = 128  # so that what pFUnit makes of a directive fits in the 132 columns of Fortran
 
 
 class TranslationError(Exception):

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Target scree_hdf5: the Fortran interface of parallel HDF5, as the compiler wrapper h5pfc knows it.
+# CMake's own FindHDF5 compiles through the wrapper, which fails in folders with blanks in their
+# names; it is asked only if there is no wrapper.
+
+find_program(SCREE_H5PFC NAMES h5pfc h5pfc.openmpi h5pfc.mpich
+   HINTS ENV HDF5_ROOT "${HDF5_ROOT}" PATH_SUFFIXES bin
+   DOC "Compiler wrapper of a parallel HDF5")
+
+function(scree_ask_wrapper)
+   execute_process(COMMAND "${SCREE_H5PFC}" -show WORKING_DIRECTORY /
+      RESULT_VARIABLE status OUTPUT_VARIABLE line ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
+   if(NOT status EQUAL 0)
+      return()
+   endif()
+   separate_arguments(words UNIX_COMMAND "${line}")
+   set(include_folders)
+   set(library_folders)
+   foreach(word IN LISTS words)
+      if(word MATCHES "^-I(.+)$")
+         list(APPEND include_folders "${CMAKE_MATCH_1}")
+      elseif(word MATCHES "^-L(.+)$")
+         list(APPEND library_folders "${CMAKE_MATCH_1}")
+      elseif(word MATCHES "^(/.*)/lib[^/]*$")
+         list(APPEND library_folders "${CMAKE_MATCH_1}")
+      endif()
+   endforeach()
+   find_path(SCREE_HDF5_MODULES hdf5.mod HINTS ${include_folders} NO_DEFAULT_PATH)
+   find_path(SCREE_HDF5_HEADERS H5pubconf.h HINTS ${include_folders} NO_DEFAULT_PATH)
+   find_library(SCREE_HDF5_FORTRAN hdf5_fortran HINTS ${library_folders} NO_DEFAULT_PATH)
+   find_library(SCREE_HDF5_C hdf5 HINTS ${library_folders} NO_DEFAULT_PATH)
+   mark_as_advanced(SCREE_H5PFC SCREE_HDF5_MODULES SCREE_HDF5_HEADERS SCREE_HDF5_FORTRAN
+      SCREE_HDF5_C)
+endfunction()
+
+# True if the library was built with MPI, as its own header says.
+function(scree_hdf5_is_parallel result)
+   set(${result} FALSE PARENT_SCOPE)
+   file(GLOB headers "${SCREE_HDF5_HEADERS}/H5pubconf*.h")
+   foreach(header IN LISTS headers)
+      file(STRINGS "${header}" found REGEX "^#define H5_HAVE_PARALLEL 1")
+      if(found)
+         set(${result} TRUE PARENT_SCOPE)
+      endif()
+   endforeach()
+endfunction()
+
+if(SCREE_H5PFC)
+   scree_ask_wrapper()
+endif()
+if(SCREE_HDF5_MODULES AND SCREE_HDF5_FORTRAN AND SCREE_HDF5_C)
+   scree_hdf5_is_parallel(scree_parallel)
+   set(scree_hdf5_includes "${SCREE_HDF5_MODULES}")
+   set(scree_hdf5_libraries "${SCREE_HDF5_FORTRAN}" "${SCREE_HDF5_C}")
+else()
+   set(HDF5_PREFER_PARALLEL TRUE)
+   find_package(HDF5 COMPONENTS Fortran)
+   if(NOT HDF5_FOUND)
+      message(FATAL_ERROR "No HDF5 with Fortran was found; "
+         "on Debian and Ubuntu: apt-get install libhdf5-openmpi-dev")
+   endif()
+   set(scree_parallel "${HDF5_IS_PARALLEL}")
+   set(scree_hdf5_includes ${HDF5_Fortran_INCLUDE_DIRS})
+   set(scree_hdf5_libraries ${HDF5_Fortran_LIBRARIES})
+endif()
+if(NOT scree_parallel)
+   message(FATAL_ERROR "HDF5 was found, but not a parallel one; "
+      "on Debian and Ubuntu: apt-get install libhdf5-openmpi-dev")
+endif()
+message(STATUS "Found parallel HDF5: ${scree_hdf5_libraries}")
+
+add_library(scree_hdf5 INTERFACE)
+target_include_directories(scree_hdf5 SYSTEM INTERFACE ${scree_hdf5_includes})
+target_link_libraries(scree_hdf5 INTERFACE ${scree_hdf5_libraries})

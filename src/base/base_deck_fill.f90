@@ -1,0 +1,267 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> From the pieces of a deck to groups with values: every unknown, repeated or wrong piece is told.
+module base_deck_fill
+   use base_deck_group, only: group_t
+   use base_deck_problems, only: problems_t
+   use base_deck_value, only: convert, read_default, value_t
+   use base_namelist, only: block_t, namelist_t, piece_t, token_t
+   use base_schema, only: group_rule_t, kind_integer, kind_logical, kind_real, key_t, schema_t
+   use base_text, only: closest, number
+   implicit none
+   private
+
+   public :: fill_defaults, fill_groups, start_group, store, unknown_key, written
+
+   integer, parameter :: longest_quotation = 60          !! Longer values are cut in messages
+
+contains
+
+   !> Make a group of each block of the deck.
+   subroutine fill_groups(schema, namelist, system, problems, groups, filled)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(namelist_t), intent(in) :: namelist           !! What is written
+      integer, intent(in) :: system                      !! Units of the numbers
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(group_t), intent(inout) :: groups(:)          !! Gets the groups
+      integer, intent(inout) :: filled                   !! Number of groups so far
+      integer, allocatable :: counts(:)
+      integer :: i, rule
+
+      allocate (counts(size(schema%groups)), source=0)
+      do i = 1, namelist%count
+         associate (block => namelist%blocks(i))
+            rule = schema%find(block%name)
+            if (rule == 0) then
+               call problems%error(block%file, block%line, "unknown group &"//block%name// &
+                  meant("&", closest(block%name, schema%names()), ""))
+               cycle
+            end if
+            counts(rule) = counts(rule) + 1
+            if (counts(rule) > 1 .and. .not. schema%groups(rule)%many) then
+               call problems%error(block%file, block%line, "&"//block%name// &
+                  " appears twice; only one is allowed")
+               cycle
+            end if
+            filled = filled + 1
+            call start_group(schema%groups(rule), counts(rule), groups(filled))
+            call fill_group(schema%groups(rule), block, system, problems, groups(filled))
+         end associate
+      end do
+   end subroutine fill_groups
+
+   !> A question behind a message, if there is something to ask.
+   pure function meant(before, near, after) result(question)
+      character(len=*), intent(in) :: before             !! Stands before the suggestion
+      character(len=*), intent(in) :: near               !! The suggestion, may be empty
+      character(len=*), intent(in) :: after              !! Stands after the suggestion
+      character(len=:), allocatable :: question
+
+      question = ""
+      if (near /= "") question = "; did you mean "//before//near//after//"?"
+   end function meant
+
+   !> Make a group with all its keys and no values.
+   subroutine start_group(rule, place, group)
+      type(group_rule_t), intent(in) :: rule             !! What is allowed in it
+      integer, intent(in) :: place                       !! Number among the groups of its kind
+      type(group_t), intent(out) :: group                !! The group
+      integer :: i
+
+      group%group = rule%name
+      group%title = ""
+      group%path = ""
+      group%place = place
+      allocate (group%values(size(rule%keys)))
+      do i = 1, size(rule%keys)
+         group%values(i)%key = rule%keys(i)%name
+      end do
+   end subroutine start_group
+
+   !> Take the pieces of a block into its group.
+   subroutine fill_group(rule, block, system, problems, group)
+      type(group_rule_t), intent(in) :: rule             !! What is allowed in it
+      type(block_t), intent(in) :: block                 !! What is written
+      integer, intent(in) :: system                      !! Units of the numbers
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(group_t), intent(inout) :: group              !! Gets the values
+      integer :: i, place
+
+      group%present = .true.
+      group%path = block%file
+      group%first_line = block%line
+      group%broken = block%broken
+      do i = 1, size(block%pieces)
+         associate (piece => block%pieces(i))
+            place = rule%find(piece%key)
+            if (piece%key == "") cycle
+            if (place == 0) then
+               call problems%error(block%file, piece%line, unknown_key(rule, piece%key))
+               cycle
+            end if
+            if (group%values(place)%given .and. piece%subscript == "") then
+               call problems%error(block%file, piece%line, "&"//rule%name//": "//piece%key// &
+                  " is given twice, first in line "//number(group%values(place)%line))
+               cycle
+            end if
+            call store(rule, place, piece, block%file, system, problems, group)
+         end associate
+      end do
+   end subroutine fill_group
+
+   !> What to say of a key that does not exist.
+   function unknown_key(rule, key) result(text)
+      type(group_rule_t), intent(in) :: rule             !! What is allowed
+      character(len=*), intent(in) :: key                !! As written
+      character(len=:), allocatable :: text
+
+      text = "&"//rule%name//": unknown key '"//key//"'"//meant("'", closest(key, rule%names()), "'")
+   end function unknown_key
+
+   !> Convert a piece and keep its value.
+   subroutine store(rule, place, piece, file, system, problems, group)
+      type(group_rule_t), intent(in) :: rule             !! What is allowed
+      integer, intent(in) :: place                       !! Index of the key
+      type(piece_t), intent(in) :: piece                 !! What is written
+      character(len=*), intent(in) :: file               !! Where
+      integer, intent(in) :: system                      !! Units of the numbers
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(group_t), intent(inout) :: group              !! Gets the value
+      character(len=:), allocatable :: complaint, hint
+      integer :: subscript
+
+      associate (key => rule%keys(place), value => group%values(place))
+         value%given = .true.
+         value%line = piece%line
+         value%file = file
+         if (piece%broken) then
+            value%valid = .false.
+            return
+         end if
+         subscript = number_in(piece%subscript)
+         if (subscript < 0 .or. subscript > key%places) then
+            value%valid = .false.
+            call problems%error(file, piece%line, "&"//rule%name//": "//key%name// &
+               piece%subscript//"  <- places are counted from 1 to "//number(key%places))
+            return
+         end if
+         call convert(key, piece%tokens, subscript, system, value, complaint)
+         if (complaint == "") return
+         hint = lost_sign(rule, piece%tokens)
+         call problems%error(file, piece%line, "&"//rule%name//": "//key%name//piece%subscript// &
+            " = "//written(piece%tokens)//complaint//hint)
+      end associate
+   end subroutine store
+
+   !> The number in brackets, 0 without brackets, -1 if there is no number.
+   pure integer function number_in(subscript) result(place)
+      character(len=*), intent(in) :: subscript          !! Such as (3), or empty
+      integer :: status
+
+      place = 0
+      if (subscript == "") return
+      place = -1
+      if (len(subscript) < 3 .or. len(subscript) > 8) return
+      if (verify(subscript(2:len(subscript) - 1), "0123456789 ") > 0) return
+      read (subscript(2:len(subscript) - 1), *, iostat=status) place
+      if (status /= 0 .or. place == 0) place = -1
+   end function number_in
+
+   !> A question behind a message if a key stands among the values.
+   function lost_sign(rule, tokens) result(hint)
+      type(group_rule_t), intent(in) :: rule             !! What is allowed
+      type(token_t), intent(in) :: tokens(:)             !! The values
+      character(len=:), allocatable :: hint
+      integer :: i
+
+      hint = ""
+      do i = 1, size(tokens)
+         if (tokens(i)%quoted) cycle
+         if (rule%find(tokens(i)%raw) == 0) cycle
+         hint = "; is the = after "//tokens(i)%raw//" missing?"
+         return
+      end do
+   end function lost_sign
+
+   !> The values as they are written, cut if they are long.
+   function written(tokens) result(text)
+      type(token_t), intent(in) :: tokens(:)             !! The values
+      character(len=:), allocatable :: text
+      integer :: i
+
+      text = ""
+      do i = 1, size(tokens)
+         if (i > 1 .and. .not. tokens(i)%comma) text = text//" "
+         text = text//tokens(i)%raw
+         if (len(text) > longest_quotation) then
+            text = text(:longest_quotation)//"..."
+            return
+         end if
+      end do
+   end function written
+
+   !> Give defaults to all places that have no value, and tell of places that need one.
+   subroutine fill_defaults(rule, problems, group)
+      type(group_rule_t), intent(in) :: rule             !! What is allowed
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(group_t), intent(inout) :: group              !! Gets the values
+      type(value_t) :: default
+      character(len=:), allocatable :: complaint
+      integer :: i, missing
+
+      do i = 1, size(rule%keys)
+         associate (key => rule%keys(i), value => group%values(i))
+            if (.not. value%valid) cycle
+            if (value%given) then
+               if (all(value%filled)) cycle
+            end if
+            call read_default(key, default, complaint)
+            if (.not. value%given) then
+               value = default
+               cycle
+            end if
+            if (allocated(key%default) .and. key%exact) call complete(key, default, value)
+            missing = first_missing(value, key%exact)
+            if (missing == 0) cycle
+            value%valid = .false.
+            call problems%error(value%file, value%line, "&"//rule%name//": "//key%name// &
+               " has no value in place "//number(missing))
+         end associate
+      end do
+   end subroutine fill_defaults
+
+   !> Fill the places without a value with the default.
+   subroutine complete(key, default, value)
+      type(key_t), intent(in) :: key                     !! The key
+      type(value_t), intent(in) :: default               !! The default
+      type(value_t), intent(inout) :: value              !! The value
+      integer :: i
+
+      do i = 1, key%places
+         if (value%filled(i)) cycle
+         select case (key%kind)
+         case (kind_real)
+            value%numbers(i) = default%numbers(i)
+         case (kind_integer)
+            value%wholes(i) = default%wholes(i)
+         case (kind_logical)
+            value%switches(i) = default%switches(i)
+         case default
+            value%texts(i) = default%texts(i)
+         end select
+         value%filled(i) = .true.
+      end do
+   end subroutine complete
+
+   !> First place without a value that needs one, or 0.
+   pure integer function first_missing(value, exact) result(place)
+      type(value_t), intent(in) :: value                 !! The value
+      logical, intent(in) :: exact                       !! All places need one, not only gaps
+      integer :: i, last
+
+      last = merge(size(value%filled), value%count(), exact)
+      place = 0
+      do i = last, 1, -1
+         if (.not. value%filled(i)) place = i
+      end do
+   end function first_missing
+end module base_deck_fill

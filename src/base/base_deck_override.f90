@@ -1,0 +1,188 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Values that the command line puts in place of those of the deck: `--set GROUP.KEY=VALUE`.
+module base_deck_override
+   use base_deck_fill, only: start_group, store, unknown_key
+   use base_deck_group, only: group_t
+   use base_deck_problems, only: command_line, problems_t
+   use base_namelist, only: namelist_t, piece_t, token_t
+   use base_schema, only: group_rule_t, kind_text, schema_t
+   use base_text, only: append, closest, join, lower, number, text_t
+   implicit none
+   private
+
+   public :: override, take_apart
+
+contains
+
+   !> Take one value of the command line into the groups.
+   subroutine override(schema, text, system, problems, groups, filled)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      character(len=*), intent(in) :: text               !! GROUP.KEY=VALUE or GROUP[NAME].KEY=VALUE
+      integer, intent(in) :: system                      !! Units of the numbers
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(group_t), intent(inout) :: groups(:)          !! All groups, with room for one more
+      integer, intent(inout) :: filled                   !! Number of groups
+      character(len=:), allocatable :: choice, group, key, value
+      integer :: place, rule, which
+
+      call take_apart(text, group, choice, key, value)
+      if (key == "") then
+         call problems%error(command_line, 0, text//"  <- expects GROUP.KEY=VALUE")
+         return
+      end if
+      rule = schema%find(group)
+      if (rule == 0) then
+         call unknown_group(schema, group, problems)
+         return
+      end if
+      place = schema%groups(rule)%find(key(:index(key//"(", "(") - 1))
+      if (place == 0) then
+         call problems%error(command_line, 0, unknown_key(schema%groups(rule), key))
+         return
+      end if
+      call choose(schema%groups(rule), choice, problems, groups, filled, which)
+      if (which > 0) call put(schema%groups(rule), place, key, value, system, problems, groups(which))
+   end subroutine override
+
+   !> Say that there is no such group.
+   subroutine unknown_group(schema, group, problems)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      character(len=*), intent(in) :: group              !! As written
+      type(problems_t), intent(inout) :: problems        !! Gets the error
+      character(len=:), allocatable :: near
+
+      near = closest(group, schema%names())
+      if (near /= "") near = "; did you mean &"//near//"?"
+      call problems%error(command_line, 0, "unknown group &"//group//near)
+   end subroutine unknown_group
+
+   !> Take GROUP[CHOICE].KEY=VALUE apart. The key is empty if it has not this form.
+   pure subroutine take_apart(text, group, choice, key, value)
+      character(len=*), intent(in) :: text               !! As written
+      character(len=:), allocatable, intent(out) :: group  !! Small letters
+      character(len=:), allocatable, intent(out) :: choice !! What stood in brackets
+      character(len=:), allocatable, intent(out) :: key    !! Small letters
+      character(len=:), allocatable, intent(out) :: value  !! As written
+      integer :: bracket, closing, dot, equals
+
+      group = ""
+      choice = ""
+      key = ""
+      value = ""
+      bracket = scan(text//".", "[.")
+      closing = bracket
+      if (text(bracket:min(bracket, len(text))) == "[") then
+         closing = index(text, "]")
+         if (closing < bracket) return
+         choice = trim(adjustl(text(bracket + 1:closing - 1)))
+         closing = closing + 1
+      end if
+      dot = closing
+      if (dot > len(text)) return
+      if (text(dot:dot) /= ".") return
+      equals = index(text(dot:), "=") + dot - 1
+      if (equals < dot) return
+      group = lower(trim(adjustl(text(:bracket - 1))))
+      key = lower(trim(adjustl(text(dot + 1:equals - 1))))
+      value = trim(adjustl(text(equals + 1:)))
+   end subroutine take_apart
+
+   !> Find the group that is meant; a group that may be given once is made if it is not there.
+   subroutine choose(rule, choice, problems, groups, filled, which)
+      type(group_rule_t), intent(in) :: rule             !! What is allowed
+      character(len=*), intent(in) :: choice             !! Name or number in brackets, or empty
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(group_t), intent(inout) :: groups(:)          !! All groups
+      integer, intent(inout) :: filled                   !! Number of groups
+      integer, intent(out) :: which                      !! Index of the group, 0 if there is none
+      type(text_t), allocatable :: names(:)
+      character(len=:), allocatable :: name
+      integer :: i, total
+
+      which = 0
+      total = 0
+      allocate (names(0))
+      do i = 1, filled
+         if (groups(i)%group /= rule%name) cycle
+         total = total + 1
+         call groups(i)%get("name", name)
+         if (name == "") name = number(total)
+         call append(names, name)
+         if (choice == "" .or. choice == name .or. choice == number(total)) which = i
+         if (choice /= "" .and. choice == name) exit
+      end do
+      if (rule%many .and. choice == "" .and. total > 1) then
+         which = 0
+         call problems%error(command_line, 0, "&"//rule%name//": write which one is meant, such as "// &
+            rule%name//"["//names(1)%text//"]; there are: "//join(names, ", "))
+      else if (which == 0 .and. rule%many) then
+         call problems%error(command_line, 0, "no &"//rule%name//" '"//choice//"'; there are: "// &
+            join(names, ", "))
+      else if (which == 0) then
+         filled = filled + 1
+         which = filled
+         call start_group(rule, 1, groups(which))
+         groups(which)%path = command_line
+         groups(which)%present = .true.
+      end if
+   end subroutine choose
+
+   !> Put a value in the place of the one that a key had.
+   subroutine put(rule, place, key, value, system, problems, group)
+      type(group_rule_t), intent(in) :: rule             !! What is allowed
+      integer, intent(in) :: place                       !! Index of the key
+      character(len=*), intent(in) :: key                !! The key with its subscript
+      character(len=*), intent(in) :: value              !! As written
+      integer, intent(in) :: system                      !! Units of the numbers
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(group_t), intent(inout) :: group              !! Gets the value
+      type(namelist_t) :: namelist
+      type(piece_t) :: piece
+      type(problems_t) :: ignored
+      character(len=*), parameter :: newline = new_line("a")
+
+      piece%key = rule%keys(place)%name
+      piece%subscript = key(index(key//"(", "("):)
+      if (rule%keys(place)%kind == kind_text .and. scan(value, "'""") == 0) then
+         call bare_texts(rule%keys(place)%places, value, piece%tokens)
+      else
+         call namelist%scan("&g k = "//value//newline//"/", command_line, ignored)
+         piece%broken = ignored%errors > 0 .or. namelist%count /= 1
+         if (.not. piece%broken) piece%broken = size(namelist%blocks(1)%pieces) /= 1
+         if (.not. piece%broken) piece%tokens = namelist%blocks(1)%pieces(1)%tokens
+      end if
+      if (piece%broken) then
+         call problems%error(command_line, 0, "&"//rule%name//": "//key//" = "//value// &
+            "  <- is no value")
+      else if (piece%subscript == "") then
+         if (allocated(group%values(place)%filled)) group%values(place)%filled = .false.
+         group%values(place)%valid = .true.
+      end if
+      call store(rule, place, piece, command_line, system, problems, group)
+   end subroutine put
+
+   !> Texts without quotes, with commas between them where there may be several.
+   subroutine bare_texts(places, value, tokens)
+      integer, intent(in) :: places                      !! Greatest number of values
+      character(len=*), intent(in) :: value              !! As written
+      type(token_t), allocatable, intent(out) :: tokens(:) !! The texts
+      type(text_t), allocatable :: parts(:)
+      integer :: comma, first, i
+
+      allocate (parts(0))
+      first = 1
+      do
+         comma = first + index(value(first:)//",", ",") - 1
+         if (places == 1) comma = len(value) + 1
+         call append(parts, trim(adjustl(value(first:comma - 1))))
+         first = comma + 1
+         if (first > len(value)) exit
+      end do
+      allocate (tokens(size(parts)))
+      do i = 1, size(parts)
+         tokens(i)%raw = parts(i)%text
+         tokens(i)%text = parts(i)%text
+         tokens(i)%quoted = .true.
+      end do
+   end subroutine bare_texts
+end module base_deck_override

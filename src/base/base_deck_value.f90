@@ -1,0 +1,421 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Values of keys: strict conversion of what is written into numbers, switches and texts in SI.
+module base_deck_value
+   use base_kinds, only: int64, wp
+   use base_namelist, only: token_t
+   use base_schema, only: key_t, kind_integer, kind_logical, kind_real, kind_text
+   use base_text, only: closest, join, lower, number, split, text_t
+   use base_units, only: system_si
+   implicit none
+   private
+
+   public :: convert, read_default, value_t
+
+   !> The value of one key of one group.
+   type :: value_t
+      character(len=:), allocatable :: key               !! Its name
+      logical :: given = .false.                         !! In the deck or on the command line
+      logical :: valid = .true.                          !! No error so far
+      logical :: settled = .false.                       !! Derived from other keys
+      integer :: line = 0                                !! Line of the key
+      character(len=:), allocatable :: file              !! File of the key
+      logical, allocatable :: filled(:)                  !! (place) Has a value
+      real(wp), allocatable :: numbers(:)                !! (place) If it is a key of numbers [SI]
+      integer, allocatable :: wholes(:)                  !! (place) If it is one of whole numbers
+      logical, allocatable :: switches(:)                !! (place) If it is a switch
+      type(text_t), allocatable :: texts(:)              !! (place) If it is one of texts
+   contains
+      procedure :: count => value_count                  !! Number of values
+   end type value_t
+
+   !> One value as written, repeat counts resolved.
+   type :: item_t
+      character(len=:), allocatable :: text              !! Without quotes
+      logical :: quoted = .false.                        !! It stood in quotes
+   end type item_t
+
+   character(len=*), parameter :: points_at = "  <- "    !! Between what is written and what is wrong
+
+contains
+
+   !> Number of values: the places up to the last one filled.
+   pure integer function value_count(self) result(count)
+      class(value_t), intent(in) :: self                 !! The value
+
+      count = 0
+      if (.not. allocated(self%filled)) return
+      do count = size(self%filled), 1, -1
+         if (self%filled(count)) return
+      end do
+   end function value_count
+
+   !> Make the default of a key its value.
+   subroutine read_default(key, value, complaint)
+      type(key_t), intent(in) :: key                     !! The key
+      type(value_t), intent(out) :: value                !! Its value
+      character(len=:), allocatable, intent(out) :: complaint !! Empty if all is well
+      type(token_t), allocatable :: tokens(:)
+      type(text_t), allocatable :: words(:)
+      integer :: i
+
+      complaint = ""
+      value%key = key%name
+      if (.not. allocated(key%default)) then
+         allocate (value%filled(key%places), source=.false.)
+         return
+      end if
+      if (key%kind == kind_text .and. key%places == 1) then
+         allocate (words(1))
+         words(1)%text = key%default
+      else
+         call split(key%default, words)
+      end if
+      allocate (tokens(size(words)))
+      do i = 1, size(words)
+         tokens(i)%raw = words(i)%text
+         tokens(i)%text = words(i)%text
+         tokens(i)%quoted = key%kind == kind_text
+      end do
+      call convert(key, tokens, 0, system_si, value, complaint)
+   end subroutine read_default
+
+   !> Convert what is written into values in SI.
+   subroutine convert(key, tokens, subscript, system, value, complaint)
+      type(key_t), intent(in) :: key                     !! The key
+      type(token_t), intent(in) :: tokens(:)             !! What is written
+      integer, intent(in) :: subscript                   !! First place to fill, 0 = all
+      integer, intent(in) :: system                      !! Units of what is written
+      type(value_t), intent(inout) :: value              !! Gets the values
+      character(len=:), allocatable, intent(out) :: complaint !! Empty if all is well
+      type(item_t), allocatable :: items(:)
+      integer :: first, i, places
+
+      complaint = ""
+      call make_room(key, value)
+      first = max(subscript, 1)
+      places = key%places - first + 1
+      call expand(tokens, places, items, complaint)
+      if (complaint == "" .and. size(items) == 0) complaint = expectation(key)
+      do i = 1, min(size(items), places)
+         if (complaint /= "") exit
+         call convert_item(key, items(i), system, first + i - 1, value, complaint)
+      end do
+      if (complaint == "") then
+         if (size(items) > places) then
+            complaint = too_many(key, subscript, tokens, size(items))
+         else if (key%exact .and. subscript == 0 .and. size(items) < places) then
+            complaint = expectation(key)//", not "//number(size(items))
+         end if
+      end if
+      if (complaint == "") return
+      value%valid = .false.
+      if (complaint(1:1) /= " ") complaint = points_at//complaint
+   end subroutine convert
+
+   !> What is wrong if there are more values than places.
+   function too_many(key, subscript, tokens, count) result(complaint)
+      type(key_t), intent(in) :: key                     !! The key
+      integer, intent(in) :: subscript                   !! First place to fill, 0 = all
+      type(token_t), intent(in) :: tokens(:)             !! What is written
+      integer, intent(in) :: count                       !! Number of values
+      character(len=:), allocatable :: complaint
+
+      integer :: i
+
+      complaint = expectation(key)//", not "//number(count)
+      if (subscript > 0) complaint = expectation(key)//"; there is no place "// &
+         number(key%places + 1)
+      do i = 1, size(tokens)
+         if (.not. tokens(i)%quoted .and. index(tokens(i)%raw, "*") > 0) complaint = expectation(key)
+      end do
+   end function too_many
+
+   !> Make the arrays of a value.
+   subroutine make_room(key, value)
+      type(key_t), intent(in) :: key                     !! The key
+      type(value_t), intent(inout) :: value              !! Gets the arrays unless it has them
+
+      if (.not. allocated(value%filled)) allocate (value%filled(key%places), source=.false.)
+      select case (key%kind)
+      case (kind_real)
+         if (.not. allocated(value%numbers)) allocate (value%numbers(key%places), source=0.0_wp)
+      case (kind_integer)
+         if (.not. allocated(value%wholes)) allocate (value%wholes(key%places), source=0)
+      case (kind_logical)
+         if (.not. allocated(value%switches)) allocate (value%switches(key%places), source=.false.)
+      case default
+         if (.not. allocated(value%texts)) allocate (value%texts(key%places))
+      end select
+   end subroutine make_room
+
+   !> Resolve commas and repeat counts such as 3*0.0. Counts beyond the places are not carried out.
+   subroutine expand(tokens, places, items, complaint)
+      type(token_t), intent(in) :: tokens(:)             !! What is written
+      integer, intent(in) :: places                      !! Number of places to fill
+      type(item_t), allocatable, intent(out) :: items(:) !! The values
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      type(item_t) :: item
+      logical :: after_comma
+      integer :: copies, i, mark, pending
+
+      allocate (items(0))
+      after_comma = .true.
+      pending = 1
+      do i = 1, size(tokens)
+         if (tokens(i)%comma) then
+            if (after_comma) complaint = "has nothing before a comma"
+            after_comma = .true.
+            cycle
+         end if
+         after_comma = .false.
+         copies = pending
+         pending = 1
+         item%text = tokens(i)%text
+         item%quoted = tokens(i)%quoted
+         if (.not. item%quoted) then
+            mark = index(item%text, "*")
+            copies = copies*copies_of(item%text(:max(mark - 1, 0)))
+            if (copies > 0) item%text = item%text(mark + 1:)
+            if (copies > 0 .and. mark > 0 .and. item%text == "" .and. i < size(tokens)) then
+               if (tokens(i + 1)%quoted) then
+                  pending = copies
+                  cycle
+               end if
+            end if
+         end if
+         do copies = 1, min(max(copies, 1), places + 1 - size(items))
+            call add_item(items, item)
+         end do
+         if (size(items) > places) call add_rest(items, tokens(i + 1:))
+         if (size(items) > places) exit
+      end do
+   end subroutine expand
+
+   !> Count the values that follow when there are too many anyway.
+   subroutine add_rest(items, tokens)
+      type(item_t), allocatable, intent(inout) :: items(:) !! The values
+      type(token_t), intent(in) :: tokens(:)             !! What follows
+      type(item_t) :: item
+      integer :: i
+
+      do i = 1, size(tokens)
+         if (tokens(i)%comma) cycle
+         item%text = tokens(i)%text
+         item%quoted = tokens(i)%quoted
+         call add_item(items, item)
+      end do
+   end subroutine add_rest
+
+   !> Append a value.
+   subroutine add_item(items, item)
+      type(item_t), allocatable, intent(inout) :: items(:) !! The values
+      type(item_t), intent(in) :: item                   !! The new last one
+      type(item_t), allocatable :: longer(:)
+
+      allocate (longer(size(items) + 1))
+      longer(:size(items)) = items
+      longer(size(longer)) = item
+      call move_alloc(longer, items)
+   end subroutine add_item
+
+   !> Repeat count before the asterisk: 1 if there is none, 0 if it is no whole number above 0.
+   pure integer function copies_of(text) result(copies)
+      character(len=*), intent(in) :: text               !! What stands before the asterisk
+      integer :: status
+
+      copies = 1
+      if (len(text) == 0) return
+      copies = 0
+      if (verify(text, "0123456789") > 0) return
+      copies = 1000
+      if (len(text) > 3) return
+      read (text, *, iostat=status) copies
+   end function copies_of
+
+   !> Convert one value.
+   subroutine convert_item(key, item, system, place, value, complaint)
+      type(key_t), intent(in) :: key                     !! The key
+      type(item_t), intent(in) :: item                   !! What is written
+      integer, intent(in) :: system                      !! Units of what is written
+      integer, intent(in) :: place                       !! Where it goes
+      type(value_t), intent(inout) :: value              !! Gets the value
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+
+      if (item%quoted .neqv. key%kind == kind_text) then
+         complaint = expectation(key)
+         return
+      end if
+      select case (key%kind)
+      case (kind_real)
+         call read_number(item%text, nint(key%unit%exponent(system)), value%numbers(place), complaint)
+         if (complaint == "?") complaint = expectation(key)
+         if (complaint == "") call finish_number(key, system, value%numbers(place), complaint)
+      case (kind_integer)
+         call read_whole(item%text, value%wholes(place), complaint)
+         if (complaint == "?") complaint = expectation(key)
+         if (complaint == "") call check_range(key, real(value%wholes(place), wp), complaint)
+      case (kind_logical)
+         select case (lower(item%text))
+         case (".true.", ".t.", "true", "t")
+            value%switches(place) = .true.
+         case (".false.", ".f.", "false", "f")
+            value%switches(place) = .false.
+         case default
+            complaint = expectation(key)
+         end select
+      case default
+         call check_words(key, item%text, value%texts(place)%text, complaint)
+      end select
+      if (complaint == "") value%filled(place) = .true.
+   end subroutine convert_item
+
+   !> Read a number, its decimal exponent shifted. No letter but e, E, d and D is understood.
+   subroutine read_number(text, shift, number_read, complaint)
+      character(len=*), intent(in) :: text               !! What is written
+      integer, intent(in) :: shift                       !! Added to the decimal exponent
+      real(wp), intent(out) :: number_read               !! The number [SI]
+      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is no number
+      character(len=*), parameter :: figures = "0123456789"
+      character(len=:), allocatable :: shifted
+      integer :: digits, exponent, first, magnitude, mark, point, status
+
+      number_read = 0.0_wp
+      complaint = "?"
+      first = merge(2, 1, scan(text//" ", "+-") == 1)
+      mark = scan(text//"e", "eEdD")
+      if (verify(text(first:mark - 1), figures//".") > 0) return
+      if (scan(text(first:mark - 1), figures) == 0) return
+      point = index(text(:mark - 1)//".", ".")
+      if (index(text(point + 1:mark - 1), ".") > 0) return
+      exponent = 0
+      if (mark <= len(text)) then
+         digits = mark + merge(2, 1, scan(text(mark + 1:), "+-") == 1)
+         if (verify(text(digits:), figures) > 0 .or. digits > len(text)) return
+         if (verify(text(digits:), "0") > 0 .and. len(text) - digits >= 6) then
+            complaint = "is too large or too small for a number"
+            return
+         end if
+         read (text(mark + 1:), *, iostat=status) exponent
+      end if
+      complaint = ""
+      digits = scan(text(:mark - 1), "123456789")
+      if (digits == 0) return
+      exponent = exponent + shift
+      magnitude = exponent + point - digits - merge(1, 0, point > digits)
+      if (abs(magnitude) > 306) then
+         complaint = "is too large or too small for a number"
+         return
+      end if
+      shifted = text(:mark - 1)//"e"//number(exponent)
+      read (shifted, *, iostat=status) number_read
+      if (status /= 0) complaint = "?"
+   end subroutine read_number
+
+   !> Convert units that are no whole power of ten, and check the range.
+   subroutine finish_number(key, system, value, complaint)
+      type(key_t), intent(in) :: key                     !! The key
+      integer, intent(in) :: system                      !! Units of what was written
+      real(wp), intent(inout) :: value                   !! The number [SI]
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      real(wp) :: rest
+
+      rest = key%unit%exponent(system)
+      rest = rest - real(nint(rest), wp)
+      if (abs(rest) > 0.0_wp) value = value*10.0_wp**rest
+      call check_range(key, value, complaint)
+   end subroutine finish_number
+
+   !> Check the range of a number.
+   subroutine check_range(key, value, complaint)
+      type(key_t), intent(in) :: key                     !! The key
+      real(wp), intent(in) :: value                      !! The number [SI]
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      type(text_t), allocatable :: parts(:)
+      logical :: inside
+
+      inside = value >= key%least .and. value <= key%most
+      if (inside .and. key%least_open) inside = value > key%least
+      if (inside .and. key%most_open) inside = value < key%most
+      if (inside) return
+      call split(key%range, parts)
+      if (size(parts) == 4) then
+         complaint = "must be "//join(parts(:2), " ")//" and "//join(parts(3:), " ")
+      else
+         complaint = "must be "//key%range
+      end if
+      if (key%unit_text /= "") complaint = complaint//" "//key%unit_text
+   end subroutine check_range
+
+   !> Read a whole number.
+   subroutine read_whole(text, whole, complaint)
+      character(len=*), intent(in) :: text               !! What is written
+      integer, intent(out) :: whole                      !! The number
+      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is no whole number
+      character(len=*), parameter :: figures = "0123456789"
+      integer(int64) :: long
+      integer :: first, status
+
+      whole = 0
+      complaint = "?"
+      first = merge(2, 1, scan(text//" ", "+-") == 1)
+      if (first > len(text) .or. verify(text(first:), figures) > 0) return
+      complaint = "must not be beyond "//number(huge(whole))
+      if (len(text) > 12) return
+      read (text, *, iostat=status) long
+      if (status /= 0 .or. abs(long) > huge(whole)) return
+      complaint = ""
+      whole = int(long)
+   end subroutine read_whole
+
+   !> Check a text against the words that are allowed, in letters of either case.
+   subroutine check_words(key, written, text, complaint)
+      type(key_t), intent(in) :: key                     !! The key
+      character(len=*), intent(in) :: written            !! What is written
+      character(len=:), allocatable, intent(out) :: text !! The text
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      character(len=:), allocatable :: near
+      integer :: i
+
+      text = trim(written)
+      if (text == "") complaint = "expects a text that is not empty"
+      if (text == "" .or. size(key%words) == 0) return
+      do i = 1, size(key%words)
+         if (lower(key%words(i)%text) /= lower(text)) cycle
+         text = key%words(i)%text
+         return
+      end do
+      complaint = " is none of: "//join(key%words, " ")
+      near = closest(text, key%words)
+      if (near /= "") complaint = complaint//"; did you mean '"//near//"'?"
+   end subroutine check_words
+
+   !> What a key expects.
+   function expectation(key) result(text)
+      type(key_t), intent(in) :: key                     !! The key
+      character(len=:), allocatable :: text
+      character(len=16) :: one, several
+
+      select case (key%kind)
+      case (kind_real)
+         one = "a number"
+         several = "numbers"
+      case (kind_integer)
+         one = "a whole number"
+         several = "whole numbers"
+      case (kind_logical)
+         text = "expects .true. or .false."
+         return
+      case default
+         one = "a text in quotes"
+         several = "texts in quotes"
+      end select
+      text = "expects "
+      if (key%places == 1) then
+         text = text//trim(one)
+      else if (key%exact) then
+         text = text//number(key%places)//" "//trim(several)
+      else
+         text = text//"up to "//number(key%places)//" "//trim(several)
+      end if
+   end function expectation
+end module base_deck_value

@@ -1,0 +1,407 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What a deck may hold: groups and keys with kind, unit, default, range and meaning.
+!!
+!! Each part of the program declares its own keys. Reading, checking, the echo, the template and the
+!! explanations all walk this one table.
+module base_schema
+   use base_kinds, only: wp
+   use base_text, only: append, split, text_t
+   use base_units, only: unit_of, unit_t
+   implicit none
+   private
+
+   public :: condition_t, group_rule_t, key_t, schema_t
+
+   integer, parameter, public :: kind_real = 1           !! Numbers
+   integer, parameter, public :: kind_integer = 2        !! Whole numbers
+   integer, parameter, public :: kind_logical = 3        !! .true. or .false.
+   integer, parameter, public :: kind_text = 4           !! Texts in quotes
+
+   !> What another key must be so that a key means something.
+   type :: condition_t
+      character(len=:), allocatable :: group             !! Group of the other key
+      character(len=:), allocatable :: key               !! The other key
+      type(text_t), allocatable :: words(:)              !! What it may be; empty: .true.
+   end type condition_t
+
+   !> One key.
+   type :: key_t
+      character(len=:), allocatable :: group             !! Group it belongs to
+      character(len=:), allocatable :: name              !! As in the deck
+      integer :: kind = kind_real                        !! One of the constants above
+      integer :: places = 1                              !! Greatest number of values
+      logical :: exact = .true.                          !! All places must be filled
+      character(len=:), allocatable :: doc               !! Its meaning
+      character(len=:), allocatable :: unit_text         !! Unit of SI as text
+      type(unit_t) :: unit                               !! The same to count with
+      character(len=:), allocatable :: default           !! In SI; not allocated: none
+      character(len=:), allocatable :: range             !! As declared, such as > 0 < 1
+      real(wp) :: least = -huge(1.0_wp)                  !! Lower bound [SI]
+      real(wp) :: most = huge(1.0_wp)                    !! Upper bound [SI]
+      logical :: least_open = .false.                    !! The lower bound itself is out of range
+      logical :: most_open = .false.                     !! The upper bound itself is out of range
+      logical :: required = .false.                      !! Must be given where it applies
+      character(len=:), allocatable :: target            !! Group whose names it refers to
+      type(text_t), allocatable :: words(:)              !! Texts that are allowed, empty: any
+      type(condition_t), allocatable :: owners(:)        !! All must hold so that it applies
+   end type key_t
+
+   !> One group.
+   type :: group_rule_t
+      character(len=:), allocatable :: name              !! As in the deck, without &
+      character(len=:), allocatable :: doc               !! Its meaning
+      logical :: many = .false.                          !! May be given more than once
+      type(key_t), allocatable :: keys(:)                !! In the order of the echo
+   contains
+      procedure :: find => group_rule_find               !! Index of a key
+      procedure :: names => group_rule_names             !! Names of all keys
+   end type group_rule_t
+
+   !> All groups.
+   type :: schema_t
+      type(group_rule_t), allocatable :: groups(:)       !! In the order of the echo
+      character(len=:), allocatable :: fault             !! First mistake in a declaration
+   contains
+      procedure :: group => schema_group                 !! Declare a group
+      procedure :: real => schema_real                   !! Declare a key of numbers
+      procedure :: integer => schema_integer             !! Declare a key of whole numbers
+      procedure :: logical => schema_logical             !! Declare a switch
+      procedure :: text => schema_text                   !! Declare a key of texts
+      procedure :: words => schema_words                 !! Allow more words for a key of texts
+      procedure :: require => schema_require             !! Keys that must be given
+      procedure :: refer => schema_refer                 !! Names of which group a key refers to
+      procedure :: find => schema_find                   !! Index of a group
+      procedure :: names => schema_names                 !! Names of all groups
+      procedure, private :: add => schema_add            !! Append a key
+      procedure, private :: locate => schema_locate      !! Indices of a declared key
+   end type schema_t
+
+contains
+
+   !> Declare a group, or add to it if it is declared already.
+   subroutine schema_group(self, name, doc, many)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: name               !! As in the deck, without &
+      character(len=*), intent(in) :: doc                !! Its meaning
+      logical, intent(in), optional :: many              !! May be given more than once
+      type(group_rule_t), allocatable :: longer(:)
+      integer :: known
+
+      if (self%find(name) > 0) return
+      known = 0
+      if (allocated(self%groups)) known = size(self%groups)
+      allocate (longer(known + 1))
+      if (known > 0) longer(:known) = self%groups
+      longer(known + 1)%name = name
+      longer(known + 1)%doc = doc
+      if (present(many)) longer(known + 1)%many = many
+      allocate (longer(known + 1)%keys(0))
+      call move_alloc(longer, self%groups)
+   end subroutine schema_group
+
+   !> Declare a key of numbers: name x for one, x(3) for three, x(:50) for up to fifty.
+   subroutine schema_real(self, group, name, doc, unit, default, range, owner)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: name               !! Name and number of values
+      character(len=*), intent(in) :: doc                !! Its meaning
+      character(len=*), intent(in), optional :: unit     !! Of SI, or deg; without: 1
+      character(len=*), intent(in), optional :: default  !! In SI
+      character(len=*), intent(in), optional :: range    !! In SI: > 0, >= 0 < 1
+      character(len=*), intent(in), optional :: owner    !! When it means something
+      type(key_t) :: key
+      logical :: known
+
+      key%kind = kind_real
+      key%unit_text = ""
+      if (present(unit)) then
+         if (unit /= "1") key%unit_text = unit
+         call unit_of(unit, key%unit, known)
+         if (.not. known) call blame(self, "unit "//unit//" of "//name)
+      end if
+      call self%add(key, group, name, doc, default, range, owner)
+   end subroutine schema_real
+
+   !> Declare a key of whole numbers: name n for one, n(3) for three, n(:50) for up to fifty.
+   subroutine schema_integer(self, group, name, doc, default, range, owner)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: name               !! Name and number of values
+      character(len=*), intent(in) :: doc                !! Its meaning
+      character(len=*), intent(in), optional :: default  !! As in the deck
+      character(len=*), intent(in), optional :: range    !! Such as > 0, >= 0 <= 9
+      character(len=*), intent(in), optional :: owner    !! When it means something
+      type(key_t) :: key
+
+      key%kind = kind_integer
+      call self%add(key, group, name, doc, default, range, owner)
+   end subroutine schema_integer
+
+   !> Declare a switch.
+   subroutine schema_logical(self, group, name, doc, default, owner)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: name               !! Its name
+      character(len=*), intent(in) :: doc                !! Its meaning
+      character(len=*), intent(in), optional :: default  !! .true. or .false.
+      character(len=*), intent(in), optional :: owner    !! When it means something
+      type(key_t) :: key
+
+      key%kind = kind_logical
+      call self%add(key, group, name, doc, default, owner=owner)
+   end subroutine schema_logical
+
+   !> Declare a key of texts: name t for one, t(2) for two, t(:40) for up to forty.
+   subroutine schema_text(self, group, name, doc, default, words, owner)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: name               !! Name and number of values
+      character(len=*), intent(in) :: doc                !! Its meaning
+      character(len=*), intent(in), optional :: default  !! Without quotes
+      character(len=*), intent(in), optional :: words    !! All that is allowed, blanks between
+      character(len=*), intent(in), optional :: owner    !! When it means something
+      type(key_t) :: key
+
+      key%kind = kind_text
+      if (present(words)) call split(words, key%words)
+      call self%add(key, group, name, doc, default, owner=owner)
+   end subroutine schema_text
+
+   !> Append a key to its group.
+   subroutine schema_add(self, key, group, name, doc, default, range, owner)
+      class(schema_t), intent(inout) :: self             !! The schema
+      type(key_t), intent(inout) :: key                  !! Kind, unit and words are set
+      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: name               !! Name and number of values
+      character(len=*), intent(in) :: doc                !! Its meaning
+      character(len=*), intent(in), optional :: default  !! In SI
+      character(len=*), intent(in), optional :: range    !! In SI
+      character(len=*), intent(in), optional :: owner    !! When it means something
+      type(key_t), allocatable :: longer(:)
+      integer :: place
+
+      key%group = group
+      key%doc = doc
+      key%range = ""
+      key%target = ""
+      if (.not. allocated(key%unit_text)) key%unit_text = ""
+      if (.not. allocated(key%words)) allocate (key%words(0))
+      if (present(default)) key%default = default
+      call set_name(self, key, name)
+      if (present(range)) call set_range(self, key, range)
+      allocate (key%owners(0))
+      if (present(owner)) call set_owners(key, owner)
+      place = self%find(group)
+      if (place == 0) then
+         call blame(self, "group of "//group//"."//key%name)
+         return
+      end if
+      associate (rule => self%groups(place))
+         if (rule%find(key%name) > 0) call blame(self, "second "//group//"."//key%name)
+         allocate (longer(size(rule%keys) + 1))
+         longer(:size(rule%keys)) = rule%keys
+         longer(size(longer)) = key
+         call move_alloc(longer, rule%keys)
+      end associate
+   end subroutine schema_add
+
+   !> Take name and number of values apart.
+   subroutine set_name(self, key, name)
+      class(schema_t), intent(inout) :: self             !! The schema
+      type(key_t), intent(inout) :: key                  !! Gets name and number of values
+      character(len=*), intent(in) :: name               !! Such as lo(3), times(:50)
+      integer :: bracket, status
+
+      bracket = index(name, "(")
+      key%name = name
+      if (bracket == 0) return
+      key%name = name(:bracket - 1)
+      key%exact = name(bracket + 1:bracket + 1) /= ":"
+      if (.not. key%exact) bracket = bracket + 1
+      read (name(bracket + 1:len(name) - 1), *, iostat=status) key%places
+      if (status /= 0) call blame(self, "number of values of "//name)
+   end subroutine set_name
+
+   !> Take a range such as >= 0 < 1 apart.
+   subroutine set_range(self, key, range)
+      class(schema_t), intent(inout) :: self             !! The schema
+      type(key_t), intent(inout) :: key                  !! Gets the bounds
+      character(len=*), intent(in) :: range              !! One or two signs with a number
+      integer :: at, i, last, status
+      real(wp) :: bound
+      logical :: closed
+
+      key%range = range
+      at = 1
+      do i = 1, 2
+         at = at + verify(range(at:)//"x", " ") - 1
+         if (at >= len(range)) exit
+         closed = range(at + 1:at + 1) == "="
+         last = at + scan(range(at + 1:)//"<", "<>") - 1
+         read (range(at + merge(2, 1, closed):last), *, iostat=status) bound
+         if (status /= 0) call blame(self, "range of "//key%name)
+         if (range(at:at) == ">") then
+            key%least = bound
+            key%least_open = .not. closed
+         else
+            key%most = bound
+            key%most_open = .not. closed
+         end if
+         at = last + 1
+      end do
+   end subroutine set_range
+
+   !> Take conditions such as `strength_model = mu_i & effects.thermal` apart.
+   subroutine set_owners(key, owner)
+      type(key_t), intent(inout) :: key                  !! Gets the conditions
+      character(len=*), intent(in) :: owner              !! Conditions with & between them
+      type(condition_t), allocatable :: longer(:)
+      type(condition_t) :: condition
+      character(len=:), allocatable :: name, part
+      integer :: dot, equals, first, last
+
+      first = 1
+      do while (first <= len(owner))
+         last = first + index(owner(first:)//"&", "&") - 2
+         part = trim(adjustl(owner(first:last)))
+         equals = index(part//"=", "=")
+         name = trim(part(:equals - 1))
+         call split(part(equals + 1:), condition%words)
+         dot = index(name, ".")
+         condition%group = key%group
+         if (dot > 0) condition%group = name(:dot - 1)
+         condition%key = name(dot + 1:)
+         allocate (longer(size(key%owners) + 1))
+         longer(:size(key%owners)) = key%owners
+         longer(size(longer)) = condition
+         call move_alloc(longer, key%owners)
+         first = last + 2
+      end do
+   end subroutine set_owners
+
+   !> Allow more words for a key of texts.
+   subroutine schema_words(self, group, name, words)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: group              !! Group of the key
+      character(len=*), intent(in) :: name               !! The key
+      character(len=*), intent(in) :: words(:)           !! The words
+      integer :: i, place(2)
+
+      place = self%locate(group, name)
+      if (place(1) == 0) return
+      associate (key => self%groups(place(1))%keys(place(2)))
+         do i = 1, size(words)
+            if (holds(key%words, trim(words(i)))) cycle
+            call append(key%words, trim(words(i)))
+         end do
+      end associate
+   end subroutine schema_words
+
+   !> True if a word is in a list.
+   pure logical function holds(list, word) result(found)
+      type(text_t), intent(in) :: list(:)                !! The list
+      character(len=*), intent(in) :: word               !! The word
+      integer :: i
+
+      found = .false.
+      do i = 1, size(list)
+         found = found .or. list(i)%text == word
+      end do
+   end function holds
+
+   !> Keys that must be given where they apply.
+   subroutine schema_require(self, group, names)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: group              !! Their group
+      character(len=*), intent(in) :: names              !! The keys, blanks between
+      type(text_t), allocatable :: keys(:)
+      integer :: i, place(2)
+
+      call split(names, keys)
+      do i = 1, size(keys)
+         place = self%locate(group, keys(i)%text)
+         if (place(1) > 0) self%groups(place(1))%keys(place(2))%required = .true.
+      end do
+   end subroutine schema_require
+
+   !> Say that the texts of a key are names of groups of another kind.
+   subroutine schema_refer(self, group, name, target)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: group              !! Group of the key
+      character(len=*), intent(in) :: name               !! The key
+      character(len=*), intent(in) :: target             !! Repeated group with a key `name`
+      integer :: place(2)
+
+      place = self%locate(group, name)
+      if (place(1) > 0) self%groups(place(1))%keys(place(2))%target = target
+   end subroutine schema_refer
+
+   !> Indices of the group and of a key that must have been declared.
+   function schema_locate(self, group, name) result(place)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: group              !! Group of the key
+      character(len=*), intent(in) :: name               !! The key
+      integer :: place(2)
+
+      place(1) = self%find(group)
+      place(2) = 0
+      if (place(1) > 0) place(2) = self%groups(place(1))%find(name)
+      if (place(2) > 0) return
+      place = 0
+      call blame(self, group//"."//name//", which is not declared")
+   end function schema_locate
+
+   !> Note a mistake in a declaration; the first one is kept.
+   subroutine blame(self, what)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: what               !! What is wrong
+
+      if (.not. allocated(self%fault)) self%fault = "declaration of the deck: "//what
+   end subroutine blame
+
+   !> Index of a group, 0 if there is none of that name.
+   pure integer function schema_find(self, name) result(place)
+      class(schema_t), intent(in) :: self                !! The schema
+      character(len=*), intent(in) :: name               !! The group
+
+      place = 0
+      if (.not. allocated(self%groups)) return
+      do place = size(self%groups), 1, -1
+         if (self%groups(place)%name == name) return
+      end do
+   end function schema_find
+
+   !> Index of a key, 0 if there is none of that name.
+   pure integer function group_rule_find(self, name) result(place)
+      class(group_rule_t), intent(in) :: self            !! The group
+      character(len=*), intent(in) :: name               !! The key
+
+      do place = size(self%keys), 1, -1
+         if (self%keys(place)%name == name) return
+      end do
+   end function group_rule_find
+
+   !> Names of all keys.
+   pure function group_rule_names(self) result(names)
+      class(group_rule_t), intent(in) :: self            !! The group
+      type(text_t), allocatable :: names(:)
+      integer :: i
+
+      allocate (names(size(self%keys)))
+      do i = 1, size(names)
+         names(i)%text = self%keys(i)%name
+      end do
+   end function group_rule_names
+
+   !> Names of all groups.
+   pure function schema_names(self) result(names)
+      class(schema_t), intent(in) :: self                !! The schema
+      type(text_t), allocatable :: names(:)
+      integer :: i
+
+      allocate (names(size(self%groups)))
+      do i = 1, size(names)
+         names(i)%text = self%groups(i)%name
+      end do
+   end function schema_names
+end module base_schema

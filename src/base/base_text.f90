@@ -1,0 +1,269 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Texts: lists of them, the nearest of several words, and numbers that read back bit for bit.
+module base_text
+   use base_kinds, only: int64, wp
+   implicit none
+   private
+
+   public :: append, brief, buffer_t, closest, distance, is_letter, join, lower, number, split, text_t
+
+   !> A text of any length, so that arrays of texts can be made.
+   type :: text_t
+      character(len=:), allocatable :: text              !! The letters
+   end type text_t
+
+   !> A long text that grows without being copied each time.
+   type :: buffer_t
+      integer, private :: filled = 0                     !! Letters in use
+      character(len=:), allocatable, private :: letters  !! Longer than what is in use
+   contains
+      procedure :: add => buffer_add                     !! Append letters
+      procedure :: line => buffer_line                   !! Append a line
+      procedure :: content => buffer_content             !! All letters so far
+   end type buffer_t
+
+   !> A number as text. A real number reads back as exactly the same number.
+   interface number
+      module procedure number_of_real
+      module procedure number_of_integer
+      module procedure number_of_long_integer
+   end interface number
+
+contains
+
+   !> Append letters to a buffer.
+   pure subroutine buffer_add(self, letters)
+      class(buffer_t), intent(inout) :: self             !! The buffer
+      character(len=*), intent(in) :: letters            !! What to append
+      character(len=:), allocatable :: longer
+      integer :: needed
+
+      needed = self%filled + len(letters)
+      if (.not. allocated(self%letters)) allocate (character(len=max(256, needed)) :: self%letters)
+      if (needed > len(self%letters)) then
+         allocate (character(len=2*needed) :: longer)
+         longer(:self%filled) = self%letters(:self%filled)
+         call move_alloc(longer, self%letters)
+      end if
+      self%letters(self%filled + 1:needed) = letters
+      self%filled = needed
+   end subroutine buffer_add
+
+   !> Append a line, with its end, to a buffer.
+   pure subroutine buffer_line(self, letters)
+      class(buffer_t), intent(inout) :: self             !! The buffer
+      character(len=*), intent(in) :: letters            !! The line without its end
+
+      call self%add(letters)
+      call self%add(new_line("a"))
+   end subroutine buffer_line
+
+   !> All letters of a buffer.
+   pure function buffer_content(self) result(letters)
+      class(buffer_t), intent(in) :: self                !! The buffer
+      character(len=:), allocatable :: letters
+
+      letters = ""
+      if (self%filled > 0) letters = self%letters(:self%filled)
+   end function buffer_content
+
+   !> Append one text to a list.
+   pure subroutine append(list, text)
+      type(text_t), allocatable, intent(inout) :: list(:) !! Not allocated counts as empty
+      character(len=*), intent(in) :: text               !! The new last one
+      type(text_t), allocatable :: longer(:)
+      integer :: i, known
+
+      known = 0
+      if (allocated(list)) known = size(list)
+      allocate (longer(known + 1))
+      do i = 1, known
+         call move_alloc(list(i)%text, longer(i)%text)
+      end do
+      longer(known + 1)%text = text
+      call move_alloc(longer, list)
+   end subroutine append
+
+   !> True for the letters of names, a to z of either case.
+   pure elemental logical function is_letter(letter)
+      character(len=1), intent(in) :: letter             !! Any character
+
+      is_letter = ("a" <= letter .and. letter <= "z") .or. ("A" <= letter .and. letter <= "Z")
+   end function is_letter
+
+   !> Capital letters made small.
+   pure function lower(text) result(small)
+      character(len=*), intent(in) :: text               !! Any text
+      character(len=len(text)) :: small
+      integer :: i
+
+      do i = 1, len(text)
+         if ("A" <= text(i:i) .and. text(i:i) <= "Z") then
+            small(i:i) = achar(iachar(text(i:i)) + 32)
+         else
+            small(i:i) = text(i:i)
+         end if
+      end do
+   end function lower
+
+   !> Words of a text that blanks separate.
+   pure subroutine split(text, words)
+      character(len=*), intent(in) :: text               !! Words and blanks
+      type(text_t), allocatable, intent(out) :: words(:) !! The words
+      integer :: first, last
+
+      allocate (words(0))
+      first = 1
+      do while (first <= len(text))
+         if (text(first:first) == " ") then
+            first = first + 1
+            cycle
+         end if
+         last = index(text(first:), " ") + first - 2
+         if (last < first) last = len(text)
+         call append(words, text(first:last))
+         first = last + 1
+      end do
+   end subroutine split
+
+   !> Texts in a row with something between them.
+   pure function join(words, separator) result(row)
+      type(text_t), intent(in) :: words(:)               !! The texts
+      character(len=*), intent(in) :: separator          !! What stands between two of them
+      character(len=:), allocatable :: row
+      type(buffer_t) :: buffer
+      integer :: i
+
+      do i = 1, size(words)
+         if (i > 1) call buffer%add(separator)
+         call buffer%add(words(i)%text)
+      end do
+      row = buffer%content()
+   end function join
+
+   !> Number of letters to insert, drop, change, or swap with a neighbour to make one word of another.
+   !!
+   !! Levenshtein's distance with swaps (optimal string alignment).
+   pure integer function distance(from, to) result(changes)
+      character(len=*), intent(in) :: from               !! One word
+      character(len=*), intent(in) :: to                 !! The other word
+      integer :: before(0:len(to)), now(0:len(to)), earlier(0:len(to))
+      integer :: i, j
+
+      now = [(j, j=0, len(to))]
+      before = 0
+      do i = 1, len(from)
+         earlier = before
+         before = now
+         now(0) = i
+         do j = 1, len(to)
+            now(j) = min(before(j) + 1, now(j - 1) + 1, &
+               before(j - 1) + merge(0, 1, from(i:i) == to(j:j)))
+            if (min(i, j) == 1) cycle
+            if (from(i:i) == to(j - 1:j - 1) .and. from(i - 1:i - 1) == to(j:j)) &
+               now(j) = min(now(j), earlier(max(j - 2, 0)) + 1)
+         end do
+      end do
+      changes = now(len(to))
+   end function distance
+
+   !> The word of a list that is nearest to another one, or nothing if none is near.
+   pure function closest(word, candidates) result(best)
+      character(len=*), intent(in) :: word               !! As somebody wrote it
+      type(text_t), intent(in) :: candidates(:)          !! What it may be meant to be
+      character(len=:), allocatable :: best
+      integer :: changes, i, least
+
+      best = ""
+      if (len(word) > 64) return
+      least = max(1, (len(word) + 2)/3) + 1
+      do i = 1, size(candidates)
+         if (abs(len(candidates(i)%text) - len(word)) >= least) cycle
+         changes = distance(lower(word), lower(candidates(i)%text))
+         if (changes >= least .or. changes >= max(len(word), len(candidates(i)%text))) cycle
+         least = changes
+         best = candidates(i)%text
+      end do
+   end function closest
+
+   !> A whole number as text.
+   pure function number_of_integer(value) result(text)
+      integer, intent(in) :: value                       !! The number
+      character(len=:), allocatable :: text
+      character(len=12) :: line
+
+      write (line, "(i0)") value
+      text = trim(line)
+   end function number_of_integer
+
+   !> A long whole number as text.
+   pure function number_of_long_integer(value) result(text)
+      integer(int64), intent(in) :: value                !! The number
+      character(len=:), allocatable :: text
+      character(len=21) :: line
+
+      write (line, "(i0)") value
+      text = trim(line)
+   end function number_of_long_integer
+
+   !> The shortest of 15 to 17 digits that reads back as exactly the same number.
+   pure function number_of_real(value) result(text)
+      real(wp), intent(in) :: value                      !! A finite number
+      character(len=:), allocatable :: text
+      character(len=32) :: line
+      character(len=12) :: layout
+      real(wp) :: again
+      integer :: digits, status
+
+      do digits = 14, 16
+         write (layout, "(a, i0, a)") "(es32.", digits, "e3)"
+         write (line, layout) value
+         read (line, *, iostat=status) again
+         if (status == 0 .and. abs(again - value) <= 0.0_wp) exit
+      end do
+      text = tidy(adjustl(line))
+   end function number_of_real
+
+   !> A number for people, rounded to six digits.
+   pure function brief(value) result(text)
+      real(wp), intent(in) :: value                      !! A finite number
+      character(len=:), allocatable :: text
+      character(len=32) :: line
+
+      write (line, "(es32.5e3)") value
+      text = tidy(adjustl(line))
+      if (len(text) < 3) return
+      if (text(len(text) - 1:) == ".0") text = text(:len(text) - 2)
+   end function brief
+
+   !> A number written as 1.2300E+002 made 123.0: no needless zeros, an exponent only if it helps.
+   pure function tidy(line) result(text)
+      character(len=*), intent(in) :: line               !! One digit, point, digits, E, exponent
+      character(len=:), allocatable :: text
+      character(len=:), allocatable :: digits, sign
+      integer :: exponent, last, mark
+
+      mark = scan(line, "E")
+      if (mark == 0) then
+         text = trim(line)
+         return
+      end if
+      read (line(mark + 1:), *) exponent
+      sign = ""
+      if (line(1:1) == "-") sign = "-"
+      digits = line(len(sign) + 1:len(sign) + 1)//line(len(sign) + 3:mark - 1)
+      last = max(verify(digits, "0", back=.true.), 1)
+      digits = digits(:last)
+      if (digits == "0") then
+         text = sign//"0.0"
+      else if (exponent < -4 .or. exponent > 6) then
+         if (last == 1) digits = digits//"0"
+         text = sign//digits(1:1)//"."//digits(2:)//"e"//number(exponent)
+      else if (exponent < 0) then
+         text = sign//"0."//repeat("0", -exponent - 1)//digits
+      else
+         digits = digits//repeat("0", max(exponent + 2 - last, 0))
+         text = sign//digits(:exponent + 1)//"."//digits(exponent + 2:)
+      end if
+   end function tidy
+end module base_text

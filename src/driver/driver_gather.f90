@@ -1,0 +1,253 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Nodes to particles, tile by tile: work, strain and stress, velocity and position. A tile stays in
+!! cache from the first to the last of these.
+module driver_gather
+   use base_kinds, only: int64, wp
+   use driver_ledger, only: plastic, viscous
+   use driver_method, only: transfer_flip, transfer_xpic
+   use driver_nodes, only: divide, empty_mass
+   use driver_scatter, only: find_local
+   use driver_simulation, only: scratch_t, simulation_t
+   use mesh_patch, only: assemble
+   use omp_lib, only: omp_get_thread_num
+   use particle_place, only: place_tile
+   use particle_store, only: store_t
+   use transfer_gather, only: gather_dual_gradient, gather_gradient, gather_hoop, gather_vector
+   implicit none
+   private
+
+   public :: gather_parts_t, gather_particles
+
+   !> Which parts of the way back to the particles are to be done.
+   type :: gather_parts_t
+      logical :: work = .false.                      !! Work of the stress of the force
+      logical :: strain = .false.                    !! Strain and stress
+      logical :: velocity = .false.                  !! Particle velocities
+      logical :: position = .false.                  !! Particle positions and cells
+   end type gather_parts_t
+
+   !> Node fields of one tile that the particles see.
+   type :: view_t
+      real(wp), allocatable :: push(:, :)            !! (3, node) Adds to what a particle keeps [m/s]
+      real(wp), allocatable :: carry(:, :)           !! (3, node) Moves the particles [m/s]
+      real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
+      real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
+   end type view_t
+
+contains
+
+   !> Give the particles what the nodes hold.
+   subroutine gather_particles(simulation, parts, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      integer :: tile
+
+      call simulation%timer%start(simulation%phase%gather)
+      !$omp parallel do default(none) shared(simulation, parts, dt) private(tile) schedule(dynamic, 1)
+      do tile = 1, simulation%tiles%own
+         call gather_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, parts, dt)
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%gather)
+   end subroutine gather_particles
+
+   !> One tile.
+   subroutine gather_tile(simulation, scratch, tile, parts, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      type(view_t) :: view
+      integer :: index
+
+      call look(simulation, tile, parts, dt, view)
+      do index = 1, size(simulation%stores)
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         associate (store => simulation%stores(index))
+            call find_local(simulation, scratch, store, tile)
+            call scratch%deformation%reserve(store%count(tile))
+            if (parts%work .and. allocated(store%matter%energy)) &
+               call add_work(simulation, scratch, store, tile, view, dt)
+            if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
+            if (parts%velocity) call gather_vector(simulation%grid, store%cell_start(:, tile), &
+               store%first(tile), scratch%local, view%push, simulation%method%keep(), 1.0_wp, &
+               store%velocity)
+            if (parts%position) then
+               call gather_vector(simulation%grid, store%cell_start(:, tile), store%first(tile), &
+                  scratch%local, view%carry, 1.0_wp, dt, store%position)
+               call place_tile(simulation%grid, simulation%boundary, &
+                  simulation%tiles%coordinate(:, tile), store, tile)
+               call check_numbers(store, tile, scratch%sound)
+            end if
+         end associate
+      end do
+   end subroutine gather_tile
+
+   !> The node fields of a tile as the particles see them.
+   subroutine look(simulation, tile, parts, dt, view)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      type(view_t), intent(out) :: view              !! What the particles see
+      integer :: nodes
+
+      nodes = simulation%grid%tile_nodes
+      if (parts%velocity) call find_push(simulation, tile, dt, view%push)
+      associate (velocity => simulation%nodes%velocity(:, :, tile), &
+         acceleration => simulation%nodes%acceleration(:, :, tile))
+         ! the position moves with the velocity in the middle of the step, as in the seed of DDMP
+         if (parts%position .or. parts%work) then
+            allocate (view%carry(3, nodes))
+            view%carry = velocity + 0.5_wp*dt*acceleration
+         end if
+      end associate
+      if (.not. simulation%method%dual) return
+      if (parts%strain) call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
+      if (parts%work .and. simulation%carries_energy) &
+         call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
+   end subroutine look
+
+   !> What nodes add to particle velocities.
+   !!
+   !! flip with a share of pic: v_p <- f v_p + sum S (a dt + (1 - f) v). xpic of order 2: C. Hammerquist,
+   !! J. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724: v_p <- sum S (2 v - v2 + a dt) where
+   !! v2 is v mapped to the particles and back.
+   subroutine find_push(simulation, tile, dt, push)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), allocatable, intent(out) :: push(:, :) !! (3, node) [m/s]
+      real(wp) :: mass(simulation%grid%tile_nodes), again(3, simulation%grid%tile_nodes)
+      integer :: component
+
+      allocate (push(3, simulation%grid%tile_nodes))
+      associate (velocity => simulation%nodes%velocity(:, :, tile), &
+         acceleration => simulation%nodes%acceleration(:, :, tile))
+         select case (simulation%method%transfer)
+         case (transfer_flip)
+            push = dt*acceleration + (1.0_wp - simulation%method%flip)*velocity
+         case (transfer_xpic)
+            call assemble(simulation%grid, simulation%tiles, simulation%nodes%extra, tile, again)
+            mass = simulation%nodes%total(1, :, tile)
+            do component = 1, 3
+               where (mass > empty_mass)
+                  push(component, :) = dt*acceleration(component, :) + 2.0_wp*velocity(component, :) &
+                     - again(component, :)/mass
+               elsewhere
+                  push(component, :) = 0.0_wp
+               end where
+            end do
+         case default
+            push = dt*acceleration + velocity
+         end select
+      end associate
+   end subroutine find_push
+
+   !> Sum of the patches of a node gradient, divided by the volumes of the nodes.
+   subroutine node_gradient(simulation, tile, patch, gradient)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: patch(:, :, :)   !! (9, node, tile)
+      real(wp), allocatable, intent(out) :: gradient(:, :) !! (9, node) [1/s]
+
+      allocate (gradient(9, simulation%grid%tile_nodes))
+      call assemble(simulation%grid, simulation%tiles, patch, tile, gradient)
+      call divide(simulation%nodes%volume(1, :, tile), gradient)
+      call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), gradient)
+   end subroutine node_gradient
+
+   !> Work of the stress that made the force on the velocity in the middle of the step, so that what
+   !! the nodes lose in kinetic energy is what the particles gain in internal energy.
+   subroutine add_work(simulation, scratch, store, tile, view, dt)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(in) :: view               !! Node fields
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      integer :: p, q, first
+
+      call find_gradient(simulation, scratch, store, tile, view%carry, view%middle, dt)
+      first = store%first(tile)
+      associate (stress => store%matter%stress, gradient => scratch%deformation%gradient)
+         do p = 1, store%count(tile)
+            q = first + p - 1
+            store%matter%energy(q) = store%matter%energy(q) + store%matter%volume(q) &
+               /store%matter%mass(q)*(stress(q, 1)*gradient(p, 1) + stress(q, 2)*gradient(p, 5) &
+               + stress(q, 3)*gradient(p, 9) + stress(q, 4)*(gradient(p, 2) + gradient(p, 4)) &
+               + stress(q, 5)*(gradient(p, 6) + gradient(p, 8)) &
+               + stress(q, 6)*(gradient(p, 3) + gradient(p, 7)))
+         end do
+      end associate
+   end subroutine add_work
+
+   !> Velocity gradient times the time step at the particles of a tile.
+   subroutine find_gradient(simulation, scratch, store, tile, velocity, gradient, dt)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Gets the gradient
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: velocity(:, :)   !! (3, node) [m/s]
+      real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Of the nodes, if dual [1/s]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      associate (grid => simulation%grid, start => store%cell_start(:, tile))
+         call gather_gradient(grid, start, scratch%local, velocity, dt, scratch%deformation%gradient)
+         if (simulation%method%dual) call gather_dual_gradient(grid, start, scratch%local, &
+            scratch%alpha, gradient, dt, scratch%deformation%gradient)
+         if (grid%axisymmetric) call gather_hoop(grid, start, store%first(tile), scratch%local, &
+            store%position, velocity, dt, scratch%deformation%gradient)
+      end associate
+   end subroutine find_gradient
+
+   !> Strain the particles of a tile and let their material answer.
+   subroutine strain_particles(simulation, scratch, index, tile, view, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(in) :: view               !! Node fields
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: fastest
+      integer :: p, first, n
+
+      associate (store => simulation%stores(index), deformation => scratch%deformation)
+         first = store%first(tile)
+         n = store%count(tile)
+         call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
+            view%gradient, dt)
+         call simulation%materials(index)%update(store%matter, deformation, first, first + n - 1, &
+            dt, simulation%grid%spacing)
+         fastest = 0.0_wp
+         do p = 1, n
+            fastest = max(fastest, deformation%wave_speed(p) + sqrt(store%velocity(first + p - 1, 1)**2 &
+               + store%velocity(first + p - 1, 2)**2 + store%velocity(first + p - 1, 3)**2))
+         end do
+         scratch%fastest = max(scratch%fastest, fastest)
+         if (allocated(simulation%materials(index)%viscosity)) &
+            call scratch%ledger%sums(viscous)%add(sum(deformation%viscous_work(:n)))
+         if (allocated(store%matter%plastic_strain)) &
+            call scratch%ledger%sums(plastic)%add(sum(deformation%plastic_work(:n)))
+      end associate
+   end subroutine strain_particles
+
+   !> Note if a velocity or stress is not a number any more.
+   pure subroutine check_numbers(store, tile, sound)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      logical, intent(inout) :: sound                !! Becomes false
+      real(wp), parameter :: bound = huge(1.0_wp)
+      integer :: p, bad
+
+      bad = 0
+      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+         if (.not. (abs(store%velocity(p, 1)) + abs(store%velocity(p, 2)) &
+            + abs(store%velocity(p, 3)) <= bound .and. abs(store%matter%stress(p, 1)) &
+            + abs(store%matter%stress(p, 2)) + abs(store%matter%stress(p, 3)) <= bound)) bad = bad + 1
+      end do
+      sound = sound .and. bad == 0
+   end subroutine check_numbers
+end module driver_gather

@@ -1,0 +1,244 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What happens on the nodes in a step. Every tile, own or ghost, works on all its nodes; nodes that
+!! several tiles share get the same bits on each of them.
+module driver_nodes
+   use base_kinds, only: wp
+   use driver_ledger, only: external_work, impulse
+   use driver_simulation, only: scratch_t, simulation_t
+   use mesh_patch, only: assemble, ensure_patch
+   use omp_lib, only: omp_get_thread_num
+   implicit none
+   private
+
+   public :: divide, dual_fields, move_nodes, remap_nodes
+
+   !> Nodes with less mass than this are empty; far below any mass, far above underflow.
+   real(wp), parameter, public :: empty_mass = 1.0e-200_wp
+
+contains
+
+   !> Weights and volumes of the dual gradient, and the force of the stress on the nodes.
+   subroutine dual_fields(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: tile
+
+      call simulation%timer%start(simulation%phase%grid)
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
+         all => simulation%tiles%all)
+         call ensure_patch(nodes%total, size(nodes%motion, 1), number, all)
+         call ensure_patch(nodes%weight, 1, simulation%grid%tile_cells, all)
+         call ensure_patch(nodes%share, 1, number, all)
+         call ensure_patch(nodes%volume, 1, number, all)
+         call ensure_patch(nodes%force, 3, number, all)
+      end associate
+      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+      do tile = 1, simulation%tiles%all
+         call weigh_tile(simulation, tile)
+      end do
+      !$omp end parallel do
+      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+      do tile = 1, simulation%tiles%all
+         call force_tile(simulation, tile)
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%grid)
+   end subroutine dual_fields
+
+   !> Weights of the cells of a tile and their share of the volumes of the nodes.
+   subroutine weigh_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, parameter :: filled = 8               ! row of the patch
+      real(wp) :: around(simulation%grid%tile_nodes)
+
+      associate (grid => simulation%grid, nodes => simulation%nodes, dual => simulation%dual, &
+         coordinate => simulation%tiles%coordinate(:, tile))
+         call assemble(grid, simulation%tiles, nodes%motion, tile, nodes%total(:, :, tile))
+         call grid%node_volume(coordinate, around)
+         call dual%cell_weights(grid, nodes%total(filled, :, tile), around, nodes%weight(1, :, tile))
+         nodes%share(1, :, tile) = 0.0_wp
+         call dual%add_volume(grid, coordinate, nodes%weight(1, :, tile), nodes%share(1, :, tile))
+      end associate
+   end subroutine weigh_tile
+
+   !> Force of the node stress of the cells of a tile.
+   subroutine force_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, parameter :: first = 9, last = 17     ! rows of the patch
+      real(wp) :: stress(9, simulation%grid%tile_nodes)
+
+      associate (grid => simulation%grid, nodes => simulation%nodes, &
+         coordinate => simulation%tiles%coordinate(:, tile))
+         call assemble(grid, simulation%tiles, nodes%share, tile, nodes%volume(:, :, tile))
+         stress = nodes%total(first:last, :, tile)
+         call divide(nodes%volume(1, :, tile), stress)
+         call simulation%boundary%mirror(grid, coordinate, stress)
+         nodes%force(:, :, tile) = 0.0_wp
+         call simulation%dual%add_force(grid, coordinate, nodes%weight(1, :, tile), stress, &
+            nodes%force(:, :, tile))
+      end associate
+   end subroutine force_tile
+
+   !> Divide node values by a volume or mass; nodes without any get zero.
+   pure subroutine divide(by, values)
+      real(wp), contiguous, intent(in) :: by(:)            !! (node) Divisor
+      real(wp), contiguous, intent(inout) :: values(:, :)  !! (component, node)
+      integer :: node
+
+      do node = 1, size(by)
+         if (by(node) > empty_mass) then
+            values(:, node) = values(:, node)*(1.0_wp/by(node))
+         else
+            values(:, node) = 0.0_wp
+         end if
+      end do
+   end subroutine divide
+
+   !> Velocity and acceleration of the nodes, the velocity that strains the particles, and its node
+   !! gradient. Without a time step the nodes stay as they were: the velocity before the step strains.
+   subroutine move_nodes(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(in) :: dt                     !! Time step, 0 = none [s]
+      integer :: tile
+
+      call simulation%timer%start(simulation%phase%grid)
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
+         all => simulation%tiles%all)
+         call ensure_patch(nodes%total, size(nodes%motion, 1), number, all)
+         call ensure_patch(nodes%velocity, 3, number, all)
+         call ensure_patch(nodes%acceleration, 3, number, all)
+         call ensure_patch(nodes%strain, 3, number, all)
+         if (simulation%method%dual) then
+            call ensure_patch(nodes%gradient, 9, number, all)
+            if (simulation%carries_energy) call ensure_patch(nodes%middle, 9, number, all)
+         end if
+      end associate
+      !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
+      do tile = 1, simulation%tiles%all
+         call move_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%grid)
+   end subroutine move_nodes
+
+   !> One tile.
+   subroutine move_tile(simulation, scratch, tile, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: force(3, simulation%grid%tile_nodes)
+      real(wp) :: mass(simulation%grid%tile_nodes)
+      integer :: component
+
+      associate (grid => simulation%grid, nodes => simulation%nodes, &
+         coordinate => simulation%tiles%coordinate(:, tile), &
+         velocity => simulation%nodes%velocity(:, :, tile), &
+         acceleration => simulation%nodes%acceleration(:, :, tile))
+         if (.not. simulation%method%dual) &
+            call assemble(grid, simulation%tiles, nodes%motion, tile, nodes%total(:, :, tile))
+         mass = nodes%total(1, :, tile)
+         velocity = nodes%total(2:4, :, tile)
+         acceleration = nodes%total(5:7, :, tile)
+         if (simulation%method%dual) then
+            call assemble(grid, simulation%tiles, nodes%force, tile, force)
+            acceleration = acceleration + force
+         end if
+         call divide(mass, velocity)
+         call divide(mass, acceleration)
+         if (allocated(simulation%gravity)) then
+            do component = 1, 3
+               where (mass > empty_mass) acceleration(component, :) = &
+                  acceleration(component, :) + simulation%gravity(component)
+            end do
+         end if
+         call constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
+         nodes%strain(:, :, tile) = velocity + dt*acceleration
+         if (.not. simulation%method%dual) return
+         nodes%gradient(:, :, tile) = 0.0_wp
+         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(1, :, tile), &
+            nodes%strain(:, :, tile), nodes%gradient(:, :, tile))
+         if (.not. simulation%carries_energy) return
+         nodes%middle(:, :, tile) = 0.0_wp
+         force = velocity + 0.5_wp*dt*acceleration
+         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(1, :, tile), force, &
+            nodes%middle(:, :, tile))
+      end associate
+   end subroutine move_tile
+
+   !> Impose the faces of the box and book what they and gravity do. A tile books its own particles'
+   !! share of each node, so that all shares add up to the node.
+   subroutine constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: mass(:)                !! (node) [kg]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp) :: free_velocity(3, size(mass)), free_acceleration(3, size(mass))
+      real(wp) :: push(3), work, share, lost(3)
+      integer :: node
+      logical :: ruled, own
+
+      own = tile <= simulation%tiles%own .and. dt > 0.0_wp
+      ruled = simulation%boundary%touches(simulation%grid, simulation%tiles%coordinate(:, tile))
+      if (ruled) then
+         free_velocity = velocity
+         free_acceleration = acceleration
+         call simulation%boundary%constrain(simulation%grid, simulation%tiles%coordinate(:, tile), &
+            velocity, acceleration)
+      end if
+      if (.not. own) return
+      if (.not. ruled .and. .not. allocated(simulation%gravity)) return
+      push = 0.0_wp
+      work = 0.0_wp
+      do node = 1, size(mass)
+         share = simulation%nodes%motion(1, node, tile)
+         if (.not. share > 0.0_wp) cycle
+         if (ruled) then
+            lost = share*(dt*(acceleration(:, node) - free_acceleration(:, node)) &
+               + (1.0_wp - simulation%method%keep())*(velocity(:, node) - free_velocity(:, node)))
+            push = push + lost
+            work = work + dot_product(lost, velocity(:, node))
+         end if
+         if (allocated(simulation%gravity)) then
+            push = push + share*dt*simulation%gravity
+            work = work + share*dt*dot_product(simulation%gravity, velocity(:, node) &
+               + 0.5_wp*dt*acceleration(:, node))
+         end if
+      end do
+      do node = 1, 3
+         call scratch%ledger%sums(impulse + node - 1)%add(push(node))
+      end do
+      call scratch%ledger%sums(external_work)%add(work)
+   end subroutine constrain_tile
+
+   !> Node velocities from the momentum that was mapped a second time, as the velocity that strains
+   !! the particles.
+   subroutine remap_nodes(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp) :: none(3, simulation%grid%tile_nodes)
+      integer :: tile
+
+      call simulation%timer%start(simulation%phase%grid)
+      !$omp parallel do default(none) shared(simulation) private(tile, none) schedule(static)
+      do tile = 1, simulation%tiles%all
+         associate (strain => simulation%nodes%strain(:, :, tile), &
+            coordinate => simulation%tiles%coordinate(:, tile))
+            call assemble(simulation%grid, simulation%tiles, simulation%nodes%extra, tile, strain)
+            call divide(simulation%nodes%total(1, :, tile), strain)
+            none = 0.0_wp
+            call simulation%boundary%constrain(simulation%grid, coordinate, strain, none)
+            if (simulation%method%dual) then
+               simulation%nodes%gradient(:, :, tile) = 0.0_wp
+               call simulation%dual%add_gradient(simulation%grid, coordinate, &
+                  simulation%nodes%weight(1, :, tile), strain, simulation%nodes%gradient(:, :, tile))
+            end if
+         end associate
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%grid)
+   end subroutine remap_nodes
+end module driver_nodes

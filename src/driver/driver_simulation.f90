@@ -1,0 +1,79 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Everything that a run holds.
+module driver_simulation
+   use base_communicator, only: communicator_t
+   use base_kinds, only: int64, wp
+   use base_timer, only: timer_t
+   use ddmp_dual, only: dual_t
+   use driver_ledger, only: ledger_t
+   use driver_method, only: method_t
+   use material_matter, only: deformation_t
+   use material_type, only: material_t
+   use mesh_boundary, only: boundary_t
+   use mesh_grid, only: grid_t
+   use mesh_tiles, only: tiles_t
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: nodes_t, phases_t, scratch_t, simulation_t
+
+   !> Node fields, all as patches of tiles: (component, node, tile). What the method does not need is
+   !! not allocated.
+   type :: nodes_t
+      real(wp), allocatable :: motion(:, :, :)       !! Patch: mass, momentum, force, and for the dual
+                                                     !! gradient volume and stress
+      real(wp), allocatable :: total(:, :, :)        !! The sums of these
+      real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
+      real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
+      real(wp), allocatable :: extra(:, :, :)        !! Patch (3): momentum mapped a second time [kg m/s]
+      real(wp), allocatable :: strain(:, :, :)       !! (3) Velocity of the strain increment [m/s]
+      real(wp), allocatable :: weight(:, :, :)       !! (1, cell, tile) Weights of the dual gradient
+      real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
+      real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
+      real(wp), allocatable :: force(:, :, :)        !! Patch (3): force of the node stress [N]
+      real(wp), allocatable :: gradient(:, :, :)     !! Patch (9): node gradient of strain [m3/s]
+      real(wp), allocatable :: middle(:, :, :)       !! Patch (9): that of the mid-step velocity [m3/s]
+   end type nodes_t
+
+   !> Scratch space of one thread.
+   type :: scratch_t
+      real(wp), allocatable :: local(:, :)           !! (particle of the tile, 3) Place in cell
+      real(wp), allocatable :: alpha(:, :)           !! (particle of the tile, 3)
+      real(wp), allocatable :: vector(:, :)          !! (particle of the tile, 3)
+      type(deformation_t) :: deformation             !! Step of the particles of the tile
+      type(ledger_t) :: ledger                       !! Sums of this thread
+      real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
+      logical :: sound = .true.                      !! Are all numbers finite?
+   end type scratch_t
+
+   !> Indices of the timed phases.
+   type :: phases_t
+      integer :: sort = 0, scatter = 0, exchange = 0, grid = 0, gather = 0, ledger = 0, output = 0, &
+         checkpoint = 0                               !! One each
+   end type phases_t
+
+   !> A run.
+   type :: simulation_t
+      type(communicator_t) :: communicator           !! The ranks
+      type(grid_t) :: grid                           !! The grid
+      type(boundary_t) :: boundary                   !! The faces
+      type(tiles_t) :: tiles                         !! The tiles of this rank
+      type(material_t), allocatable :: materials(:)  !! The materials
+      type(store_t), allocatable :: stores(:)        !! Their particles
+      type(method_t) :: method                       !! The numerical method
+      type(dual_t) :: dual                           !! The dual gradient
+      type(nodes_t) :: nodes                         !! Node fields
+      type(scratch_t), allocatable :: scratch(:)     !! (thread, from 0)
+      real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
+      logical :: carries_energy = .false.            !! Does some material carry internal energy?
+      integer(int64) :: step = 0                     !! Steps done
+      real(wp) :: time = 0.0_wp                      !! [s]
+      real(wp) :: dt = 0.0_wp                        !! Last time step [s]
+      real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
+      integer(int64) :: updates = 0                  !! Particle updates of this rank
+      type(ledger_t) :: ledger                       !! The books
+      type(timer_t) :: timer                         !! Wall time by phase
+      type(phases_t) :: phase                        !! Indices of the phases
+   end type simulation_t
+end module driver_simulation

@@ -1,0 +1,154 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Brings a run whose parts are chosen to its first state: tiles, ranks, particles, time step.
+module driver_start
+   use base_kinds, only: int64, wp
+   use driver_simulation, only: simulation_t
+   use driver_step, only: sort_particles
+   use mesh_tiles, only: partition_keys
+   use omp_lib, only: omp_get_max_threads
+   use particle_fill, only: body_t, fill_bodies, survey_bodies
+   use particle_place, only: moved_away
+   implicit none
+   private
+
+   public :: carry_energy, distribute, fill_simulation, first_step, name_phases, prepare
+
+contains
+
+   !> Scratch, timers, the dual gradient: everything that does not depend on particles. Grid,
+   !! boundary, materials and method are set.
+   subroutine prepare(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer(int64) :: none(0)
+
+      allocate (simulation%scratch(0:omp_get_max_threads() - 1))
+      if (simulation%method%dual) call simulation%dual%start(simulation%grid)
+      call partition_keys(none, none, simulation%communicator%size, simulation%tiles%border)
+      call simulation%tiles%set(simulation%grid, none, none)
+      call name_phases(simulation)
+   end subroutine prepare
+
+   !> Names of the timed phases, in the order of the table.
+   subroutine name_phases(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      associate (timer => simulation%timer, phase => simulation%phase)
+         phase%sort = timer%phase("sort, move tiles")
+         phase%scatter = timer%phase("points to nodes")
+         phase%exchange = timer%phase("exchange")
+         phase%grid = timer%phase("grid")
+         phase%gather = timer%phase("nodes to points, stress")
+         phase%ledger = timer%phase("ledger, history")
+         phase%output = timer%phase("output")
+         phase%checkpoint = timer%phase("checkpoint")
+      end associate
+   end subroutine name_phases
+
+   !> Make empty stores for the materials, with the fields that they ask for.
+   subroutine carry_energy(simulation, with_body)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      logical, intent(in) :: with_body               !! Do particles remember their body?
+      integer :: index
+
+      if (allocated(simulation%stores)) deallocate (simulation%stores)
+      allocate (simulation%stores(size(simulation%materials)))
+      simulation%carries_energy = .false.
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            call simulation%materials(index)%request(store%matter)
+            call store%start(simulation%materials(index)%name, simulation%grid%tile_cells, with_body)
+            simulation%carries_energy = simulation%carries_energy .or. &
+               allocated(store%matter%energy)
+         end associate
+      end do
+   end subroutine carry_energy
+
+   !> Fill the bodies with particles, each rank its own tiles.
+   subroutine fill_simulation(simulation, bodies, body_count)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
+      integer(int64), intent(out) :: body_count(:)   !! (body) Particles, over all ranks
+      integer(int64), allocatable :: key(:), weight(:), own(:), none(:)
+      integer(int64) :: next
+      integer :: index, body, tile, p
+
+      next = 1
+      do body = 1, size(bodies)
+         bodies(body)%first_identity = next
+         next = next + product(bodies(body)%sites(simulation%grid))
+      end do
+      call survey_bodies(simulation%grid, bodies, key, weight, body_count)
+      call partition_keys(key, weight, simulation%communicator%size, simulation%tiles%border)
+      own = pack(key, key >= simulation%tiles%border(simulation%communicator%rank) .and. &
+         key < simulation%tiles%border(simulation%communicator%rank + 1))
+      allocate (none(0))
+      call simulation%tiles%set(simulation%grid, own, none)
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            call store%remap([(0, tile=1, size(own))], simulation%grid%tile_cells)
+            call fill_bodies(simulation%grid, bodies, simulation%tiles%coordinate, index, store)
+            do tile = 1, size(own)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  call simulation%materials(index)%start(store%matter, p, p, &
+                     temperature_of(bodies, store%identity(p)))
+               end do
+            end do
+         end associate
+      end do
+      call sort_particles(simulation)
+   end subroutine fill_simulation
+
+   !> Initial temperature of the body that a particle belongs to [K].
+   pure real(wp) function temperature_of(bodies, identity) result(temperature)
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      integer(int64), intent(in) :: identity         !! Of the particle
+      integer :: body
+
+      temperature = bodies(1)%temperature
+      do body = 1, size(bodies)
+         if (identity >= bodies(body)%first_identity) temperature = bodies(body)%temperature
+      end do
+   end function temperature_of
+
+   !> Share the particles out among the ranks anew and bring each to its tile; what tiles there were
+   !! is forgotten. For particles that were just read.
+   subroutine distribute(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run; particles in any tiles
+      integer :: index, tile
+
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            store%home = moved_away
+            store%leaving = store%count
+            do tile = 1, size(store%count)
+               store%restless(tile) = .true.
+            end do
+         end associate
+      end do
+      call sort_particles(simulation)
+   end subroutine distribute
+
+   !> Stable time step for the initial state [s].
+   subroutine first_step(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp) :: fastest, speed
+      integer :: index, tile, p
+
+      fastest = 0.0_wp
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  speed = simulation%materials(index)%reference_speed() &
+                     + sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 + store%velocity(p, 3)**2)
+                  fastest = max(fastest, speed)
+               end do
+            end do
+         end associate
+      end do
+      fastest = simulation%communicator%maximum(fastest)
+      simulation%dt_next = huge(1.0_wp)
+      if (fastest > 0.0_wp) &
+         simulation%dt_next = simulation%method%cfl*simulation%grid%spacing/fastest
+   end subroutine first_step
+end module driver_start

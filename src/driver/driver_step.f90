@@ -1,0 +1,121 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> One step of time.
+module driver_step
+   use base_error, only: error_t, exit_physics, fail
+   use base_kinds, only: int64, wp
+   use driver_gather, only: gather_particles, gather_parts_t
+   use driver_method, only: stress_after, stress_before, stress_remapped, transfer_xpic
+   use driver_nodes, only: dual_fields, move_nodes, remap_nodes
+   use driver_scatter, only: scatter_particles, scatter_second
+   use driver_simulation, only: simulation_t
+   use particle_migrate, only: migrate
+   implicit none
+   private
+
+   public :: advance, sort_particles
+
+contains
+
+   !> Advance the run by one time step. The particles are sorted before and after.
+   subroutine advance(simulation, dt, error)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      type(error_t), allocatable, intent(out) :: error !! If numbers went bad
+      type(gather_parts_t) :: parts
+
+      parts%work = simulation%carries_energy
+      associate (method => simulation%method)
+         if (method%stress == stress_before) then
+            call scatter_particles(simulation)
+            if (method%dual) call dual_fields(simulation)
+            call move_nodes(simulation, 0.0_wp)
+            call gather_particles(simulation, gather_parts_t(strain=.true.), dt)
+         end if
+         call scatter_particles(simulation)
+         if (method%dual) call dual_fields(simulation)
+         call move_nodes(simulation, dt)
+         if (method%transfer == transfer_xpic) call scatter_second(simulation, from_nodes=.true.)
+         parts%strain = method%stress /= stress_before
+         parts%velocity = .true.
+         parts%position = .true.
+         if (method%stress == stress_remapped) then
+            call gather_particles(simulation, gather_parts_t(velocity=.true.), dt)
+            call scatter_second(simulation, from_nodes=.false.)
+            call remap_nodes(simulation)
+            parts%velocity = .false.
+         end if
+         call gather_particles(simulation, parts, dt)
+      end associate
+      simulation%updates = simulation%updates + count_particles(simulation)
+      simulation%time = simulation%time + dt
+      simulation%step = simulation%step + 1
+      simulation%dt = dt
+      call close_step(simulation, error)
+      if (allocated(error)) return
+      call sort_particles(simulation)
+   end subroutine advance
+
+   !> Collect what the threads saw: the books, the next time step, bad numbers.
+   subroutine close_step(simulation, error)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(error_t), allocatable, intent(out) :: error !! If numbers went bad
+      real(wp) :: fastest
+      logical :: sound
+      integer :: thread, n
+
+      fastest = 0.0_wp
+      sound = .true.
+      do thread = 0, ubound(simulation%scratch, 1)
+         associate (scratch => simulation%scratch(thread))
+            fastest = max(fastest, scratch%fastest)
+            sound = sound .and. scratch%sound
+            call simulation%ledger%merge(scratch%ledger)
+            do n = 1, size(scratch%ledger%sums)
+               call scratch%ledger%sums(n)%clear()
+            end do
+            scratch%fastest = 0.0_wp
+            scratch%sound = .true.
+         end associate
+      end do
+      ! a number gone bad on one rank must stop all: it travels as an infinite speed
+      if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
+      fastest = simulation%communicator%maximum(fastest)
+      if (fastest >= huge(fastest)) then
+         call fail(error, exit_physics, "a velocity or stress is not a number any more")
+         return
+      end if
+      simulation%dt_next = next_step(simulation, fastest)
+   end subroutine close_step
+
+   !> Stable time step for the fastest signal, not growing too fast.
+   pure real(wp) function next_step(simulation, fastest) result(dt)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      real(wp), intent(in) :: fastest                !! Fastest signal and motion [m/s]
+
+      dt = huge(dt)
+      if (fastest > 0.0_wp) dt = simulation%method%cfl*simulation%grid%spacing/fastest
+      dt = min(dt, simulation%method%step_growth*simulation%dt_next)
+   end function next_step
+
+   !> Book particles that left the box, and bring the others into their tiles and in order.
+   subroutine sort_particles(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      call simulation%timer%start(simulation%phase%sort)
+      call simulation%ledger%book_lost(simulation%stores, simulation%materials)
+      call migrate(simulation%communicator, simulation%grid, simulation%boundary, simulation%tiles, &
+         simulation%stores)
+      call simulation%timer%stop(simulation%phase%sort)
+   end subroutine sort_particles
+
+   !> Particles of this rank.
+   pure integer(int64) function count_particles(simulation) result(particles)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer :: index
+
+      particles = 0
+      do index = 1, size(simulation%stores)
+         particles = particles + simulation%stores(index)%particles()
+      end do
+   end function count_particles
+end module driver_step

@@ -1,0 +1,338 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The fields that outputs may hold: those that particles carry and those that follow from them.
+module io_fields
+   use base_constants, only: xx, xy, xz, yy, yz, zz
+   use base_error, only: error_t, exit_input, fail
+   use base_field_worker, only: field_worker_t
+   use base_kinds, only: int64, wp
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: choose_columns, column_t, fill_reals, fill_wholes, picks_t
+
+   integer, parameter, public :: field_name_length = 32  !! Longest name of a field
+   !> All names that `fields` of an output may hold, beside "default".
+   character(len=field_name_length), parameter, public :: field_names(18) = &
+      [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
+      "density", "velocity", "speed", "stress", "pressure", "mises", "viscous_pressure", "energy", &
+      "temperature", "plastic_strain", "plastic_rate", "damage", "failed"]
+   !> Those of "default", as far as there are.
+   character(len=field_name_length), parameter :: usual_names(12) = &
+      [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
+      "velocity", "pressure", "mises", "temperature", "plastic_strain", "damage", "failed"]
+
+   !> One field of an output.
+   type :: column_t
+      character(len=field_name_length) :: name = ""      !! Name in files
+      character(len=field_name_length) :: unit = "1"     !! SI unit
+      integer :: components = 1                          !! 1 number, 3 vector, 6 tensor
+      logical :: is_real = .true.                        !! Real, not whole numbers
+      logical :: derived = .false.                       !! Follows from fields
+   end type column_t
+
+   !> Places of the particles of a store that are written.
+   type :: picks_t
+      integer, allocatable :: order(:)                   !! In the order of the file
+   end type picks_t
+
+   !> Collects what fields there are.
+   type, extends(field_worker_t) :: collector_t
+      type(column_t), allocatable :: columns(:)          !! What was found
+   contains
+      procedure :: scalar => collector_scalar            !! Note a field of numbers
+      procedure :: vector => collector_vector            !! Note a field of vectors or tensors
+      procedure :: whole => collector_whole              !! Note a field of whole numbers
+      procedure :: note => collector_note                !! Note any field
+   end type collector_t
+
+   !> Copies the values of one field.
+   type, extends(field_worker_t) :: fetcher_t
+      character(len=field_name_length) :: name = ""      !! The field wanted
+      integer, allocatable :: order(:)                   !! Places of the particles
+      integer :: before = 0                              !! Rows before the first
+      real(wp), allocatable :: reals(:, :)               !! (component, row)
+      integer(int64), allocatable :: wholes(:)           !! (row)
+   contains
+      procedure :: scalar => fetcher_scalar              !! Copy a field of numbers
+      procedure :: vector => fetcher_vector              !! Copy a field of vectors or tensors
+      procedure :: whole => fetcher_whole                !! Copy a field of whole numbers
+   end type fetcher_t
+
+contains
+
+   !> The columns of an output. An unknown field, or one that no particle carries, is an error.
+   subroutine choose_columns(stores, fields, columns, error)
+      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      character(len=*), intent(in) :: fields(:)          !! Names, or "default"
+      type(column_t), allocatable, intent(out) :: columns(:) !! In the order asked for
+      type(error_t), allocatable, intent(out) :: error   !! A name does not work
+      type(collector_t) :: collector
+      type(column_t) :: column
+      integer :: index, usual
+      logical :: found
+
+      allocate (columns(0), collector%columns(0))
+      do index = 1, size(stores)
+         call stores(index)%walk(collector)
+      end do
+      do index = 1, size(fields)
+         if (fields(index) == "default") then
+            do usual = 1, size(usual_names)
+               call find_column(collector%columns, usual_names(usual), column, found)
+               if (found) call append(columns, column)
+            end do
+            cycle
+         end if
+         call find_column(collector%columns, fields(index), column, found)
+         if (.not. found) then
+            call fail(error, exit_input, "output field '"//trim(fields(index))//"' "// &
+               reason(fields(index)))
+            return
+         end if
+         call append(columns, column)
+      end do
+   end subroutine choose_columns
+
+   !> Why a field cannot be written.
+   pure function reason(name) result(text)
+      character(len=*), intent(in) :: name               !! What was asked for
+      character(len=:), allocatable :: text
+      integer :: index
+
+      if (any(field_names == name)) then
+         text = "is not carried by any material of this scene"
+         return
+      end if
+      text = "is unknown; there are: default"
+      do index = 1, size(field_names)
+         text = text//" "//trim(field_names(index))
+      end do
+   end function reason
+
+   !> Find a field among those carried and those that follow from them.
+   pure subroutine find_column(carried, name, column, found)
+      type(column_t), intent(in) :: carried(:)           !! What there is
+      character(len=*), intent(in) :: name               !! What is wanted
+      type(column_t), intent(out) :: column              !! What it is
+      logical, intent(out) :: found                      !! It can be written
+      integer :: index
+
+      found = .true.
+      column%name = name
+      column%derived = .true.
+      select case (name)
+      case ("material")
+         column%is_real = .false.
+      case ("pressure", "mises")
+         column%unit = "Pa"
+      case ("density")
+         column%unit = "kg/m3"
+      case ("speed")
+         column%unit = "m/s"
+      case default
+         found = .false.
+         do index = 1, size(carried)
+            if (carried(index)%name /= name .or. name == "position") cycle
+            column = carried(index)
+            found = .true.
+         end do
+      end select
+   end subroutine find_column
+
+   !> Add a column unless it is there.
+   pure subroutine append(columns, column)
+      type(column_t), allocatable, intent(inout) :: columns(:) !! The list
+      type(column_t), intent(in) :: column               !! A further one
+      type(column_t), allocatable :: larger(:)
+
+      if (any(columns%name == column%name)) return
+      allocate (larger(size(columns) + 1))
+      larger(:size(columns)) = columns
+      larger(size(larger)) = column
+      call move_alloc(larger, columns)
+   end subroutine append
+
+   !> Values of a column of real numbers, store after store; 0 where a material lacks the field.
+   subroutine fill_reals(stores, picks, column, values)
+      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(column_t), intent(in) :: column               !! What is wanted
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (component, row)
+      type(fetcher_t) :: fetcher
+      integer :: before, store
+
+      values = 0.0_wp
+      before = 0
+      if (.not. column%derived) call move_alloc(values, fetcher%reals)
+      do store = 1, size(stores)
+         if (column%derived) then
+            call derive(stores(store), picks(store), before, column%name, values)
+         else
+            fetcher%name = column%name
+            fetcher%before = before
+            call copy_order(picks(store), fetcher%order)
+            call stores(store)%walk(fetcher)
+         end if
+         before = before + size(picks(store)%order)
+      end do
+      if (.not. column%derived) call move_alloc(fetcher%reals, values)
+   end subroutine fill_reals
+
+   !> Values of a column of whole numbers, store after store; 0 where a material lacks the field.
+   subroutine fill_wholes(stores, picks, column, values)
+      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(column_t), intent(in) :: column               !! What is wanted
+      integer(int64), allocatable, intent(inout) :: values(:) !! (row)
+      type(fetcher_t) :: fetcher
+      integer :: before, last, store
+
+      values = 0
+      before = 0
+      if (.not. column%derived) call move_alloc(values, fetcher%wholes)
+      do store = 1, size(stores)
+         last = before + size(picks(store)%order)
+         if (column%derived) then
+            values(before + 1:last) = store
+         else
+            fetcher%name = column%name
+            fetcher%before = before
+            call copy_order(picks(store), fetcher%order)
+            call stores(store)%walk(fetcher)
+         end if
+         before = last
+      end do
+      if (.not. column%derived) call move_alloc(fetcher%wholes, values)
+   end subroutine fill_wholes
+
+   !> Copy the places of a store.
+   pure subroutine copy_order(picks, order)
+      type(picks_t), intent(in) :: picks                 !! Which particles
+      integer, allocatable, intent(inout) :: order(:)    !! Their places
+
+      if (allocated(order)) deallocate (order)
+      allocate (order, source=picks%order)
+   end subroutine copy_order
+
+   !> Values that follow from fields.
+   pure subroutine derive(store, picks, before, name, values)
+      type(store_t), intent(in) :: store                 !! The particles
+      type(picks_t), intent(in) :: picks                 !! Which of them
+      integer, intent(in) :: before                      !! Rows before the first
+      character(len=*), intent(in) :: name               !! What is wanted
+      real(wp), intent(inout) :: values(:, :)            !! (1, row)
+      integer :: particle, row
+
+      do row = 1, size(picks%order)
+         particle = picks%order(row)
+         associate (value => values(1, before + row), stress => store%matter%stress)
+            select case (name)
+            case ("pressure")
+               value = -(stress(particle, xx) + stress(particle, yy) + stress(particle, zz))/3.0_wp
+            case ("mises")
+               value = sqrt(0.5_wp*((stress(particle, xx) - stress(particle, yy))**2 + &
+                  (stress(particle, yy) - stress(particle, zz))**2 + &
+                  (stress(particle, zz) - stress(particle, xx))**2) + &
+                  3.0_wp*(stress(particle, xy)**2 + stress(particle, yz)**2 + &
+                  stress(particle, xz)**2))
+            case ("density")
+               value = store%matter%mass(particle)/store%matter%volume(particle)
+            case default
+               value = sqrt(store%velocity(particle, 1)**2 + store%velocity(particle, 2)**2 + &
+                  store%velocity(particle, 3)**2)
+            end select
+         end associate
+      end do
+   end subroutine derive
+
+   !> Note a field.
+   subroutine collector_note(self, name, unit, components, is_real)
+      class(collector_t), intent(inout) :: self          !! The worker
+      character(len=*), intent(in) :: name               !! Name in files
+      character(len=*), intent(in) :: unit               !! SI unit
+      integer, intent(in) :: components                  !! Of a particle
+      logical, intent(in) :: is_real                     !! Real, not whole numbers
+      type(column_t) :: column
+
+      column%name = name
+      column%unit = unit
+      column%components = components
+      column%is_real = is_real
+      call append(self%columns, column)
+   end subroutine collector_note
+
+   !> Note a field of numbers.
+   subroutine collector_scalar(self, name, unit, values)
+      class(collector_t), intent(inout) :: self          !! The worker
+      character(len=*), intent(in) :: name               !! Name in files
+      character(len=*), intent(in) :: unit               !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:)  !! (particle), not changed
+
+      call self%note(name, unit, 1, .true.)
+   end subroutine collector_scalar
+
+   !> Note a field of vectors or tensors.
+   subroutine collector_vector(self, name, unit, values)
+      class(collector_t), intent(inout) :: self          !! The worker
+      character(len=*), intent(in) :: name               !! Name in files
+      character(len=*), intent(in) :: unit               !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
+
+      call self%note(name, unit, size(values, 2), .true.)
+   end subroutine collector_vector
+
+   !> Note a field of whole numbers.
+   subroutine collector_whole(self, name, unit, values)
+      class(collector_t), intent(inout) :: self          !! The worker
+      character(len=*), intent(in) :: name               !! Name in files
+      character(len=*), intent(in) :: unit               !! SI unit
+      integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
+
+      call self%note(name, unit, 1, .false.)
+   end subroutine collector_whole
+
+   !> Copy a field of numbers.
+   subroutine fetcher_scalar(self, name, unit, values)
+      class(fetcher_t), intent(inout) :: self            !! The worker
+      character(len=*), intent(in) :: name               !! Name in files
+      character(len=*), intent(in) :: unit               !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:)  !! (particle), not changed
+      integer :: row
+
+      if (name /= self%name) return
+      do row = 1, size(self%order)
+         self%reals(1, self%before + row) = values(self%order(row))
+      end do
+   end subroutine fetcher_scalar
+
+   !> Copy a field of vectors or tensors.
+   subroutine fetcher_vector(self, name, unit, values)
+      class(fetcher_t), intent(inout) :: self            !! The worker
+      character(len=*), intent(in) :: name               !! Name in files
+      character(len=*), intent(in) :: unit               !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
+      integer :: component, row
+
+      if (name /= self%name) return
+      do component = 1, size(values, 2)
+         do row = 1, size(self%order)
+            self%reals(component, self%before + row) = values(self%order(row), component)
+         end do
+      end do
+   end subroutine fetcher_vector
+
+   !> Copy a field of whole numbers.
+   subroutine fetcher_whole(self, name, unit, values)
+      class(fetcher_t), intent(inout) :: self            !! The worker
+      character(len=*), intent(in) :: name               !! Name in files
+      character(len=*), intent(in) :: unit               !! SI unit
+      integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
+      integer :: row
+
+      if (name /= self%name) return
+      do row = 1, size(self%order)
+         self%wholes(self%before + row) = values(self%order(row))
+      end do
+   end subroutine fetcher_whole
+end module io_fields

@@ -1,0 +1,338 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Reading of HDF5 files. Every rank reads for itself, so nothing here waits for other ranks.
+module io_hdf5_read
+   use base_error, only: error_t, exit_file, fail
+   use base_kinds, only: int64, wp
+   use hdf5, only: h5aclose_f, h5aexists_by_name_f, h5aopen_by_name_f, h5aread_f, h5close_f, &
+      h5dclose_f, h5dget_space_f, h5dget_type_f, h5dopen_f, h5dread_f, h5f_acc_rdonly_f, h5fclose_f, &
+      h5fopen_f, h5g_dataset_f, h5gget_obj_info_idx_f, h5gn_members_f, h5lexists_f, &
+      h5s_select_set_f, h5sclose_f, h5screate_simple_f, h5sget_simple_extent_dims_f, &
+      h5sget_simple_extent_ndims_f, h5sselect_hyperslab_f, h5t_float_f, h5t_native_double, &
+      h5t_std_i64le, h5t_std_u8le, h5tclose_f, h5tget_class_f, h5tget_size_f, hid_t, hsize_t, size_t
+   use io_file, only: file_exists
+   use io_hdf5, only: start_library
+   use io_libc, only: failure_text
+   use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
+   implicit none
+   private
+
+   public :: data_info_t, hdf5_source_t
+
+   integer, parameter :: name_length = 64                !! Longest name of a data set
+
+   !> What a data set is.
+   type :: data_info_t
+      character(len=name_length) :: name = ""            !! Name in its group
+      logical :: is_data = .false.                       !! A data set, not a group
+      logical :: is_real = .false.                       !! Real, not whole numbers
+      integer :: bytes = 0                               !! Of one number
+      integer :: components = 1                          !! Numbers of a row
+      integer :: dimensions = 0                          !! 1: numbers, 2: vectors or tensors
+      integer(int64) :: rows = 0                         !! Number of rows
+   end type data_info_t
+
+   !> A file that is read.
+   type :: hdf5_source_t
+      character(len=:), allocatable :: path              !! Where it is
+      integer(hid_t) :: id = -1                          !! The open file
+   contains
+      procedure :: open => source_open                   !! Open
+      procedure :: close => source_close                 !! Close
+      procedure :: has => source_has                     !! Is there an object of this name
+      procedure :: info => source_info                   !! What a data set is
+      procedure :: members => source_members             !! What is in a group
+      procedure :: text => source_text                   !! Bytes of a data set as a text
+      procedure, private :: source_real, source_whole, source_reals, source_vectors, source_wholes
+      !> Read an attribute.
+      generic :: attribute => source_real, source_whole
+      !> Read rows of a data set.
+      generic :: read => source_reals, source_vectors, source_wholes
+   end type hdf5_source_t
+
+contains
+
+   !> Open a file.
+   subroutine source_open(self, path, error)
+      class(hdf5_source_t), intent(inout) :: self        !! The file
+      character(len=*), intent(in) :: path               !! Where it is
+      type(error_t), allocatable, intent(out) :: error   !! Missing, unreadable, cut short
+      integer :: status
+
+      self%path = path
+      self%id = -1
+      if (.not. file_exists(path)) then
+         call fail(error, exit_file, "cannot read '"//path//"': "//failure_text())
+         return
+      end if
+      call start_library(status)
+      call h5fopen_f(path, h5f_acc_rdonly_f, self%id, status)
+      if (status >= 0) return
+      self%id = -1
+      call h5close_f(status)
+      call fail(error, exit_file, "cannot read '"//path//"': not an HDF5 file, or cut short")
+   end subroutine source_open
+
+   !> Close the file, if it is open.
+   subroutine source_close(self)
+      class(hdf5_source_t), intent(inout) :: self        !! The file
+      integer :: status
+
+      if (self%id < 0) return
+      call h5fclose_f(self%id, status)
+      self%id = -1
+      call h5close_f(status)
+   end subroutine source_close
+
+   !> Allocate an error about something in the file.
+   subroutine fail_at(self, name, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! What in it
+      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
+
+      call fail(error, exit_file, "'"//self%path//"' is damaged: cannot read '"//name//"'")
+   end subroutine fail_at
+
+   !> True if there is an object of this name; the groups above it must be there.
+   logical function source_has(self, name) result(there)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      integer :: status
+
+      call h5lexists_f(self%id, name, there, status)
+      if (status < 0) there = .false.
+   end function source_has
+
+   !> What a data set is.
+   subroutine source_info(self, name, info, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(data_info_t), intent(out) :: info             !! What it is
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      integer(hid_t) :: data_set, kind, space
+      integer(hsize_t) :: extent(2), most(2)
+      integer(size_t) :: bytes
+      integer :: class, ignored, status
+
+      call h5dopen_f(self%id, name, data_set, status)
+      if (status < 0) then
+         call fail_at(self, name, error)
+         return
+      end if
+      call h5dget_space_f(data_set, space, status)
+      call h5sget_simple_extent_ndims_f(space, info%dimensions, status)
+      if (info%dimensions == 1 .or. info%dimensions == 2) then
+         call h5sget_simple_extent_dims_f(space, extent(:info%dimensions), &
+            most(:info%dimensions), status)
+         info%rows = extent(info%dimensions)
+         if (info%dimensions == 2) info%components = int(extent(1))
+         call h5dget_type_f(data_set, kind, status)
+         call h5tget_class_f(kind, class, status)
+         call h5tget_size_f(kind, bytes, status)
+         info%is_data = .true.
+         info%is_real = class == h5t_float_f
+         info%bytes = int(bytes)
+         info%name = name(index(name, "/", back=.true.) + 1:)
+         call h5tclose_f(kind, ignored)
+      end if
+      call h5sclose_f(space, ignored)
+      call h5dclose_f(data_set, ignored)
+      if (status < 0 .or. .not. info%is_data) call fail_at(self, name, error)
+   end subroutine source_info
+
+   !> What is in a group, in alphabetical order.
+   subroutine source_members(self, group, members, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: group              !! From the root
+      type(data_info_t), allocatable, intent(out) :: members(:) !! Data sets and groups
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      character(len=name_length) :: name
+      integer :: count, index, kind, status
+
+      call h5gn_members_f(self%id, group, count, status)
+      if (status < 0) then
+         call fail_at(self, group, error)
+         return
+      end if
+      allocate (members(count))
+      do index = 1, count
+         call h5gget_obj_info_idx_f(self%id, group, index - 1, name, kind, status)
+         if (status < 0) then
+            call fail_at(self, group, error)
+            return
+         end if
+         if (kind == h5g_dataset_f) then
+            call self%info(group//"/"//trim(name), members(index), error)
+            if (allocated(error)) return
+         end if
+         members(index)%name = name
+      end do
+   end subroutine source_members
+
+   !> Read an attribute of any type.
+   subroutine read_attribute(self, object, name, kind, address, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: object             !! Group or data set, from the root
+      character(len=*), intent(in) :: name               !! Name of the attribute
+      integer(hid_t), intent(in) :: kind                 !! Type in memory
+      type(c_ptr), intent(in) :: address                 !! Where to
+      type(error_t), allocatable, intent(out) :: error   !! Missing or unreadable
+      integer(hid_t) :: attribute
+      integer :: ignored, status
+      logical :: there
+      type(c_ptr) :: buffer
+
+      buffer = address
+      call h5aexists_by_name_f(self%id, object, name, there, status)
+      if (status < 0) there = .false.
+      if (there) then
+         call h5aopen_by_name_f(self%id, object, name, attribute, status)
+         if (status >= 0) then
+            call h5aread_f(attribute, kind, buffer, status)
+            call h5aclose_f(attribute, ignored)
+         end if
+         there = status >= 0
+      end if
+      if (.not. there) call fail_at(self, object//" attribute "//name, error)
+   end subroutine read_attribute
+
+   !> Read an attribute that is a real number.
+   subroutine source_real(self, object, name, value, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: object             !! Group or data set, from the root
+      character(len=*), intent(in) :: name               !! Name of the attribute
+      real(wp), intent(out) :: value                     !! Its value
+      type(error_t), allocatable, intent(out) :: error   !! Missing or unreadable
+      real(wp), target :: copy
+
+      copy = 0.0_wp
+      call read_attribute(self, object, name, h5t_native_double, c_loc(copy), error)
+      value = copy
+   end subroutine source_real
+
+   !> Read an attribute that is a whole number.
+   subroutine source_whole(self, object, name, value, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: object             !! Group or data set, from the root
+      character(len=*), intent(in) :: name               !! Name of the attribute
+      integer(int64), intent(out) :: value               !! Its value
+      type(error_t), allocatable, intent(out) :: error   !! Missing or unreadable
+      integer(int64), target :: copy
+
+      copy = 0
+      call read_attribute(self, object, name, h5t_std_i64le, c_loc(copy), error)
+      value = copy
+   end subroutine source_whole
+
+   !> Read rows of a data set of any type. The data set must have the rows asked for.
+   subroutine read_any(self, name, before, extent, kind, address, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      integer(int64), intent(in) :: before               !! Rows before the first wanted
+      integer, intent(in) :: extent(:)                   !! Components (if any) and rows wanted
+      integer(hid_t), intent(in) :: kind                 !! Type in memory
+      type(c_ptr), intent(in) :: address                 !! Where to
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      integer(hid_t) :: data_set, memory, space
+      integer(hsize_t) :: count(size(extent)), start(size(extent))
+      integer :: ignored, status
+      type(c_ptr) :: buffer
+
+      buffer = address
+      count = extent
+      start = 0
+      start(size(start)) = before
+      call h5dopen_f(self%id, name, data_set, status)
+      if (status < 0) then
+         call fail_at(self, name, error)
+         return
+      end if
+      call h5dget_space_f(data_set, space, status)
+      call h5sselect_hyperslab_f(space, h5s_select_set_f, start, count, status)
+      call h5screate_simple_f(size(count), count, memory, status)
+      call h5dread_f(data_set, kind, buffer, status, mem_space_id=memory, file_space_id=space)
+      call h5sclose_f(memory, ignored)
+      call h5sclose_f(space, ignored)
+      call h5dclose_f(data_set, ignored)
+      if (status < 0) call fail_at(self, name, error)
+   end subroutine read_any
+
+   !> True if a data set has this form, so that reading cannot go astray.
+   subroutine check_form(self, name, dimensions, components, last_row, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      integer, intent(in) :: dimensions                  !! 1: numbers, 2: vectors or tensors
+      integer, intent(in) :: components                  !! Of a row
+      integer(int64), intent(in) :: last_row             !! Rows it must have at least
+      type(error_t), allocatable, intent(out) :: error   !! It has not
+      type(data_info_t) :: info
+
+      call self%info(name, info, error)
+      if (allocated(error)) return
+      if (info%dimensions /= dimensions .or. info%components /= components .or. &
+         info%rows < last_row) call fail_at(self, name, error)
+   end subroutine check_form
+
+   !> Read real numbers.
+   subroutine source_reals(self, name, before, values, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      integer(int64), intent(in) :: before               !! Rows before the first wanted
+      real(wp), contiguous, target, intent(out) :: values(:) !! (row)
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      integer :: extent(1)
+
+      call check_form(self, name, 1, 1, before + size(values), error)
+      if (size(values) == 0 .or. allocated(error)) return
+      extent(1) = size(values, 1)
+      call read_any(self, name, before, extent, h5t_native_double, c_loc(values), error)
+   end subroutine source_reals
+
+   !> Read vectors or tensors.
+   subroutine source_vectors(self, name, before, values, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      integer(int64), intent(in) :: before               !! Rows before the first wanted
+      real(wp), contiguous, target, intent(out) :: values(:, :) !! (component, row)
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      integer :: extent(2)
+
+      call check_form(self, name, 2, size(values, 1), before + size(values, 2), error)
+      if (size(values) == 0 .or. allocated(error)) return
+      extent(1) = size(values, 1)
+      extent(2) = size(values, 2)
+      call read_any(self, name, before, extent, h5t_native_double, c_loc(values), error)
+   end subroutine source_vectors
+
+   !> Read whole numbers.
+   subroutine source_wholes(self, name, before, values, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      integer(int64), intent(in) :: before               !! Rows before the first wanted
+      integer(int64), contiguous, target, intent(out) :: values(:) !! (row)
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      integer :: extent(1)
+
+      call check_form(self, name, 1, 1, before + size(values), error)
+      if (size(values) == 0 .or. allocated(error)) return
+      extent(1) = size(values, 1)
+      call read_any(self, name, before, extent, h5t_std_i64le, c_loc(values), error)
+   end subroutine source_wholes
+
+   !> Read the bytes of a data set as a text.
+   subroutine source_text(self, name, text, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      character(len=:), allocatable, intent(out), target :: text !! The text
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      type(data_info_t) :: info
+      integer :: extent(1)
+
+      text = ""
+      call self%info(name, info, error)
+      if (allocated(error) .or. info%rows == 0) return
+      deallocate (text)
+      allocate (character(len=info%rows) :: text)
+      extent = len(text)
+      call read_any(self, name, 0_int64, extent, h5t_std_u8le, c_loc(text(1:1)), error)
+   end subroutine source_text
+end module io_hdf5_read

@@ -1,0 +1,282 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Data sets of HDF5 files, written by all ranks together, each its own rows.
+module io_hdf5_write
+   use base_communicator, only: communicator_t
+   use base_kinds, only: int32, int64, wp
+   use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, h5dcreate_f, &
+      h5dwrite_f, h5fd_mpio_collective_f, h5p_dataset_create_f, h5p_dataset_xfer_f, h5pclose_f, &
+      h5pcreate_f, h5pset_alloc_time_f, h5pset_chunk_f, h5pset_deflate_f, h5pset_dxpl_mpio_f, &
+      h5pset_fill_time_f, h5pset_obj_track_times_f, h5pset_shuffle_f, h5s_select_or_f, &
+      h5s_select_set_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, h5sselect_none_f, &
+      h5t_ieee_f32le, h5t_ieee_f64le, h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, h5tclose_f, hid_t, &
+      hsize_t
+   use io_hdf5, only: hdf5_file_t, text_type
+   use io_libc, only: clear_failure
+   use, intrinsic :: iso_c_binding, only: c_loc, c_null_ptr, c_ptr
+   use, intrinsic :: iso_fortran_env, only: real32
+   implicit none
+   private
+
+   public :: data_bytes, even_rows, rows_of_root, rows_t, write_bytes, write_data, write_names
+
+   integer(int64), parameter :: chunk_rows = 65536       !! Rows that are compressed together
+
+   !> The rows of a data set and which of them this rank holds.
+   type :: rows_t
+      integer(int64) :: total = 0                        !! Rows on all ranks
+      integer(int64), allocatable :: before(:)           !! (piece) Rows in the file before it
+      integer(int64), allocatable :: count(:)            !! (piece) Its rows, in the order of the file
+      integer :: compress = 0                            !! gzip level, 0: not compressed, contiguous
+   end type rows_t
+
+   !> Write a data set: numbers (row) or vectors and tensors (component, row). Collective.
+   interface write_data
+      module procedure write_reals, write_vectors, write_singles, write_single_vectors
+      module procedure write_wholes, write_shorts
+   end interface write_data
+
+contains
+
+   !> Rows that rank 0 holds alone.
+   pure function rows_of_root(communicator, total) result(rows)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      integer, intent(in) :: total                       !! Rows
+      type(rows_t) :: rows
+
+      rows%total = total
+      allocate (rows%before(1), rows%count(1))
+      rows%before = 0
+      rows%count = 0
+      if (communicator%rank == 0) rows%count = total
+   end function rows_of_root
+
+   !> Rows shared out evenly.
+   pure function even_rows(communicator, total) result(rows)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      integer(int64), intent(in) :: total                !! Rows
+      type(rows_t) :: rows
+      integer(int64) :: least, rank, spare
+
+      least = total/communicator%size
+      spare = mod(total, int(communicator%size, int64))
+      rank = communicator%rank
+      rows%total = total
+      allocate (rows%before(1), rows%count(1))
+      rows%before = rank*least + min(rank, spare)
+      rows%count = least
+      if (rank < spare) rows%count = least + 1
+   end function even_rows
+
+   !> Greatest length that a data set can have in a file, its heading included [byte].
+   pure function data_bytes(rows, bytes_per_row) result(bytes)
+      type(rows_t), intent(in) :: rows                   !! Rows and compression
+      integer(int64), intent(in) :: bytes_per_row        !! Bytes of a row before compression
+      integer(int64) :: bytes
+      integer(int64), parameter :: heading = 8192, chunk_heading = 512
+      integer(int64) :: chunks, length
+
+      bytes = rows%total*bytes_per_row + heading
+      if (rows%compress == 0 .or. rows%total == 0) return
+      length = min(rows%total, chunk_rows)
+      chunks = (rows%total + length - 1)/length
+      bytes = chunks*(length*bytes_per_row + chunk_heading) + heading
+   end function data_bytes
+
+   !> Write one data set of any type. Collective.
+   subroutine write_any(file, name, rows, components, kind, address)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      integer, intent(in) :: components                  !! Of a row; 0: a plain number
+      integer(hid_t), intent(in) :: kind                 !! Type in memory and file
+      type(c_ptr), intent(in) :: address                 !! The values
+      integer(hid_t) :: data_set, plan, space
+      integer(hsize_t) :: extent(2)
+      integer :: dimensions, ignored, status
+
+      if (.not. file%works()) return
+      dimensions = merge(1, 2, components == 0)
+      extent = rows%total
+      if (components > 0) extent(1) = components
+      call h5screate_simple_f(dimensions, extent(:dimensions), space, status)
+      call creation_plan(rows, extent(:dimensions), plan)
+      call h5dcreate_f(file%id, name, kind, space, data_set, status, dcpl_id=plan)
+      call h5pclose_f(plan, ignored)
+      call file%settle("write", name, status)
+      if (file%works()) then
+         call write_pieces(file, data_set, space, rows, extent(:dimensions), kind, address, status)
+         call file%settle("write", name, status)
+      end if
+      if (data_set >= 0) call h5dclose_f(data_set, ignored)
+      call h5sclose_f(space, ignored)
+   end subroutine write_any
+
+   !> How a data set is laid out. Nothing depends on the hour; space is taken at once, by all.
+   subroutine creation_plan(rows, extent, plan)
+      type(rows_t), intent(in) :: rows                   !! Rows and compression
+      integer(hsize_t), intent(in) :: extent(:)          !! Components (if any) and rows
+      integer(hid_t), intent(out) :: plan                !! The plan; the caller closes it
+      integer(hsize_t) :: chunk(size(extent))
+      integer :: status
+
+      call h5pcreate_f(h5p_dataset_create_f, plan, status)
+      call h5pset_obj_track_times_f(plan, .false., status)
+      call h5pset_alloc_time_f(plan, h5d_alloc_time_early_f, status)
+      call h5pset_fill_time_f(plan, h5d_fill_time_never_f, status)
+      if (rows%compress == 0 .or. rows%total == 0) return
+      chunk = extent
+      chunk(size(chunk)) = min(rows%total, chunk_rows)
+      call h5pset_chunk_f(plan, size(chunk), chunk, status)
+      call h5pset_shuffle_f(plan, status)
+      call h5pset_deflate_f(plan, rows%compress, status)
+   end subroutine creation_plan
+
+   !> Write the rows of this rank. Collective.
+   subroutine write_pieces(file, data_set, space, rows, extent, kind, address, status)
+      class(hdf5_file_t), intent(in) :: file             !! The file
+      integer(hid_t), intent(in) :: data_set             !! The open data set
+      integer(hid_t), intent(in) :: space                !! Its shape
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      integer(hsize_t), intent(in) :: extent(:)          !! Components (if any) and rows
+      integer(hid_t), intent(in) :: kind                 !! Type in memory and file
+      type(c_ptr), intent(in) :: address                 !! The values
+      integer, intent(out) :: status                     !! Answer of the library
+      integer(hid_t) :: memory, transfer_list
+      integer(hsize_t) :: count(size(extent)), start(size(extent))
+      integer :: ignored, operation, piece
+
+      call h5sselect_none_f(space, status)
+      operation = h5s_select_set_f
+      count = extent
+      start = 0
+      do piece = 1, size(rows%count)
+         if (rows%count(piece) == 0) cycle
+         start(size(start)) = rows%before(piece)
+         count(size(count)) = rows%count(piece)
+         call h5sselect_hyperslab_f(space, operation, start, count, status)
+         operation = h5s_select_or_f
+      end do
+      count(size(count)) = max(sum(rows%count), 1_int64)
+      call h5screate_simple_f(size(count), count, memory, status)
+      if (sum(rows%count) == 0) call h5sselect_none_f(memory, status)
+      call h5pcreate_f(h5p_dataset_xfer_f, transfer_list, status)
+      if (file%communicator%size > 1) &
+         call h5pset_dxpl_mpio_f(transfer_list, h5fd_mpio_collective_f, status)
+      call clear_failure()
+      call h5dwrite_f(data_set, kind, address, status, mem_space_id=memory, file_space_id=space, &
+         xfer_prp=transfer_list)
+      call h5pclose_f(transfer_list, ignored)
+      call h5sclose_f(memory, ignored)
+   end subroutine write_pieces
+
+   !> Write real numbers.
+   subroutine write_reals(file, name, rows, values)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      real(wp), contiguous, target, intent(in) :: values(:) !! (row)
+      type(c_ptr) :: address
+
+      address = c_null_ptr
+      if (size(values) > 0) address = c_loc(values)
+      call write_any(file, name, rows, 0, h5t_ieee_f64le, address)
+   end subroutine write_reals
+
+   !> Write vectors or tensors of real numbers.
+   subroutine write_vectors(file, name, rows, values)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      real(wp), contiguous, target, intent(in) :: values(:, :) !! (component, row)
+      type(c_ptr) :: address
+
+      address = c_null_ptr
+      if (size(values) > 0) address = c_loc(values)
+      call write_any(file, name, rows, size(values, 1), h5t_ieee_f64le, address)
+   end subroutine write_vectors
+
+   !> Write real numbers of single precision.
+   subroutine write_singles(file, name, rows, values)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      real(real32), contiguous, target, intent(in) :: values(:) !! (row)
+      type(c_ptr) :: address
+
+      address = c_null_ptr
+      if (size(values) > 0) address = c_loc(values)
+      call write_any(file, name, rows, 0, h5t_ieee_f32le, address)
+   end subroutine write_singles
+
+   !> Write vectors or tensors of single precision.
+   subroutine write_single_vectors(file, name, rows, values)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      real(real32), contiguous, target, intent(in) :: values(:, :) !! (component, row)
+      type(c_ptr) :: address
+
+      address = c_null_ptr
+      if (size(values) > 0) address = c_loc(values)
+      call write_any(file, name, rows, size(values, 1), h5t_ieee_f32le, address)
+   end subroutine write_single_vectors
+
+   !> Write whole numbers.
+   subroutine write_wholes(file, name, rows, values)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      integer(int64), contiguous, target, intent(in) :: values(:) !! (row)
+      type(c_ptr) :: address
+
+      address = c_null_ptr
+      if (size(values) > 0) address = c_loc(values)
+      call write_any(file, name, rows, 0, h5t_std_i64le, address)
+   end subroutine write_wholes
+
+   !> Write short whole numbers.
+   subroutine write_shorts(file, name, rows, values)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      integer(int32), contiguous, target, intent(in) :: values(:) !! (row)
+      type(c_ptr) :: address
+
+      address = c_null_ptr
+      if (size(values) > 0) address = c_loc(values)
+      call write_any(file, name, rows, 0, h5t_std_i32le, address)
+   end subroutine write_shorts
+
+   !> Write bytes, given as letters. Collective.
+   subroutine write_bytes(file, name, rows, letters)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which bytes are here
+      character(len=*), intent(in) :: letters            !! Those bytes
+      character(len=:), allocatable, target :: copy
+
+      copy = letters//" "
+      call write_any(file, name, rows, 0, h5t_std_u8le, c_loc(copy(1:1)))
+   end subroutine write_bytes
+
+   !> Write a table of texts that all ranks know. Collective.
+   subroutine write_names(file, name, names)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: names(:)           !! The texts
+      character(len=:), allocatable, target :: joined
+      integer(hid_t) :: kind
+      integer :: index, status
+
+      if (.not. file%works()) return
+      joined = ""
+      do index = 1, size(names)
+         joined = joined//names(index)
+      end do
+      joined = joined//" "
+      call text_type(len(names), kind)
+      call write_any(file, name, rows_of_root(file%communicator, size(names)), 0, kind, &
+         c_loc(joined(1:1)))
+      call h5tclose_f(kind, status)
+   end subroutine write_names
+end module io_hdf5_write

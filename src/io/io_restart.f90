@@ -1,0 +1,388 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Going on from a checkpoint, on any number of ranks.
+module io_restart
+   use base_agreement, only: agree
+   use base_communicator, only: communicator_t
+   use base_error, only: error_t, exit_file, fail
+   use base_field_worker, only: field_worker_t
+   use base_hash, only: add_hash, hash_reals, hash_text, hash_wholes
+   use base_kinds, only: int64, wp
+   use io_checkpoint, only: checkpoint_newest, head_check
+   use io_digest, only: field_key
+   use io_file, only: longest_path
+   use io_hdf5_read, only: data_info_t, hdf5_source_t
+   use io_hdf5_write, only: even_rows, rows_t
+   use io_state, only: state_t
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: checkpoint_find, checkpoint_read, checkpoint_text
+
+   !> Reads the fields of one store. A failure is kept; the ranks stay together until the end.
+   type, extends(field_worker_t) :: reader_t
+      type(communicator_t) :: communicator                !! The ranks
+      type(hdf5_source_t) :: source                       !! The open file
+      character(len=:), allocatable :: store              !! Name of the material
+      integer(int64) :: total = 0                         !! Particles on all ranks
+      integer(int64) :: before = 0                        !! Rows of lower ranks
+      integer :: count = 0                                !! Rows of this rank
+      integer(int64), allocatable :: owners(:)            !! Rows as owners of their values
+      type(error_t), allocatable :: problem               !! First thing that failed here
+   contains
+      procedure :: scalar => reader_scalar                !! Read a field of numbers
+      procedure :: vector => reader_vector                !! Read a field of vectors or tensors
+      procedure :: whole => reader_whole                  !! Read a field of whole numbers
+      procedure :: look => reader_look                    !! Is the field there, in full
+      procedure :: verify => reader_verify                !! Compare the hash
+   end type reader_t
+
+contains
+
+   !> Read the newest checkpoint of a case that is whole. Collective.
+   subroutine checkpoint_find(communicator, folder, case, stores, state, path, notes, error)
+      type(communicator_t), intent(in) :: communicator    !! The ranks
+      character(len=*), intent(in) :: folder              !! Folder of the results
+      character(len=*), intent(in) :: case                !! Prefix of all files
+      type(store_t), intent(inout) :: stores(:)           !! With the fields wanted, filled
+      type(state_t), intent(inout) :: state               !! Filled
+      character(len=:), allocatable, intent(out) :: path  !! Which one it was
+      character(len=:), allocatable, intent(out) :: notes !! Why newer ones were passed over
+      type(error_t), allocatable, intent(out) :: error    !! There is none
+      character(len=longest_path), allocatable :: paths(:)
+      integer :: index
+
+      notes = ""
+      path = ""
+      call checkpoint_newest(communicator, folder, case, paths, error)
+      if (allocated(error)) return
+      do index = 1, size(paths)
+         call checkpoint_read(communicator, trim(paths(index)), stores, state, error)
+         if (.not. allocated(error)) then
+            path = trim(paths(index))
+            return
+         end if
+         if (len(notes) > 0) notes = notes//new_line("a")
+         notes = notes//error%message
+      end do
+      if (size(paths) == 0) then
+         call fail(error, exit_file, "no checkpoint '"//case//"_chk_*.h5' in '"//folder//"'")
+      else
+         call fail(error, exit_file, "no checkpoint of '"//case//"' can be used:"//new_line("a")// &
+            notes)
+      end if
+   end subroutine checkpoint_find
+
+   !> Read a checkpoint. Collective.
+   !!
+   !! The fields of the stores must be allocated, of any size, as the run wants them. Every rank gets
+   !! an even share of each store in one tile, whatever tile the particles belong to.
+   subroutine checkpoint_read(communicator, path, stores, state, error)
+      type(communicator_t), intent(in) :: communicator    !! The ranks
+      character(len=*), intent(in) :: path                !! The file
+      type(store_t), intent(inout) :: stores(:)           !! With the fields wanted, filled
+      type(state_t), intent(inout) :: state               !! Filled
+      type(error_t), allocatable, intent(out) :: error    !! Damaged, or other fields or materials
+      type(reader_t) :: reader
+      integer :: index
+
+      reader%communicator = communicator
+      call reader%source%open(path, error)
+      if (.not. allocated(error)) call read_head(reader%source, state, error)
+      if (.not. allocated(error)) call read_state(reader%source, state, error)
+      if (.not. allocated(error)) call check_materials(reader%source, stores, error)
+      call agree(communicator, error)
+      if (.not. allocated(error)) then
+         do index = 1, size(stores)
+            call read_store(reader, stores(index))
+         end do
+         if (allocated(reader%problem)) error = reader%problem
+         call agree(communicator, error)
+      end if
+      call reader%source%close()
+   end subroutine checkpoint_read
+
+   !> Text of the deck ("/deck") or echo ("/deck_echo") in a checkpoint.
+   subroutine checkpoint_text(path, name, text, error)
+      character(len=*), intent(in) :: path                !! The file
+      character(len=*), intent(in) :: name                !! From the root
+      character(len=:), allocatable, intent(out) :: text  !! The text
+      type(error_t), allocatable, intent(out) :: error    !! Cannot be read
+      type(hdf5_source_t) :: source
+      integer(int64) :: check
+
+      check = 0
+      text = ""
+      call source%open(path, error)
+      if (.not. allocated(error)) call source%text(name, text, error)
+      if (.not. allocated(error)) call source%attribute(name, "check", check, error)
+      if (.not. allocated(error)) then
+         if (hash_text(text) /= check) call fail_check(path, name, error)
+      end if
+      call source%close()
+   end subroutine checkpoint_text
+
+   !> Allocate an error about bits that have changed.
+   subroutine fail_check(path, name, error)
+      character(len=*), intent(in) :: path                !! The file
+      character(len=*), intent(in) :: name                !! What in it
+      type(error_t), allocatable, intent(out) :: error    !! Allocated on return
+
+      call fail(error, exit_file, "'"//path//"' is damaged: the check of '"//name//"' is wrong")
+   end subroutine fail_check
+
+   !> Read step and time.
+   subroutine read_head(source, state, error)
+      type(hdf5_source_t), intent(in) :: source           !! Open file
+      type(state_t), intent(inout) :: state               !! Step and time are set
+      type(error_t), allocatable, intent(out) :: error    !! Damaged, or no checkpoint
+      integer(int64) :: check
+
+      check = 0
+      if (.not. source%has("/particles")) then
+         call fail(error, exit_file, "'"//source%path//"' is not a checkpoint of this program")
+         return
+      end if
+      call source%attribute("/", "step", state%step, error)
+      if (.not. allocated(error)) call source%attribute("/", "time", state%time, error)
+      if (.not. allocated(error)) call source%attribute("/", "dt_next", state%dt_next, error)
+      if (.not. allocated(error)) call source%attribute("/", "check", check, error)
+      if (allocated(error)) return
+      if (check /= head_check(state)) call fail_check(source%path, "step and time", error)
+   end subroutine read_head
+
+   !> Read the small numbers.
+   subroutine read_state(source, state, error)
+      type(hdf5_source_t), intent(in) :: source           !! Open file
+      type(state_t), intent(inout) :: state               !! Entries are set
+      type(error_t), allocatable, intent(out) :: error    !! Damaged
+      type(data_info_t), allocatable :: members(:)
+      integer :: index
+
+      if (allocated(state%entries)) deallocate (state%entries)
+      call source%members("/state", members, error)
+      if (allocated(error)) return
+      do index = 1, size(members)
+         call read_entry(source, members(index), state, error)
+         if (allocated(error)) return
+      end do
+   end subroutine read_state
+
+   !> Read one entry of the small numbers.
+   subroutine read_entry(source, member, state, error)
+      type(hdf5_source_t), intent(in) :: source           !! Open file
+      type(data_info_t), intent(in) :: member             !! Its data set
+      type(state_t), intent(inout) :: state               !! The entry is set
+      type(error_t), allocatable, intent(out) :: error    !! Damaged
+      integer(int64), allocatable :: owners(:), wholes(:)
+      real(wp), allocatable :: reals(:)
+      integer(int64) :: check, found
+      character(len=:), allocatable :: name
+      integer :: row
+
+      name = "/state/"//trim(member%name)
+      check = 0
+      allocate (owners(member%rows))
+      do row = 1, size(owners)
+         owners(row) = row
+      end do
+      if (member%is_real) then
+         allocate (reals(member%rows))
+         call source%read(name, 0_int64, reals, error)
+         if (allocated(error)) return
+         found = hash_reals(field_key("state", name, 1), owners, reals)
+         call state%set(trim(member%name), reals)
+      else
+         allocate (wholes(member%rows))
+         call source%read(name, 0_int64, wholes, error)
+         if (allocated(error)) return
+         found = hash_wholes(field_key("state", name, 1), owners, wholes)
+         call state%set(trim(member%name), wholes)
+      end if
+      call source%attribute(name, "check", check, error)
+      if (allocated(error)) return
+      if (check /= found) call fail_check(source%path, name, error)
+   end subroutine read_entry
+
+   !> See that the file has the materials of the run and no others.
+   subroutine check_materials(source, stores, error)
+      type(hdf5_source_t), intent(in) :: source           !! Open file
+      type(store_t), intent(in) :: stores(:)              !! The materials
+      type(error_t), allocatable, intent(out) :: error    !! Another set of materials
+      type(data_info_t), allocatable :: groups(:)
+      character(len=:), allocatable :: names
+      integer :: index
+      logical :: same
+
+      call source%members("/particles", groups, error)
+      if (allocated(error)) return
+      names = ""
+      do index = 1, size(groups)
+         names = names//" '"//trim(groups(index)%name)//"'"
+      end do
+      same = size(groups) == size(stores)
+      do index = 1, size(stores)
+         same = same .and. any(groups%name == stores(index)%name)
+      end do
+      if (.not. same) call fail(error, exit_file, "'"//source%path// &
+         "' is of another deck: its materials are"//names)
+   end subroutine check_materials
+
+   !> Read the particles of one store. Collective.
+   subroutine read_store(reader, store)
+      type(reader_t), intent(inout) :: reader             !! The worker
+      type(store_t), intent(inout) :: store               !! With the fields wanted, filled
+      type(data_info_t) :: identity
+      type(error_t), allocatable :: error
+      type(rows_t) :: rows
+      integer :: row
+
+      reader%store = store%name
+      call reader%source%info("/particles/"//store%name//"/identity", identity, error)
+      if (allocated(error) .and. .not. allocated(reader%problem)) reader%problem = error
+      reader%total = identity%rows
+      rows = even_rows(reader%communicator, reader%total)
+      reader%before = rows%before(1)
+      reader%count = int(rows%count(1))
+      if (allocated(reader%owners)) deallocate (reader%owners)
+      allocate (reader%owners(reader%count))
+      do row = 1, reader%count
+         reader%owners(row) = reader%before + row
+      end do
+      call store%walk(reader)
+      call set_only(store%first, 1)
+      call set_only(store%count, reader%count)
+      call set_only(store%room, reader%count)
+      store%used = reader%count
+      if (allocated(store%cell_start)) deallocate (store%cell_start)
+   end subroutine read_store
+
+   !> Make an array hold one number.
+   pure subroutine set_only(array, number)
+      integer, allocatable, intent(inout) :: array(:)     !! The array
+      integer, intent(in) :: number                       !! What it holds
+
+      if (allocated(array)) deallocate (array)
+      allocate (array(1))
+      array = number
+   end subroutine set_only
+
+   !> See that a field is there for all particles.
+   logical function reader_look(self, name) result(there)
+      class(reader_t), intent(inout) :: self              !! The worker
+      character(len=*), intent(in) :: name                !! Name in files
+      type(data_info_t) :: info
+      type(error_t), allocatable :: error
+      character(len=:), allocatable :: group
+
+      group = "/particles/"//self%store
+      there = self%source%has(group//"/"//name)
+      if (there) then
+         call self%source%info(group//"/"//name, info, error)
+         if (.not. allocated(error) .and. info%rows /= self%total) &
+            call fail_check(self%source%path, group//"/"//name, error)
+      else
+         call fail(error, exit_file, "'"//self%source%path//"' has no field '"//name// &
+            "' of material '"//self%store//"': it was written with other effects or outputs")
+      end if
+      there = .not. allocated(error)
+      if (.not. there .and. .not. allocated(self%problem)) call move_alloc(error, self%problem)
+   end function reader_look
+
+   !> Compare the hash of a field over all ranks. Collective.
+   subroutine reader_verify(self, name, check, error)
+      class(reader_t), intent(inout) :: self              !! The worker
+      character(len=*), intent(in) :: name                !! Data set, from the root
+      integer(int64), intent(in) :: check                 !! Hash of the rows of this rank
+      type(error_t), allocatable, intent(inout) :: error  !! What failed in reading
+      integer(int64) :: found(1), wanted
+
+      found = check
+      wanted = 0
+      call self%communicator%total(found)
+      if (.not. allocated(error) .and. .not. allocated(self%problem)) then
+         call self%source%attribute(name, "check", wanted, error)
+         if (.not. allocated(error) .and. wanted /= found(1)) &
+            call fail_check(self%source%path, name, error)
+      end if
+      if (allocated(error) .and. .not. allocated(self%problem)) &
+         call move_alloc(error, self%problem)
+   end subroutine reader_verify
+
+   !> Read a field of numbers. Collective.
+   subroutine reader_scalar(self, name, unit, values)
+      class(reader_t), intent(inout) :: self              !! The worker
+      character(len=*), intent(in) :: name                !! Name in files
+      character(len=*), intent(in) :: unit                !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:)   !! (particle), filled
+      type(error_t), allocatable :: error
+      integer(int64) :: check
+      character(len=:), allocatable :: path
+
+      path = "/particles/"//self%store//"/"//name
+      deallocate (values)
+      allocate (values(self%count))
+      values = 0.0_wp
+      check = 0
+      if (self%look(name)) then
+         call self%source%read(path, self%before, values, error)
+         if (.not. allocated(error)) &
+            check = hash_reals(field_key(self%store, name, 1), self%owners, values)
+      end if
+      call self%verify(path, check, error)
+   end subroutine reader_scalar
+
+   !> Read a field of vectors or tensors. Collective.
+   subroutine reader_vector(self, name, unit, values)
+      class(reader_t), intent(inout) :: self              !! The worker
+      character(len=*), intent(in) :: name                !! Name in files
+      character(len=*), intent(in) :: unit                !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), filled
+      type(error_t), allocatable :: error
+      real(wp), allocatable :: rows(:, :)
+      integer(int64) :: check
+      character(len=:), allocatable :: path
+      integer :: component, components
+
+      path = "/particles/"//self%store//"/"//name
+      components = size(values, 2)
+      deallocate (values)
+      allocate (values(self%count, components), rows(components, self%count))
+      values = 0.0_wp
+      check = 0
+      if (self%look(name)) then
+         call self%source%read(path, self%before, rows, error)
+         if (.not. allocated(error)) then
+            do component = 1, components
+               values(:, component) = rows(component, :)
+               check = add_hash(check, hash_reals(field_key(self%store, name, component), &
+                  self%owners, values(:, component)))
+            end do
+         end if
+      end if
+      call self%verify(path, check, error)
+   end subroutine reader_vector
+
+   !> Read a field of whole numbers. Collective.
+   subroutine reader_whole(self, name, unit, values)
+      class(reader_t), intent(inout) :: self              !! The worker
+      character(len=*), intent(in) :: name                !! Name in files
+      character(len=*), intent(in) :: unit                !! SI unit
+      integer(int64), allocatable, intent(inout) :: values(:) !! (particle), filled
+      type(error_t), allocatable :: error
+      integer(int64) :: check
+      character(len=:), allocatable :: path
+
+      path = "/particles/"//self%store//"/"//name
+      deallocate (values)
+      allocate (values(self%count))
+      values = 0
+      check = 0
+      if (self%look(name)) then
+         call self%source%read(path, self%before, values, error)
+         if (.not. allocated(error)) &
+            check = hash_wholes(field_key(self%store, name, 1), self%owners, values)
+      end if
+      call self%verify(path, check, error)
+   end subroutine reader_whole
+end module io_restart

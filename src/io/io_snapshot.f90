@@ -1,0 +1,408 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Snapshots of the particles as VTKHDF files, which ParaView opens.
+!!
+!! One part, one vertex cell a particle, whatever the number of ranks. Where a material lacks a
+!! field, its particles have 0.
+module io_snapshot
+   use base_communicator, only: communicator_t
+   use base_error, only: error_t
+   use base_kinds, only: int32, int64, wp
+   use io_fields, only: choose_columns, column_t, fill_reals, fill_wholes, picks_t
+   use io_hdf5, only: hdf5_file_t
+   use io_hdf5_write, only: data_bytes, even_rows, rows_of_root, rows_t, write_bytes, write_data, &
+      write_names
+   use io_order, only: store_rows, tile_order
+   use particle_store, only: store_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: real32
+   implicit none
+   private
+
+   public :: snapshot_format_t, snapshot_header_t, snapshot_write
+
+   character(len=*), parameter :: root = "/VTKHDF"       !! Where viewers look
+   character(len=*), parameter :: about = "/provenance"  !! Where the file came from
+   integer, parameter, public :: body_name_length = 64   !! Longest name of a body
+
+   !> How a snapshot is written.
+   type :: snapshot_format_t
+      logical :: single = .true.                         !! Fields in single precision
+      integer :: compress = 1                            !! gzip level, 0: off
+      integer :: stride = 1                              !! Only every so many identities
+      integer(int64), allocatable :: bodies(:)           !! Only these, if allocated
+   end type snapshot_format_t
+
+   !> What stands in a snapshot beside the particles. The same on all ranks. Texts that are not
+   !! allocated and counts that are 0 are left out; without host, date, ranks, threads and wall time
+   !! equal runs give equal bytes.
+   type :: snapshot_header_t
+      character(len=:), allocatable :: code              !! Name of the program
+      character(len=:), allocatable :: version           !! Its version
+      character(len=:), allocatable :: git               !! Its revision
+      character(len=:), allocatable :: compiler          !! What built it
+      character(len=:), allocatable :: flags             !! How it was built
+      character(len=:), allocatable :: host              !! Where it ran
+      character(len=:), allocatable :: date              !! When the file was written
+      character(len=:), allocatable :: case              !! Prefix of all files
+      character(len=:), allocatable :: title             !! Line from the deck
+      character(len=:), allocatable :: dimension         !! "3d", "axisymmetric", ...
+      character(len=:), allocatable :: symmetry          !! Faces with mirrors, such as "xlo ylo"
+      character(len=:), allocatable :: deck              !! Text of the deck
+      character(len=:), allocatable :: echo              !! All keys with their values
+      integer :: ranks = 0                               !! Ranks of the run
+      integer :: threads = 0                             !! Threads of a rank
+      real(wp) :: wall_seconds = 0.0_wp                  !! Wall time so far [s]
+      real(wp) :: time = 0.0_wp                          !! Simulated time [s]
+      real(wp) :: dt = 0.0_wp                            !! Time step [s]
+      integer(int64) :: step = 0                         !! Steps done
+      logical :: axisymmetric = .false.                  !! Points are (radius, 0, height)
+      character(len=body_name_length), allocatable :: body_names(:) !! (body)
+      integer, allocatable :: body_materials(:)          !! (body) Its material
+      character(len=body_name_length), allocatable :: material_names(:) !! (material)
+   end type snapshot_header_t
+
+contains
+
+   !> Write a snapshot. Collective.
+   subroutine snapshot_write(communicator, path, stores, fields, format, header, error)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      character(len=*), intent(in) :: path               !! The file
+      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      character(len=*), intent(in) :: fields(:)          !! What is written, ["default"]
+      type(snapshot_format_t), intent(in) :: format      !! How it is written
+      type(snapshot_header_t), intent(in) :: header      !! What else is written
+      type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
+      type(column_t), allocatable :: columns(:)
+      type(picks_t), allocatable :: picks(:)
+      type(hdf5_file_t) :: file
+      type(rows_t) :: rows
+      integer(int64) :: counts(size(stores))
+      real(wp) :: times(1)
+      integer :: index
+
+      times = header%time
+      call choose_columns(stores, fields, columns, error)
+      if (allocated(error)) return
+      allocate (picks(size(stores)))
+      do index = 1, size(stores)
+         call tile_order(stores(index), picks(index)%order)
+         call thin_out(stores(index), format, picks(index)%order)
+         counts(index) = size(picks(index)%order)
+      end do
+      rows = store_rows(communicator, counts, format%compress)
+      call file%create(communicator, path, greatest_length(rows, columns, header), error)
+      if (allocated(error)) return
+      call write_cells(file, rows)
+      call write_points(file, stores, picks, rows, header%axisymmetric)
+      call file%group(root//"/PointData")
+      do index = 1, size(columns)
+         call write_column(file, stores, picks, rows, columns(index), format%single)
+      end do
+      call file%group(root//"/FieldData")
+      call write_data(file, root//"/FieldData/TimeValue", rows_of_root(communicator, 1), times)
+      call write_provenance(file, header)
+      call write_bodies(file, header)
+      call file%finish(error)
+   end subroutine snapshot_write
+
+   !> Keep only the particles that the format asks for. The choice goes by identity, so that it does
+   !! not depend on ranks.
+   subroutine thin_out(store, format, order)
+      type(store_t), intent(in) :: store                 !! The particles
+      type(snapshot_format_t), intent(in) :: format      !! What is wanted
+      integer, allocatable, intent(inout) :: order(:)    !! Places; those not wanted are taken out
+      integer :: kept, row
+      integer, allocatable :: shorter(:)
+
+      if (format%stride <= 1 .and. .not. allocated(format%bodies)) return
+      kept = 0
+      do row = 1, size(order)
+         if (mod(store%identity(order(row)), int(max(format%stride, 1), int64)) /= 0_int64) cycle
+         if (allocated(format%bodies) .and. allocated(store%body)) then
+            if (all(format%bodies /= store%body(order(row)))) cycle
+         end if
+         kept = kept + 1
+         order(kept) = order(row)
+      end do
+      allocate (shorter(kept))
+      shorter(:) = order(:kept)
+      call move_alloc(shorter, order)
+   end subroutine thin_out
+
+   !> Greatest length that the file can get [byte].
+   pure function greatest_length(rows, columns, header) result(bytes)
+      type(rows_t), intent(in) :: rows                   !! The particles
+      type(column_t), intent(in) :: columns(:)           !! Their fields
+      type(snapshot_header_t), intent(in) :: header      !! Texts
+      integer(int64) :: bytes
+      integer(int64), parameter :: heading = 98304, number = 8, cell = 17, point = 24
+      integer :: index
+
+      bytes = heading + data_bytes(rows, point) + data_bytes(rows, cell)
+      do index = 1, size(columns)
+         bytes = bytes + data_bytes(rows, number*columns(index)%components)
+      end do
+      if (allocated(header%deck)) bytes = bytes + len(header%deck)
+      if (allocated(header%echo)) bytes = bytes + len(header%echo)
+      if (allocated(header%body_names)) &
+         bytes = bytes + 2_int64*size(header%body_names)*(body_name_length + number)
+   end function greatest_length
+
+   !> Write the root with its counts, and one vertex cell for each point.
+   subroutine write_cells(file, points)
+      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(rows_t), intent(in) :: points                 !! The particles
+      type(rows_t) :: one, rows
+      integer(int64) :: count(1), index
+      integer(int64), allocatable :: numbers(:)
+
+      call file%group(root)
+      call file%attribute(root, "Version", [1_int32, 0_int32])
+      call file%attribute(root, "Type", "UnstructuredGrid")
+      one = rows_of_root(file%communicator, 1)
+      count = points%total
+      call write_data(file, root//"/NumberOfPoints", one, count)
+      call write_data(file, root//"/NumberOfCells", one, count)
+      call write_data(file, root//"/NumberOfConnectivityIds", one, count)
+      rows = even_rows(file%communicator, points%total + 1_int64)
+      rows%compress = points%compress
+      allocate (numbers(rows%count(1)))
+      do index = 1, rows%count(1)
+         numbers(index) = rows%before(1) + index - 1_int64
+      end do
+      call write_data(file, root//"/Offsets", rows, numbers)
+      deallocate (numbers)
+      rows = even_rows(file%communicator, points%total)
+      rows%compress = points%compress
+      allocate (numbers(rows%count(1)))
+      do index = 1, rows%count(1)
+         numbers(index) = rows%before(1) + index - 1_int64
+      end do
+      call write_data(file, root//"/Connectivity", rows, numbers)
+      call write_bytes(file, root//"/Types", rows, repeat(achar(1), int(rows%count(1))))
+   end subroutine write_cells
+
+   !> Write the positions.
+   subroutine write_points(file, stores, picks, rows, axisymmetric)
+      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(rows_t), intent(in) :: rows                   !! Their rows
+      logical, intent(in) :: axisymmetric                !! Points are (radius, 0, height)
+      real(wp), allocatable :: points(:, :)
+      integer :: filled, row, store
+
+      allocate (points(3, sum(rows%count)))
+      filled = 0
+      do store = 1, size(stores)
+         do row = 1, size(picks(store)%order)
+            points(:, filled + row) = stores(store)%position(picks(store)%order(row), :)
+         end do
+         filled = filled + size(picks(store)%order)
+      end do
+      if (axisymmetric) points(2, :) = 0.0_wp
+      call write_data(file, root//"/Points", rows, points)
+      call write_units(file, root//"/Points", "position", "m")
+   end subroutine write_points
+
+   !> Write one field.
+   subroutine write_column(file, stores, picks, rows, column, single)
+      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(rows_t), intent(in) :: rows                   !! Their rows
+      type(column_t), intent(in) :: column               !! The field
+      logical, intent(in) :: single                      !! In single precision
+      character(len=:), allocatable :: name
+      integer(int32), allocatable :: shorts(:)
+      integer(int64), allocatable :: wholes(:)
+      real(wp), allocatable :: numbers(:), reals(:, :)
+
+      name = root//"/PointData/"//trim(column%name)
+      if (.not. column%is_real) then
+         allocate (wholes(sum(rows%count)))
+         call fill_wholes(stores, picks, column, wholes)
+         if (column%name == "identity") then
+            call write_data(file, name, rows, wholes)
+         else
+            allocate (shorts(size(wholes)))
+            shorts(:) = int(wholes, int32)
+            call write_data(file, name, rows, shorts)
+         end if
+      else
+         allocate (reals(column%components, sum(rows%count)))
+         call fill_reals(stores, picks, column, reals)
+         if (single) then
+            call write_single(file, name, rows, reals)
+         else if (column%components == 1) then
+            allocate (numbers(size(reals, 2)))
+            numbers(:) = reals(1, :)
+            call write_data(file, name, rows, numbers)
+         else
+            call write_data(file, name, rows, reals)
+         end if
+      end if
+      call write_units(file, name, trim(column%name), trim(column%unit))
+      if (column%components == 6) call file%attribute(name, "components", "xx yy zz xy yz xz")
+   end subroutine write_column
+
+   !> Write real numbers in single precision.
+   subroutine write_single(file, name, rows, reals)
+      type(hdf5_file_t), intent(inout) :: file           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      real(wp), intent(in) :: reals(:, :)                !! (component, row)
+      real(real32), allocatable :: numbers(:), singles(:, :)
+      integer :: component, row
+
+      if (size(reals, 1) == 1) then
+         allocate (numbers(size(reals, 2)))
+         do row = 1, size(reals, 2)
+            numbers(row) = rounded(reals(1, row))
+         end do
+         call write_data(file, name, rows, numbers)
+      else
+         allocate (singles(size(reals, 1), size(reals, 2)))
+         do row = 1, size(reals, 2)
+            do component = 1, size(reals, 1)
+               singles(component, row) = rounded(reals(component, row))
+            end do
+         end do
+         call write_data(file, name, rows, singles)
+      end if
+   end subroutine write_single
+
+   !> The nearest number of single precision; what is out of range goes to its end.
+   pure function rounded(number) result(single)
+      real(wp), intent(in) :: number                     !! Any number
+      real(real32) :: single
+      real(wp), parameter :: most = real(huge(1.0_real32), wp)
+
+      if (ieee_is_nan(number)) then
+         single = ieee_value(single, ieee_quiet_nan)
+      else
+         single = real(max(-most, min(most, number)), real32)
+      end if
+   end function rounded
+
+   !> Say in which unit a data set is.
+   subroutine write_units(file, name, long_name, unit)
+      type(hdf5_file_t), intent(inout) :: file           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: long_name          !! With underscores for blanks
+      character(len=*), intent(in) :: unit               !! SI unit
+      character(len=:), allocatable :: words
+      integer(int32) :: exponents(7)
+      integer :: letter
+
+      words = long_name
+      exponents = powers(unit)
+      do letter = 1, len(words)
+         if (words(letter:letter) == "_") words(letter:letter) = " "
+      end do
+      call file%attribute(name, "units", unit)
+      call file%attribute(name, "long_name", words)
+      call file%attribute(name, "unitSI", 1.0_wp)
+      call file%attribute(name, "unitDimension", exponents)
+   end subroutine write_units
+
+   !> Powers of length, mass, time, current, temperature, amount and light in a unit.
+   pure function powers(unit) result(exponents)
+      character(len=*), intent(in) :: unit               !! SI unit
+      integer(int32) :: exponents(7)
+
+      exponents = 0
+      select case (unit)
+      case ("m")
+         exponents(1) = 1
+      case ("m3")
+         exponents(1) = 3
+      case ("kg")
+         exponents(2) = 1
+      case ("kg/m3")
+         exponents(:2) = [-3, 1]
+      case ("m/s")
+         exponents(:3) = [1, 0, -1]
+      case ("Pa")
+         exponents(:3) = [-1, 1, -2]
+      case ("J/kg")
+         exponents(:3) = [2, 0, -2]
+      case ("1/s")
+         exponents(3) = -1
+      case ("s")
+         exponents(3) = 1
+      case ("K")
+         exponents(5) = 1
+      case default
+         exponents = 0
+      end select
+   end function powers
+
+   !> Write where the file came from.
+   subroutine write_provenance(file, header)
+      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(snapshot_header_t), intent(in) :: header      !! What is known
+
+      call file%group(about)
+      call file%attribute(about, "schema", "scree-1")
+      call write_fact(file, "code", header%code)
+      call write_fact(file, "version", header%version)
+      call write_fact(file, "git", header%git)
+      call write_fact(file, "compiler", header%compiler)
+      call write_fact(file, "flags", header%flags)
+      call write_fact(file, "host", header%host)
+      call write_fact(file, "date", header%date)
+      call write_fact(file, "case", header%case)
+      call write_fact(file, "title", header%title)
+      call write_fact(file, "dimension", header%dimension)
+      call write_fact(file, "symmetry", header%symmetry)
+      if (header%ranks > 0) call file%attribute(about, "ranks", int(header%ranks, int64))
+      if (header%threads > 0) call file%attribute(about, "threads", int(header%threads, int64))
+      if (header%wall_seconds > 0.0_wp) call file%attribute(about, "wall_s", header%wall_seconds)
+      call file%attribute(about, "step", header%step)
+      call file%attribute(about, "time", header%time)
+      call file%attribute(about, "dt", header%dt)
+      call write_text(file, about//"/deck", header%deck)
+      call write_text(file, about//"/deck_echo", header%echo)
+   end subroutine write_provenance
+
+   !> Write a text that may be missing as an attribute.
+   subroutine write_fact(file, name, text)
+      type(hdf5_file_t), intent(inout) :: file           !! The file
+      character(len=*), intent(in) :: name               !! Name of the attribute
+      character(len=:), allocatable, intent(in) :: text  !! Its value
+
+      if (allocated(text)) call file%attribute(about, name, text)
+   end subroutine write_fact
+
+   !> Write a text that may be missing as a data set.
+   subroutine write_text(file, name, text)
+      type(hdf5_file_t), intent(inout) :: file           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      character(len=:), allocatable, intent(in) :: text  !! The text
+
+      if (allocated(text)) &
+         call write_bytes(file, name, rows_of_root(file%communicator, len(text)), text)
+   end subroutine write_text
+
+   !> Write what the numbers of bodies and materials stand for.
+   subroutine write_bodies(file, header)
+      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(snapshot_header_t), intent(in) :: header      !! Names
+      integer(int32), allocatable :: colours(:)
+      integer :: body
+
+      if (.not. allocated(header%body_names)) return
+      call file%group("/bodies")
+      call write_names(file, "/bodies/name", header%body_names)
+      allocate (colours(size(header%body_names)))
+      do body = 1, size(colours)
+         colours(body) = body
+      end do
+      call write_data(file, "/bodies/colour", rows_of_root(file%communicator, size(colours)), colours)
+      if (allocated(header%body_materials)) call write_data(file, "/bodies/material", &
+         rows_of_root(file%communicator, size(header%body_materials)), header%body_materials)
+      if (allocated(header%material_names)) &
+         call write_names(file, "/bodies/material_name", header%material_names)
+   end subroutine write_bodies
+end module io_snapshot

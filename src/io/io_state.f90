@@ -1,0 +1,141 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The small part of a checkpoint: step, time, and whatever numbers the run keeps by name.
+module io_state
+   use base_error, only: error_t, exit_file, fail
+   use base_kinds, only: int64, wp
+   implicit none
+   private
+
+   public :: entry_t, state_t
+
+   !> Numbers with a name, either real or whole.
+   type :: entry_t
+      character(len=:), allocatable :: name               !! Unique
+      real(wp), allocatable :: reals(:)                   !! Allocated if real
+      integer(int64), allocatable :: wholes(:)            !! Allocated if whole
+   end type entry_t
+
+   !> State of a run beside its particles. The same on all ranks.
+   type :: state_t
+      integer(int64) :: step = 0                          !! Steps done
+      real(wp) :: time = 0.0_wp                           !! Simulated time [s]
+      real(wp) :: dt_next = 0.0_wp                        !! Length of the next step [s]
+      type(entry_t), allocatable :: entries(:)            !! In the order of their first mention
+   contains
+      procedure :: place => state_place                   !! Where an entry is, 0 if there is none
+      procedure :: has => state_has                       !! Is there an entry of this name
+      procedure, private :: set_reals, set_wholes, get_reals, get_wholes, make_room
+      !> Keep numbers under a name.
+      generic :: set => set_reals, set_wholes
+      !> Look numbers up.
+      generic :: get => get_reals, get_wholes
+   end type state_t
+
+contains
+
+   !> Where an entry is, 0 if there is none.
+   pure integer function state_place(self, name) result(place)
+      class(state_t), intent(in) :: self                  !! The state
+      character(len=*), intent(in) :: name                !! Name of an entry
+      integer :: index
+
+      place = 0
+      if (.not. allocated(self%entries)) return
+      do index = 1, size(self%entries)
+         if (self%entries(index)%name == name) place = index
+      end do
+   end function state_place
+
+   !> Is there an entry of this name.
+   pure logical function state_has(self, name) result(has)
+      class(state_t), intent(in) :: self                  !! The state
+      character(len=*), intent(in) :: name                !! Name of an entry
+
+      has = self%place(name) > 0
+   end function state_has
+
+   !> An empty entry of a name, new or old.
+   subroutine make_room(self, name, place)
+      class(state_t), intent(inout) :: self               !! The state
+      character(len=*), intent(in) :: name                !! Name of the entry
+      integer, intent(out) :: place                       !! Where it is
+      type(entry_t), allocatable :: larger(:)
+      integer :: index
+
+      if (.not. allocated(self%entries)) allocate (self%entries(0))
+      place = self%place(name)
+      if (place == 0) then
+         place = size(self%entries) + 1
+         allocate (larger(place))
+         do index = 1, place - 1
+            call move_alloc(self%entries(index)%name, larger(index)%name)
+            call move_alloc(self%entries(index)%reals, larger(index)%reals)
+            call move_alloc(self%entries(index)%wholes, larger(index)%wholes)
+         end do
+         call move_alloc(larger, self%entries)
+      end if
+      self%entries(place)%name = name
+      if (allocated(self%entries(place)%reals)) deallocate (self%entries(place)%reals)
+      if (allocated(self%entries(place)%wholes)) deallocate (self%entries(place)%wholes)
+   end subroutine make_room
+
+   !> Keep real numbers under a name.
+   subroutine set_reals(self, name, values)
+      class(state_t), intent(inout) :: self               !! The state
+      character(len=*), intent(in) :: name                !! Name of the entry
+      real(wp), intent(in) :: values(:)                   !! What is kept
+      integer :: place
+
+      call self%make_room(name, place)
+      allocate (self%entries(place)%reals(size(values)))
+      self%entries(place)%reals(:) = values
+   end subroutine set_reals
+
+   !> Keep whole numbers under a name.
+   subroutine set_wholes(self, name, values)
+      class(state_t), intent(inout) :: self               !! The state
+      character(len=*), intent(in) :: name                !! Name of the entry
+      integer(int64), intent(in) :: values(:)             !! What is kept
+      integer :: place
+
+      call self%make_room(name, place)
+      allocate (self%entries(place)%wholes(size(values)))
+      self%entries(place)%wholes(:) = values
+   end subroutine set_wholes
+
+   !> Look real numbers up.
+   subroutine get_reals(self, name, values, error)
+      class(state_t), intent(in) :: self                  !! The state
+      character(len=*), intent(in) :: name                !! Name of the entry
+      real(wp), allocatable, intent(out) :: values(:)     !! What was kept
+      type(error_t), allocatable, intent(out) :: error    !! There is no such entry
+      integer :: place
+
+      place = self%place(name)
+      if (place > 0) then
+         if (allocated(self%entries(place)%reals)) then
+            allocate (values, source=self%entries(place)%reals)
+            return
+         end if
+      end if
+      call fail(error, exit_file, "the checkpoint holds no real numbers '"//name//"'")
+   end subroutine get_reals
+
+   !> Look whole numbers up.
+   subroutine get_wholes(self, name, values, error)
+      class(state_t), intent(in) :: self                  !! The state
+      character(len=*), intent(in) :: name                !! Name of the entry
+      integer(int64), allocatable, intent(out) :: values(:) !! What was kept
+      type(error_t), allocatable, intent(out) :: error    !! There is no such entry
+      integer :: place
+
+      place = self%place(name)
+      if (place > 0) then
+         if (allocated(self%entries(place)%wholes)) then
+            allocate (values, source=self%entries(place)%wholes)
+            return
+         end if
+      end if
+      call fail(error, exit_file, "the checkpoint holds no whole numbers '"//name//"'")
+   end subroutine get_wholes
+end module io_state

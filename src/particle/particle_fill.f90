@@ -1,0 +1,286 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Fills bodies with particles on a lattice that divides the cells of the grid.
+!!
+!! A site of the lattice has one number in the whole box; with the body it gives the particle its
+!! identity, so neither identity nor position depends on ranks. Where bodies overlap the later one
+!! wins.
+module particle_fill
+   use base_constants, only: pi
+   use base_kinds, only: int64, wp
+   use base_sort, only: sort_order
+   use mesh_curve, only: curve_coordinate, curve_key
+   use mesh_grid, only: grid_t
+   use particle_shape, only: shape_holder_t
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: body_t, fill_bodies, survey_bodies
+
+   !> A body to be made of particles.
+   type :: body_t
+      character(len=:), allocatable :: name           !! For messages and files
+      type(shape_holder_t) :: shape                   !! Where it is
+      integer :: store = 1                            !! Index of its material
+      integer :: per_cell(3) = 2                      !! Particles along each edge of a cell
+      real(wp) :: density = 0.0_wp                    !! [kg/m3]
+      real(wp) :: velocity(3) = 0.0_wp                !! [m/s]
+      real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
+      real(wp) :: centre(3) = 0.0_wp                  !! Centre of mass, for the spin [m]
+      real(wp) :: temperature = 293.0_wp              !! [K]
+      integer(int64) :: first_identity = 1            !! Identity of the first site of the box
+   contains
+      procedure :: sites => body_sites                !! Sites of the whole box
+   end type body_t
+
+contains
+
+   !> Lattice sites of the whole box, along each direction.
+   pure function body_sites(self, grid) result(sites)
+      class(body_t), intent(in) :: self               !! The body
+      type(grid_t), intent(in) :: grid                !! The grid
+      integer(int64) :: sites(3)
+
+      sites = 1
+      where (grid%active) sites = int(grid%cells, int64)*self%per_cell
+   end function body_sites
+
+   !> Count the particles of each tile that some body reaches. Mass and first moment of each body come
+   !! with it.
+   subroutine survey_bodies(grid, bodies, key, particles, body_count)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
+      integer(int64), allocatable, intent(out) :: particles(:) !! Their particles
+      integer(int64), intent(out) :: body_count(:)    !! (body) Particles of each body
+      integer(int64), allocatable :: all_keys(:), counts(:, :)
+      integer :: tile, body
+
+      call candidate_tiles(grid, bodies, all_keys)
+      allocate (counts(size(bodies), size(all_keys)))
+      !$omp parallel do default(none) shared(grid, bodies, all_keys, counts) private(tile, body) &
+      !$omp schedule(dynamic, 16)
+      do tile = 1, size(all_keys)
+         do body = 1, size(bodies)
+            counts(body, tile) = count_sites(grid, bodies, body, &
+               curve_coordinate(all_keys(tile), grid%dimensions))
+         end do
+      end do
+      !$omp end parallel do
+      body_count = sum(counts, dim=2)
+      particles = sum(counts, dim=1)
+      key = pack(all_keys, particles > 0)
+      particles = pack(particles, particles > 0)
+   end subroutine survey_bodies
+
+   !> Tiles in the boxes around the bodies, each once, in the order of the curve.
+   subroutine candidate_tiles(grid, bodies, key)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      integer(int64), allocatable, intent(out) :: key(:) !! Ascending
+      integer(int64), allocatable :: found(:)
+      integer, allocatable :: order(:)
+      real(wp) :: low(3), high(3)
+      integer :: first(3), last(3), body, x, y, z, n, number
+
+      allocate (key(0))
+      do body = 1, size(bodies)
+         call bodies(body)%shape%bounds(low, high)
+         first = tile_of(low)
+         last = tile_of(high)
+         if (any(last < first)) cycle
+         number = product(last - first + 1)
+         allocate (found(number))
+         n = 0
+         do z = first(3), last(3)
+            do y = first(2), last(2)
+               do x = first(1), last(1)
+                  n = n + 1
+                  found(n) = curve_key([x, y, z], grid%dimensions)
+               end do
+            end do
+         end do
+         key = [key, found]
+         deallocate (found)
+      end do
+      order = sort_order(key)
+      key = key(order)
+      n = 0
+      do x = 1, size(key)
+         if (n > 0) then
+            if (key(n) == key(x)) cycle
+         end if
+         n = n + 1
+         key(n) = key(x)
+      end do
+      key = key(:n)
+
+   contains
+
+      !> Tile of a corner, held inside the box.
+      pure function tile_of(corner) result(coordinate)
+         real(wp), intent(in) :: corner(3)            !! [m]
+         integer :: coordinate(3)
+         real(wp) :: place(3)
+
+         coordinate = 0
+         place = (corner - grid%lower)/grid%spacing
+         where (grid%active) coordinate = min(int(max(min(place, real(grid%cells, wp)), 0.0_wp)), &
+            grid%cells - 1)/grid%width
+      end function tile_of
+   end subroutine candidate_tiles
+
+   !> Particles that a body has in a tile.
+   pure integer(int64) function count_sites(grid, bodies, body, coordinate) result(number)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      integer, intent(in) :: body                     !! Which body
+      integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
+      integer :: sites(3), x, y, z
+      real(wp) :: low(3), high(3), edge(3)
+
+      number = 0
+      call bodies(body)%shape%bounds(low, high)
+      edge = grid%tile_corner(coordinate)
+      if (any(grid%active .and. (edge > high .or. edge + grid%width*grid%spacing < low))) return
+      sites = tile_sites(grid, bodies(body), coordinate)
+      do z = 0, sites(3) - 1
+         do y = 0, sites(2) - 1
+            do x = 0, sites(1) - 1
+               if (belongs(bodies, body, site_position(grid, bodies(body), coordinate, [x, y, z]))) &
+                  number = number + 1
+            end do
+         end do
+      end do
+   end function count_sites
+
+   !> Lattice sites of one tile along each direction.
+   pure function tile_sites(grid, body, coordinate) result(sites)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: body                !! The body
+      integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
+      integer :: sites(3)
+
+      sites = 1
+      where (grid%active) sites = grid%tile_extent(coordinate)*body%per_cell
+   end function tile_sites
+
+   !> Position of a lattice site [m]. In missing directions it is the middle of the box, on the axis
+   !! plane 0 in axisymmetry.
+   pure function site_position(grid, body, coordinate, site) result(position)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: body                !! The body
+      integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
+      integer, intent(in) :: site(3)                  !! Site in the tile, counted from 0
+      real(wp) :: position(3)
+
+      position = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), grid%axisymmetric)
+      where (grid%active) position = grid%lower + grid%spacing*(real(coordinate*grid%width, wp) &
+         + (real(site, wp) + 0.5_wp)/real(body%per_cell, wp))
+   end function site_position
+
+   !> True if a place belongs to a body and to no later one.
+   pure logical function belongs(bodies, body, position)
+      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      integer, intent(in) :: body                     !! Which body
+      real(wp), intent(in) :: position(3)             !! [m]
+      integer :: later
+
+      belongs = bodies(body)%shape%contains(position)
+      do later = body + 1, size(bodies)
+         if (.not. belongs) return
+         belongs = .not. bodies(later)%shape%contains(position)
+      end do
+   end function belongs
+
+   !> Make the particles of the tiles of this rank. The tiles of the stores exist and are empty; the
+   !! particles are not yet in order.
+   subroutine fill_bodies(grid, bodies, coordinates, index, store)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      integer, intent(in) :: coordinates(:, :)        !! (3, tile) Tiles of this rank
+      integer, intent(in) :: index                    !! Which store is meant
+      type(store_t), intent(inout) :: store           !! Gets particles
+      integer, allocatable :: wish(:)
+      integer :: tile, body
+
+      allocate (wish(size(store%count)))
+      wish = 0
+      do tile = 1, size(wish)
+         do body = 1, size(bodies)
+            if (bodies(body)%store /= index) cycle
+            wish(tile) = wish(tile) + int(count_sites(grid, bodies, body, coordinates(:, tile)))
+         end do
+      end do
+      call store%layout(wish)
+      !$omp parallel do default(none) shared(grid, bodies, coordinates, index, store, wish) &
+      !$omp private(tile, body) schedule(dynamic, 16)
+      do tile = 1, size(wish)
+         do body = 1, size(bodies)
+            if (bodies(body)%store == index) &
+               call fill_tile(grid, bodies, body, coordinates(:, tile), tile, store)
+         end do
+         store%restless(tile) = .true.
+      end do
+      !$omp end parallel do
+   end subroutine fill_bodies
+
+   !> Make the particles of one body in one tile.
+   subroutine fill_tile(grid, bodies, body, coordinate, tile, store)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      integer, intent(in) :: body                     !! Which body
+      integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
+      integer, intent(in) :: tile                     !! Its index
+      type(store_t), intent(inout) :: store           !! Gets particles
+      integer :: sites(3), x, y, z, p, cell(3)
+      integer(int64) :: number(3), all_sites(3)
+      real(wp) :: position(3), arm(3)
+
+      associate (it => bodies(body))
+         sites = tile_sites(grid, it, coordinate)
+         all_sites = it%sites(grid)
+         do z = 0, sites(3) - 1
+            do y = 0, sites(2) - 1
+               do x = 0, sites(1) - 1
+                  position = site_position(grid, it, coordinate, [x, y, z])
+                  if (.not. belongs(bodies, body, position)) cycle
+                  p = store%first(tile) + store%count(tile)
+                  store%count(tile) = store%count(tile) + 1
+                  number = [x, y, z]
+                  cell = 0
+                  where (grid%active)
+                     number = number + int(coordinate*grid%width, int64)*it%per_cell
+                     cell = [x, y, z]/it%per_cell
+                  end where
+                  store%identity(p) = it%first_identity + number(1) + all_sites(1)*(number(2) &
+                     + all_sites(2)*number(3))
+                  if (allocated(store%body)) store%body(p) = body
+                  store%home(p) = cell(1) + grid%width(1)*(cell(2) + grid%width(2)*cell(3))
+                  arm = position - it%centre
+                  store%position(p, :) = position
+                  store%velocity(p, :) = it%velocity + [it%spin(2)*arm(3) - it%spin(3)*arm(2), &
+                     it%spin(3)*arm(1) - it%spin(1)*arm(3), it%spin(1)*arm(2) - it%spin(2)*arm(1)]
+                  store%matter%volume(p) = site_volume(grid, it, position)
+                  store%matter%mass(p) = it%density*store%matter%volume(p)
+               end do
+            end do
+         end do
+      end associate
+   end subroutine fill_tile
+
+   !> Volume of a lattice site [m3]; that of the ring in axisymmetry.
+   pure real(wp) function site_volume(grid, body, position) result(volume)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: body                !! The body
+      real(wp), intent(in) :: position(3)             !! [m]
+      integer :: direction
+
+      volume = grid%depth
+      if (grid%axisymmetric) volume = 2.0_wp*pi*position(1)
+      do direction = 1, 3
+         if (grid%active(direction)) &
+            volume = volume*grid%spacing/real(body%per_cell(direction), wp)
+      end do
+   end function site_volume
+end module particle_fill

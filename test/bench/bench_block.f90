@@ -1,0 +1,80 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Particle updates a second of an elastic block that flies: whole steps with sorting, no output.
+!!
+!! bench_block [CELLS] [mpm|ddmp] [STEPS]   cells along each edge of the block, 8 particles a cell,
+!! flying at 0.1 of its sound speed along a diagonal, in a box a quarter larger that is periodic.
+program bench_block
+   use base_communicator, only: communicator_t
+   use base_error, only: error_t
+   use base_kinds, only: int64, wp
+   use driver_simulation, only: simulation_t
+   use driver_start, only: carry_energy, fill_simulation, first_step, prepare
+   use driver_step, only: advance
+   use eos_linear, only: eos_linear_t
+   use law_elastic, only: law_elastic_t
+   use mesh_boundary, only: face_periodic
+   use particle_fill, only: body_t
+   use particle_shape, only: box
+   implicit none
+
+   type(simulation_t) :: simulation
+   type(body_t) :: bodies(1)
+   type(error_t), allocatable :: error
+   integer :: cells, steps, step
+   character(len=32) :: word
+   integer(int64) :: before, after, rate, count(1), updates
+   real(wp) :: seconds
+
+   cells = 64
+   steps = 60
+   call get_command_argument(1, word)
+   if (len_trim(word) > 0) read (word, *) cells
+   call get_command_argument(3, word)
+   if (len_trim(word) > 0) read (word, *) steps
+   call get_command_argument(2, word)
+   call simulation%communicator%start()
+   simulation%method%dual = word /= "mpm"
+   simulation%grid%spacing = 1.0_wp
+   simulation%grid%upper = real(cells + max(cells/4, 4), wp)
+   simulation%grid%periodic = .true.
+   simulation%boundary%kind = face_periodic
+   call simulation%grid%start(0)
+   allocate (simulation%materials(1))
+   associate (material => simulation%materials(1))
+      material%name = "block"
+      material%density = 1.0_wp
+      material%bulk = 5.0_wp/9.0_wp
+      material%shear = 1.0_wp/3.0_wp
+      allocate (law_elastic_t :: material%law)
+      allocate (eos_linear_t :: material%eos)
+      material%law%shear = material%shear
+      material%eos%density = material%density
+      material%eos%bulk = material%bulk
+   end associate
+   call prepare(simulation)
+   call carry_energy(simulation, with_body=.false.)
+   call bodies(1)%shape%set(box([2.0_wp, 2.0_wp, 2.0_wp], spread(2.0_wp + real(cells, wp), 1, 3)))
+   bodies(1)%density = 1.0_wp
+   bodies(1)%velocity = 0.1_wp/sqrt(3.0_wp)
+   call fill_simulation(simulation, bodies, count)
+   call first_step(simulation)
+   do step = 1, 10
+      call advance(simulation, simulation%dt_next, error)
+   end do
+   updates = simulation%updates
+   call system_clock(before, rate)
+   do step = 1, steps
+      call advance(simulation, simulation%dt_next, error)
+      if (allocated(error)) exit
+   end do
+   call system_clock(after)
+   seconds = real(after - before, wp)/real(rate, wp)
+   updates = simulation%updates - updates
+   if (allocated(error)) print "(a)", error%message
+   print "(a,i0,a,i0,a,f8.3,a,f8.2,a)", "particles ", count(1), "  steps ", steps, "  seconds ", &
+      seconds, "  million updates/s ", real(updates, wp)*real(simulation%communicator%size, wp) &
+      /seconds*1.0e-6_wp, merge("  ddmp", "  mpm ", simulation%method%dual)
+   print "(a)", simulation%timer%table(simulation%communicator, seconds)
+   print "(a,i0)", "8-byte numbers a particle: ", simulation%stores(1)%words()
+   call simulation%communicator%finish()
+end program bench_block

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Rules for the Fortran files of src/ that no compiler checks.
+
+Would catch files and procedures that grow without end, a module that keeps state, a layer that
+reaches past its neighbours, and public names without a word about them.
+"""
+
+import re
+import sys
+import unittest
+
+from sources import ROOT, Module, code_of, lines_of, place, project_files
+
+FILE_LINES, PROCEDURE_LINES, ARGUMENTS = 500, 60, 8
+LONG_KERNEL = "! gate: long kernel because "
+ARROWS = {
+    "base": set(),
+    "mesh": {"base"},
+    "material": {"base"},
+    "particle": {"base", "mesh", "material"},
+    "transfer": {"base", "mesh", "particle"},
+    "io": {"base", "mesh", "particle"},
+    "ddmp": {"base", "mesh", "particle", "transfer"},
+    "driver": {"base", "mesh", "material", "particle", "transfer", "io", "ddmp"},
+}
+# Families of modules whose names begin otherwise than their folder.
+FAMILIES = {"law": "material", "eos": "material", "damage": "material", "basis": "transfer"}
+SOURCES = project_files(".f90", under="src")
+MODULES = [Module(path) for path in SOURCES if path.name != "main.f90"]
+
+
+def documented(lines, line):
+    """True if a `!>` paragraph stands right above a line."""
+    above = line - 2
+    while above >= 0 and lines[above].lstrip().startswith("!"):
+        if lines[above].lstrip().startswith("!>"):
+            return True
+        above -= 1
+    return False
+
+
+class FortranGate(unittest.TestCase):
+    """One rule a test; all offences are listed."""
+
+    def none(self, offences):
+        self.assertEqual(len(offences), 0, "\n" + "\n".join(offences))
+
+    def test_sources_are_found(self):
+        self.assertGreater(len(MODULES), 5)
+        self.assertGreater(sum(len(module.procedures) for module in MODULES), 20)
+
+    def test_file_length(self):
+        self.none([f"{place(path, 1)} has {len(lines_of(path))} lines, limit {FILE_LINES}"
+                   for path in SOURCES if len(lines_of(path)) > FILE_LINES])
+
+    def test_procedure_length_and_arguments(self):
+        offences = []
+        for module in MODULES:
+            lines = lines_of(module.path)
+            for name, first, last, arguments, _ in module.procedures:
+                kernel = any(LONG_KERNEL in line for line in lines[first - 2:last])
+                if last - first + 1 > PROCEDURE_LINES and not kernel:
+                    offences.append(f"{place(module.path, first)} {name} has {last - first + 1} "
+                                    f"lines, limit {PROCEDURE_LINES}")
+                if len(arguments) > ARGUMENTS and not kernel:
+                    offences.append(f"{place(module.path, first)} {name} has {len(arguments)} "
+                                    f"arguments, limit {ARGUMENTS}")
+        self.none(offences)
+
+    def test_path_is_name(self):
+        offences = []
+        for module in MODULES:
+            prefix = module.name.split("_")[0]
+            if module.name != module.path.stem:
+                offences.append(f"{place(module.path, 1)} holds module {module.name}")
+            if FAMILIES.get(prefix, prefix) != module.path.parent.name:
+                offences.append(f"{place(module.path, 1)} has no name of its folder")
+        self.none(offences)
+
+    def test_header(self):
+        offences = []
+        for module in MODULES:
+            if not module.implicit_none:
+                offences.append(f"{place(module.path, 1)} implicit none is missing")
+            if not module.private:
+                offences.append(f"{place(module.path, 1)} private is missing")
+            offences += [f"{place(module.path, line)} use without only: {text}"
+                         for _, line, text in module.uses if not re.search(r",\s*only\s*:", text)]
+        self.none(offences)
+
+    def test_no_state(self):
+        self.none([f"{place(module.path, line)} module variable: {text}"
+                   for module in MODULES for line, text in module.variables])
+
+    def test_arrows(self):
+        offences = []
+        for module in MODULES:
+            folder = module.path.parent.name
+            for name, line, _ in module.uses:
+                prefix = name.split("_")[0]
+                other = FAMILIES.get(prefix, prefix)
+                if other in ARROWS and other != folder and other not in ARROWS[folder]:
+                    offences.append(f"{place(module.path, line)} {folder} must not use {name}")
+        self.none(offences)
+
+    def test_libraries_stay_in_their_files(self):
+        offences = []
+        for module in MODULES:
+            for name, line, _ in module.uses:
+                if name in ("mpi", "mpi_f08") and module.name != "base_communicator":
+                    offences.append(f"{place(module.path, line)} only base_communicator uses MPI")
+                if name == "hdf5" and not module.name.startswith("io_hdf5"):
+                    offences.append(f"{place(module.path, line)} only io_hdf5* use HDF5")
+        self.none(offences)
+
+    def test_no_preprocessor(self):
+        self.none([place(path, number) for path in SOURCES
+                   for number, line in enumerate(lines_of(path), 1) if line.startswith("#")])
+
+    def test_documentation(self):
+        offences = []
+        for module in MODULES:
+            lines = lines_of(module.path)
+            first = next(number for number, line in enumerate(lines, 1)
+                         if re.match(r"module\s", line, re.I))
+            if not documented(lines, first):
+                offences.append(f"{place(module.path, first)} module {module.name} has no !>")
+            for name, line in module.types:
+                if not documented(lines, line):
+                    offences.append(f"{place(module.path, line)} type {name} has no !>")
+            for name, line, *_ in module.procedures:
+                if name in module.interface() and not documented(lines, line):
+                    offences.append(f"{place(module.path, line)} {name} has no !>")
+        self.none(offences)
+
+    def test_arguments_are_documented(self):
+        offences = []
+        for module in MODULES:
+            lines = lines_of(module.path)
+            for name, _, _, arguments, body in module.procedures:
+                if name not in module.interface():
+                    continue
+                for line, text in body:
+                    if "intent(" not in text.lower():
+                        continue
+                    end = line
+                    while code_of(lines[end - 1]).endswith("&"):
+                        end += 1
+                    if not any("!!" in lines[number] for number in range(line - 1, end)):
+                        offences.append(f"{place(module.path, line)} {name}: no !! on {text}")
+        self.none(offences)
+
+    def test_open_mp_says_what_is_shared(self):
+        offences = []
+        for path in SOURCES:
+            text = path.read_text(encoding="utf-8").lower()
+            for found in re.finditer(r"^\s*!\$omp parallel.*(?:&\n\s*!\$omp.*)*", text, re.M):
+                number = text.count("\n", 0, found.start() + 1) + 1
+                if "default(none)" not in found.group(0):
+                    offences.append(f"{place(path, number)} has no default(none)")
+                if "reduction(" in found.group(0) and re.search(r"reduction\(\+", found.group(0)):
+                    offences.append(f"{place(path, number)} sums in an order that threads decide")
+        self.none(offences)
+
+    def test_no_fast_math(self):
+        files = project_files(".txt", ".cmake", ".sh")
+        word = "fast-" + "math"
+        self.none([place(path, number) for path in files if path.is_relative_to(ROOT / "scripts")
+                   or path.suffix != ".sh" for number, line in enumerate(lines_of(path), 1)
+                   if word in line])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

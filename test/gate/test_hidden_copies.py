@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# timeout: 300
+"""No slice of an array is copied behind the back of a call.
+
+Would catch a slice passed to a contiguous argument: the copy made a kernel 7 to 9 times slower.
+The compiler warns of every temporary array; small ones that a line spells out, such as [a, b, c],
+are not meant.
+"""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from sources import ROOT, project_files
+
+FOLDERS = ("mesh", "material", "particle", "transfer", "ddmp", "driver")
+MESSAGE = re.compile(
+    r"^(?P<file>/.*?\.f90):(?P<line>\d+):(?P<column>\d+):\n\n.*\n.*\n"
+    r"Warning: Creating array temporary at \(1\)", re.M)
+SLICE = re.compile(r"[\s(,=]*[\w%]+(?:\([^()]*\)%\w+)*\((?=[^()]*:)")
+
+if "--scree" not in sys.argv:
+    sys.exit("usage: test_hidden_copies.py --scree BUILD/bin/scree")
+BUILD = Path(sys.argv[sys.argv.index("--scree") + 1]).resolve().parents[1]
+
+
+def compiler():
+    """The compiler of the build."""
+    cache = (BUILD / "CMakeCache.txt").read_text(encoding="utf-8")
+    return re.search(r"^CMAKE_Fortran_COMPILER:\w+=(.*)$", cache, re.M).group(1)
+
+
+def slices(text):
+    """Places of copied slices in the compiler's messages."""
+    found = []
+    for message in MESSAGE.finditer(text):
+        source = Path(message["file"])
+        line = source.read_text(encoding="utf-8").split("\n")[int(message["line"]) - 1]
+        if SLICE.match(line[int(message["column"]) - 1:]):
+            found.append(f"{source.name}:{message['line']}: {line.strip()}")
+    return found
+
+
+class HiddenCopies(unittest.TestCase):
+    """Compiles the folders with loops over particles once more, only for the warnings."""
+
+    def messages(self, path):
+        modules = [f"-I{folder}" for folder in sorted((BUILD / "modules").iterdir())]
+        work = BUILD / "test" / "gate" / "hidden_copies" / path.stem
+        work.mkdir(parents=True, exist_ok=True)
+        answer = subprocess.run(
+            [compiler(), "-c", "-std=f2008", "-O1", "-fopenmp", "-Warray-temporaries",
+             "-fdiagnostics-color=never", *modules, f"-J{work}", "-o", work / "object.o", path],
+            capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})
+        self.assertEqual(answer.returncode, 0, answer.stderr[-2000:])
+        return answer.stderr
+
+    def test_a_copied_slice_is_seen(self):
+        """The gate itself: a slice of rows to a contiguous argument must be found."""
+        work = BUILD / "test" / "gate" / "hidden_copies"
+        work.mkdir(parents=True, exist_ok=True)
+        sample = work / "sample.f90"
+        sample.write_text(
+            "module sample\nimplicit none\ncontains\nsubroutine outer(x)\n"
+            "real, contiguous, intent(inout) :: x(:, :)\ncall inner(x(2:3, :))\n"
+            "end subroutine outer\nsubroutine inner(x)\n"
+            "real, contiguous, intent(inout) :: x(:, :)\nx = 2*x\n"
+            "end subroutine inner\nend module sample\n", encoding="utf-8")
+        self.assertEqual(slices(self.messages(sample)), ["sample.f90:6: call inner(x(2:3, :))"])
+
+    def test_sources(self):
+        paths = [path for folder in FOLDERS for path in project_files(".f90", under=f"src/{folder}")]
+        with ThreadPoolExecutor(2) as pool:
+            found = [place for text in pool.map(self.messages, paths) for place in slices(text)]
+        self.assertEqual(found, [], "\n" + "\n".join(found))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Rules for all text files: form, licence, nothing left over.
+
+Would catch a file without a licence line, a line that no screen shows whole, a line pasted twice,
+and a path that exists on one machine only.
+"""
+
+import re
+import subprocess
+import sys
+import unittest
+
+from sources import ROOT, lines_of, place, project_files
+
+WIDTH = {".f90": 100, ".pf": 100, ".py": 120, ".sh": 100}
+DIRECTIVE_WIDTH = 128  # a directive of a .pf file must stand on one line
+CODE = project_files(".f90", ".pf", ".py", ".sh", ".cmake", ".in") + project_files(
+    ".txt", under="src") + [ROOT / "CMakeLists.txt"]
+ALL = project_files()
+MACHINE_PATH = re.compile(r"(?<![\w.}])/(?:home|root|work|Users|mnt|scratch)/\w")
+LEFT_OVER = re.compile(r"\b(?:TO" "DO|FIX" "ME|X" "XX|HA" "CK)\\b")
+
+
+class TextGate(unittest.TestCase):
+    """One rule a test; all offences are listed."""
+
+    def none(self, offences):
+        self.assertEqual(len(offences), 0, "\n" + "\n".join(offences))
+
+    def test_files_are_found(self):
+        self.assertGreater(len(CODE), 30)
+
+    def test_licence(self):
+        self.none([place(path, 1) for path in CODE
+                   if not any("SPDX-License-Identifier: BSD-3-Clause" in line
+                              for line in lines_of(path)[:2])])
+
+    def test_width(self):
+        offences = []
+        for path in CODE:
+            for number, line in enumerate(lines_of(path), 1):
+                directive = path.suffix == ".pf" and line.lstrip().startswith("@")
+                limit = DIRECTIVE_WIDTH if directive else WIDTH.get(path.suffix, 120)
+                if len(line) > limit:
+                    offences.append(f"{place(path, number)} has {len(line)} columns")
+        self.none(offences)
+
+    def test_blanks(self):
+        offences = []
+        for path in ALL:
+            lines = lines_of(path)
+            for number, line in enumerate(lines, 1):
+                if "\t" in line or "\r" in line:
+                    offences.append(f"{place(path, number)} has a tab or a carriage return")
+                if line != line.rstrip() and path.suffix != ".md":
+                    offences.append(f"{place(path, number)} ends in blanks")
+            if lines[-1] or len(lines) > 2 and not lines[-2]:
+                offences.append(f"{place(path, len(lines))} must end in exactly one line end")
+        self.none(offences)
+
+    def test_no_line_twice(self):
+        offences = []
+        for path in CODE:
+            lines = [line.strip() for line in lines_of(path)]
+            offences += [place(path, number + 1) for number in range(1, len(lines))
+                         if len(lines[number]) >= 40 and lines[number] == lines[number - 1]]
+        self.none(offences)
+
+    def test_nothing_left_over(self):
+        offences = []
+        for path in ALL:
+            for number, line in enumerate(lines_of(path), 1):
+                if MACHINE_PATH.search(line):
+                    offences.append(f"{place(path, number)} names a path of one machine")
+                if LEFT_OVER.search(line):
+                    offences.append(f"{place(path, number)} holds work to be done")
+        self.none(offences)
+
+    def test_scripts_can_be_run(self):
+        self.none([f"{place(path, 1)} cannot be executed"
+                   for path in project_files(".sh", under="scripts") + [ROOT / ".ci" / "run"]
+                   if path.name != "common.sh" and not path.stat().st_mode & 0o100])
+
+    def test_unit_tests_use_supported_directives(self):
+        files = project_files(".pf", under="test")
+        self.assertGreater(len(files), 1)
+        answer = subprocess.run(
+            [sys.executable, ROOT / "test" / "pfunit" / "translate.py", "--check", *files],
+            capture_output=True, text=True)
+        self.assertEqual(answer.returncode, 0, "\n" + answer.stderr)
+
+    def test_unit_tests_say_what_they_catch(self):
+        self.none([f"{place(path, 1)} does not say which bug it would catch"
+                   for path in project_files(".pf", under="test/unit")
+                   if not re.search(r"catch", path.read_text(encoding="utf-8"), re.I)])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,410 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tests of the Python post-processing on snapshots with closed solutions.
+
+Each test says in its first line which bug it would catch. No run of the program is needed.
+Usage: test_post.py --scree PATH --work DIR
+"""
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+
+sys.dont_write_bytecode = True
+SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
+sys.path.insert(0, SCRIPTS)
+
+import h5py                                              # noqa: E402
+import numpy as np                                       # noqa: E402
+
+from sample_snapshots import (  # noqa: E402
+    CENTRE, DENSITY, RADIUS, ball, make_series, matter, write, xdmf)
+import scree_image                                       # noqa: E402
+import scree_post                                        # noqa: E402
+
+
+def closed(frame, outer, inner, density):
+    """Areal density of a shell at the pixel centres, and the distance from its centre [m]."""
+    rows, columns = frame.sigma.shape
+    left, _, bottom, _ = frame.box
+    x = left + (np.arange(columns) + 0.5) * frame.pixel - CENTRE
+    y = bottom + (np.arange(rows) + 0.5) * frame.pixel
+    distance = np.hypot(x[None, :], y[:, None])
+    chord = np.sqrt(np.maximum(outer ** 2 - distance ** 2, 0.0)) \
+        - np.sqrt(np.maximum(inner ** 2 - distance ** 2, 0.0))
+    return 2.0 * density * chord, distance
+
+
+def worst(frame, outer, density, inner=0.0, rim=0.1):
+    """Largest and root mean square error away from the edges, relative to the peak."""
+    exact, distance = closed(frame, outer, inner, density)
+    inside = (distance < (1.0 - rim) * outer) & (
+        np.abs(distance - inner) > rim * outer * (inner > 0.0)
+    )
+    error = (frame.sigma - exact)[inside] / exact.max()
+    return np.abs(error).max(), np.sqrt((error ** 2).mean())
+
+
+# --- tests ------------------------------------------------------------------------------------
+
+def close(found, wanted, tolerance, what):
+    """Fail with the numbers."""
+    assert abs(found - wanted) <= tolerance * abs(wanted), f"{what}: {found!r}, wanted {wanted!r}"
+
+
+def test_sphere_axisymmetric(work):
+    """Wrong Abel transform, a caustic or bright line on the axis, mass taken per radian."""
+    snap = scree_post.snapshot(ball(f"{work}/axial_p_000001.hdf", "axisymmetric", 100))
+    frame = scree_image.radiograph(snap, RADIUS / 60.0)
+    largest, mean = worst(frame, RADIUS, DENSITY)
+    assert largest < 0.01 and mean < 0.003, f"errors {largest:.4f}, {mean:.4f}"
+    close(frame.mass, DENSITY * 4.0 / 3.0 * np.pi * RADIUS ** 3, 2.0e-3, "mass of the ball")
+    assert frame.mass_error < 1.0e-6, f"mass error {frame.mass_error:.1e}"
+    assert np.array_equal(frame.sigma, frame.sigma[::-1]), "the two halves differ"
+    print(f"   sphere, axisymmetric: largest error {largest:.4f}, mean {mean:.4f} of the peak")
+
+
+def test_sphere_quarter(work):
+    """Mirror images forgotten or doubled, axes exchanged, kernel not integrated."""
+    snap = scree_post.snapshot(ball(f"{work}/quarter_p_000001.hdf", "3d", 30))
+    for sight in "xy":
+        frame = scree_image.radiograph(snap, RADIUS / 40.0, sight)
+        largest, mean = worst(frame, RADIUS, DENSITY)
+        assert largest < 0.02 and mean < 0.008, f"line of sight {sight}: {largest:.4f}, {mean:.4f}"
+        close(frame.mass, 4.0 * snap.fields["mass"].sum(), 1.0e-12, "mass of four quarters")
+        assert frame.mass_error < 1.0e-6
+    assert frame.vertical == "x"
+    print(f"   sphere, 3-D quarter: largest error {largest:.4f}, mean {mean:.4f} of the peak")
+
+
+def test_grown_ball(work):
+    """Size of a particle from its first volume instead of the present one: gaps."""
+    for dimension, cells in (("axisymmetric", 60), ("3d", 30)):
+        snap = scree_post.snapshot(ball(f"{work}/grown_p_000001.hdf", dimension, cells, grown=4.0))
+        frame = scree_image.radiograph(snap, RADIUS / 40.0)
+        largest, mean = worst(frame, 4.0 * RADIUS, DENSITY / 64.0)
+        assert largest < 0.025 and mean < 0.01, f"{dimension}: {largest:.4f}, {mean:.4f}"
+        assert frame.mass_error < 1.0e-6
+
+
+def test_shell(work):
+    """Projection that is right for full balls only: limb of a shell wrong, inside not hollow."""
+    inner = 0.7 * RADIUS
+    snap = scree_post.snapshot(ball(f"{work}/shell_p_000001.hdf", "axisymmetric", 140, inner=inner))
+    frame = scree_image.radiograph(snap, RADIUS / 60.0)
+    largest, mean = worst(frame, RADIUS, DENSITY, inner, rim=0.05)
+    assert largest < 0.02 and mean < 0.008, f"errors {largest:.4f}, {mean:.4f}"
+
+
+def test_annulus():
+    """A projection matrix that loses mass where radii and pixels do not match."""
+    edges, radii = np.linspace(0.0, 1.3, 38), np.linspace(0.0, 1.2, 91)
+    share = scree_image.annulus_projection(radii, edges)
+    assert share.min() >= -1.0e-15 and np.abs(share.sum(axis=1) - 0.5).max() < 1.0e-12
+    x, outer, inner = 0.31, radii[60], radii[59]         # a thin ring: the Abel kernel itself
+    fine = scree_image.annulus_projection(radii[59:61], np.array([x, x + 1.0e-4]))[0, 0] / 1.0e-4
+    close(fine, 1.0 / (np.pi * np.sqrt((0.5 * (outer + inner)) ** 2 - x**2)), 1.0e-3, "Abel kernel")
+
+
+def test_random_sizes():
+    """Mass lost where large and small particles share a chunk, at the axis, or at a pixel edge."""
+    random = np.random.default_rng(5)
+    r, z = np.abs(random.normal(size=3000)), random.normal(size=3000)
+    half, mass = 10.0 ** random.uniform(-3.0, 0.3, 3000), random.uniform(0.0, 1.0, 3000)
+    r[:10], z[:10] = 0.0, 0.05 * np.arange(10)
+    half = np.maximum(half, 0.05)
+    for radial in (True, False):
+        low = 0.0 if radial else -5.0
+        image = scree_image.deposit(
+            (z, r), mass, half, (-8.0, low), (0.05, 0.025), (600, 320), radial
+        )
+        close(image.sum(), mass.sum(), 1.0e-12, "mass of the image")
+        assert image.min() >= -1.0e-15, "negative mass in a pixel"
+        close((image.sum(axis=0) * (-8.0 + 0.05 * (np.arange(320) + 0.5))).sum() / mass.sum(),
+              (mass * z).sum() / mass.sum(), 2.0e-2, "centre of mass")
+
+
+def test_leading_edge(work):
+    """Speed of the front from the sheet at rest, from a stray particle, or with the wrong sign."""
+    snap = scree_post.snapshot(ball(f"{work}/edge_p_000001.hdf", "axisymmetric", 40, speed=-6000.0))
+    rest = snap.points[:, 2] > CENTRE
+    snap.fields["velocity"][rest] = 0.0
+    stray = int(np.argmin(snap.points[:, 2]))
+    snap.points[stray, 2], snap.fields["velocity"][stray, 2] = -1.0, -20000.0
+    snap.fields["mass"][stray] *= 1.0e-6
+    frame = scree_image.radiograph(snap, 1.0e-3, "y", -1.0)
+    close(frame.speed, -6000.0, 1.0e-3, "speed of the leading edge")
+    assert abs(frame.front - (CENTRE - RADIUS)) < 0.05 * RADIUS, f"front at {frame.front}"
+
+
+def test_symmetry_plane(work):
+    """Mirroring at 0 when the plane of symmetry lies elsewhere; an unknown face ignored."""
+    snap = scree_post.snapshot(ball(f"{work}/plane_p_000001.hdf", "3d", 12))
+    still = scree_image.radiograph(snap, RADIUS / 20.0).sigma
+    snap.points[:, 0] += 20.0 * RADIUS
+    snap.provenance["grid_lo"] = np.array([20.0 * RADIUS, 0.0, 0.0])
+    moved = scree_image.radiograph(snap, RADIUS / 20.0).sigma
+    assert moved.shape == still.shape and np.abs(moved - still).max() < 1.0e-6 * still.max()
+    snap.provenance["symmetry"] = "xlo left"
+    try:
+        scree_image.radiograph(snap, RADIUS / 20.0)
+    except scree_post.PostError as error:
+        assert "'left'" in str(error)
+    else:
+        raise AssertionError("an unknown face of symmetry was accepted")
+
+
+def call(script, *words, folder="/"):
+    """Run a script from another folder, without a display."""
+    environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
+    return subprocess.run(
+        [sys.executable, os.path.join(SCRIPTS, script), *words],
+        cwd=folder,
+        text=True,
+        env=environment,
+        capture_output=True,
+        check=False,
+    )
+
+
+def picture_size(path):
+    """Width and height of a PNG file."""
+    with open(path, "rb") as handle:
+        head = handle.read(24)
+    assert head[:8] == b"\x89PNG\r\n\x1a\n", f"{path} is not a PNG"
+    return int.from_bytes(head[16:20], "big"), int.from_bytes(head[20:24], "big")
+
+
+def test_radiograph_command(work):
+    """A picture that needs a display or the current folder, frames chosen wrongly."""
+    series, entries = make_series(work)
+    run = call("radiograph.py", os.path.dirname(series))
+    assert run.returncode == 0, run.stderr
+    rows = [line.split() for line in run.stdout.splitlines() if re.match(r"\s+\d", line)]
+    assert [float(row[0]) for row in rows] == [1.0, 2.0, 3.0], run.stdout
+    assert all(
+        float(row[5]) < 1.0e-6 and abs(float(row[4]) / float(row[3]) - 1.0) < 1.0e-6 for row in rows
+    )
+    wide, _ = picture_size(series.replace("_p.hdf.series", "_radiograph.png"))
+    assert wide >= 1000
+    lone = os.path.join(os.path.dirname(series), entries[2]["name"])
+    for words in (
+        (series, "--time", "2"),
+        (lone,),
+        (series, "--last", "--unit", "g/cm2", "--mu", "0.1"),
+        (series, "--frames", "2", "--view", "-10", "20", "-15", "15", "--pixel", "0.2"),
+    ):
+        run = call("radiograph.py", *words, "--out", f"{work}/one.png")
+        assert run.returncode == 0, run.stderr
+        assert picture_size(f"{work}/one.png")[1] > 300
+        os.remove(f"{work}/one.png")
+    run = call("radiograph.py", series, "--time", "0", "--out", f"{work}/empty.png")
+    assert run.returncode == 0, run.stderr
+
+
+def test_movie(work):
+    """A film with a frame missing or with pages of different sizes."""
+    series, entries = make_series(work, name="film")
+    run = call(
+        "radiograph.py",
+        series,
+        "--last",
+        "--movie",
+        f"{work}/film.gif",
+        "--out",
+        f"{work}/film.png",
+    )
+    assert run.returncode == 0, run.stderr
+    from PIL import Image
+    with Image.open(f"{work}/film.gif") as film:
+        assert film.n_frames == len(entries), f"{film.n_frames} pages"
+
+
+def test_errors(work):
+    """A trace instead of a sentence, a wrong exit code, a picture in spite of an error."""
+    series, entries = make_series(work, name="bad")
+    folder = os.path.dirname(series)
+    first = os.path.join(folder, entries[1]["name"])
+    with open(f"{work}/text.hdf", "w", encoding="ascii") as handle:
+        handle.write("not hdf5")
+    with open(first, "rb") as source, open(f"{work}/short.hdf", "wb") as handle:
+        handle.write(source.read()[:3000])
+    with h5py.File(f"{work}/other.hdf", "w") as handle:
+        handle["numbers"] = np.arange(3)
+    with open(f"{work}/broken.hdf.series", "w", encoding="ascii") as handle:
+        handle.write('{"files": [{"name": "x"}')
+    with open(f"{work}/gone.hdf.series", "w", encoding="ascii") as handle:
+        json.dump({"files": [{"name": "gone.hdf", "time": 0.0}]}, handle)
+    zero = np.zeros((4, 3))
+    write(f"{work}/line.hdf", 0.0, zero, matter(np.ones(4), np.ones(4), zero), dimension="1d")
+    write(f"{work}/thin.hdf", 0.0, zero, {"mass": (np.ones(4), "kg")}, dimension="3d")
+    with open(f"{work}/words.csv", "w", encoding="ascii") as handle:
+        handle.write("a,b\n1,2\n")
+    with open(f"{work}/head.csv", "w", encoding="ascii") as handle:
+        handle.write("time [s],kinetic [J]\n")
+    out = ("--out", f"{work}/never.png")
+    cases = [("radiograph.py", (f"{work}/absent.hdf", *out), 3, "no such file"),
+             ("radiograph.py", (f"{work}/text.hdf", *out), 3, "not HDF5"),
+             ("radiograph.py", (f"{work}/short.hdf", *out), 3, "cut short"),
+             ("radiograph.py", (f"{work}/other.hdf", *out), 3, "/VTKHDF/Points"),
+             ("radiograph.py", (f"{work}/broken.hdf.series", *out), 3, "not a snapshot series"),
+             ("radiograph.py", (f"{work}/gone.hdf.series", *out), 3, "gone.hdf"),
+             ("radiograph.py", (f"{work}/line.hdf", *out), 2, "one-dimensional"),
+             ("radiograph.py", (f"{work}/thin.hdf", *out), 3, "velocity"),
+             ("radiograph.py", (SCRIPTS, *out), 3, "no particle series"),
+             ("radiograph.py", (first, "--out", f"{work}/absent/a.png"), 3, "cannot write"),
+             ("radiograph.py", (first, "--out", f"{work}/never.doc"), 2, ".png"),
+             ("radiograph.py", (first, *out, "--movie", "a.avi"), 2, ".gif"),
+             ("radiograph.py", (first, *out, "--pixel", "-1"), 2, "--pixel"),
+             ("radiograph.py", (first, *out, "--pixel", "1e-5"), 2, "pixels"),
+             ("radiograph.py", (first, *out, "--axis", "w"), 2, "--axis"),
+             ("radiograph.py", (), 2, "SERIES_OR_SNAPSHOT"),
+             ("history.py", (f"{work}/absent.csv", *out), 3, "no such file"),
+             ("history.py", (f"{work}/words.csv", *out), 3, "time [s]"),
+             ("history.py", (f"{work}/head.csv", *out), 3, "no complete line"),
+             ("history.py", (first, *out), 3, "not a history"),
+             ("check_files.py", (f"{work}/absent.hdf.series",), 3, "no such file"),
+             ("check_files.py", (f"{work}/other.hdf",), 3, "/VTKHDF/Points"),
+             ("check_files.py", ("--nothing", series), 2, "--nothing")]
+    for script, words, code, part in cases:
+        run = call(script, *words)
+        assert run.returncode == code, f"{script} {words}: exit {run.returncode}, {run.stderr}"
+        said = run.stderr.strip().splitlines()
+        assert said and part in said[-1], f"{script} {words}: '{part}' not in: {run.stderr}"
+        assert code == 2 or len(said) == 1, f"{script} {words}: more than a line: {run.stderr}"
+        assert "Traceback" not in run.stderr, run.stderr
+    assert not [
+        name for name in os.listdir(work) if name.startswith("never")
+    ], "a picture was written"
+    for script in ("radiograph.py", "history.py", "check_files.py"):
+        run = call(script, "--help")
+        assert run.returncode == 0 and "usage" in run.stdout and not run.stderr
+
+
+def test_history(work):
+    """Units lost, columns shifted, a half-written line taken in, a missing column needed."""
+    path = f"{work}/ball_history.csv"
+    with open(path, "w", encoding="ascii") as handle:
+        handle.write(
+            "time [s],step,momentum_z [kg m/s],kinetic [J],total [J],total_error [1],front_z [m]\n"
+        )
+        for step in range(20):
+            handle.write(
+                f"{step * 1e-7:.17g},{step},-2.5,{100 - step},100,{step * 1e-6:g},{step * 1e-4:g}\n"
+            )
+        handle.write("2.0e-6,20,-2")
+    table = scree_post.history(path)
+    assert table.order == [
+        "time",
+        "step",
+        "momentum_z",
+        "kinetic",
+        "total",
+        "total_error",
+        "front_z",
+    ]
+    assert (
+        len(table["time"]) == 20 and table["kinetic"][-1] == 81.0 and table["momentum_z"][0] == -2.5
+    )
+    assert table.units["momentum_z"] == "kg m/s" and table.units["step"] == "1"
+    run = call("history.py", path)
+    assert run.returncode == 0, run.stderr
+    assert "total energy: 1.90e-05" in run.stdout, run.stdout
+    picture_size(path.replace(".csv", ".png"))
+
+
+def test_reading(work):
+    """Bodies or units read with their padding, the series out of order, a wrong time."""
+    series, entries = make_series(work, name="read")
+    found = scree_post.series(series)
+    assert [time for time, _ in found] == [entry["time"] for entry in entries]
+    snap = scree_post.snapshot(found[2][1])
+    assert snap.time == 2.0e-6 and [body["name"] for body in snap.bodies] == ["ball", "sheet"]
+    assert snap.units["velocity"] == "m/s" and snap.fields["stress"].shape == (len(snap.points), 6)
+    assert snap.dimension == "axisymmetric" and snap.symmetry == ["xlo"]
+    assert scree_post.series(found[2][1]) == [(2.0e-6, found[2][1])]
+
+
+def test_check_files(work):
+    """A check that passes whatever is in the files: each damage here must be seen."""
+    series, entries = make_series(work, name="files")
+    xdmf(series, entries)
+    run = call("check_files.py", series, "--need-xdmf")
+    fine = 0
+    if "VTK not asked" in run.stdout:
+        fine = 77
+        print("   the package vtk is missing: only what h5py sees is checked")
+    assert run.returncode == fine, run.stdout + run.stderr
+    victim = os.path.join(os.path.dirname(series), entries[2]["name"])
+
+    def damage(change, word, in_vtk=False):
+        if in_vtk and fine:
+            return
+        with open(victim, "rb") as handle:
+            saved = handle.read()
+        with h5py.File(victim, "r+") as handle:
+            change(handle["VTKHDF"])
+        run = call("check_files.py", series)
+        assert run.returncode == 1 and word in run.stdout, f"{word}: {run.returncode} {run.stdout}"
+        with open(victim, "wb") as handle:
+            handle.write(saved)
+
+    def wrong_type(group):
+        del group.attrs["Type"]
+        group.attrs["Type"] = "UnstructuredGrid"
+
+    def drop_units(group):
+        del group["PointData/mass"].attrs["units"]
+
+    def wrong_time(group):
+        group["FieldData/TimeValue"][0] = 7.0
+
+    def no_cells(group):
+        group["Types"][0] = 3
+
+    damage(wrong_type, "fixed characters")
+    damage(drop_units, "mass has units")
+    damage(wrong_time, "7.0 s in the file")
+    damage(no_cells, "one vertex")
+    if not fine:  # the .xdmf alone is wrong: points at another step
+        index = series.replace(".hdf.series", ".xdmf")
+        with open(index, encoding="ascii") as handle:
+            saved = handle.read()
+        name = entries[2]["name"]
+        for old, new, word in (
+            (f"{name}:/VTKHDF/PointData/mass", f"{name}:/VTKHDF/PointData/volume", "mass"),
+            (f'<Time Value="{entries[3]["time"]:.17g}"/>', '<Time Value="5"/>', "time 5"),
+        ):
+            assert old in saved
+            with open(index, "w", encoding="ascii") as handle:
+                handle.write(saved.replace(old, new))
+            run = call("check_files.py", series)
+            assert run.returncode == 1 and word in run.stdout, f"{word}: {run.stdout}"
+
+
+def main():
+    """Run every test; exit 1 if one fails."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--scree", metavar="PATH", help="the program; not needed here")
+    parser.add_argument(
+        "--work", metavar="DIR", required=True, help="folder for files of the tests"
+    )
+    work = os.path.abspath(os.path.join(parser.parse_args().work, "post"))
+    os.makedirs(work, exist_ok=True)
+    failures = 0
+    tests = [(name, test) for name, test in globals().items() if name.startswith("test_")]
+    for name, test in tests:
+        try:
+            test(work) if test.__code__.co_argcount else test()
+            print(f"passed {name}", flush=True)
+        except Exception as error:  # every test is to run, whatever the others do
+            failures += 1
+            print(f"FAILED {name}: {type(error).__name__}: {error}", flush=True)
+    print(f"{len(tests) - failures} of {len(tests)} tests passed")
+    return 1 if failures or not tests else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Run a deck from a test and read what it wrote.
+
+    import case
+    box = case.Case(case.arguments(), "two_ranks", DECK, ranks=2, threads=1)
+    box.run()                          # box.code, box.output
+    box.summary["digest"]              # of CASE.summary.json
+    box.history["time"]                # numpy arrays by name, of CASE_history.csv
+
+CTest puts this folder into PYTHONPATH; a test run by hand finds it with
+sys.path.insert(0, str(Path(__file__).resolve().parents[N] / "support")).
+"""
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+# Open MPI refuses root and more ranks than cores unless told otherwise, and would bind all threads
+# of a rank to one core.
+OPEN_MPI = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",
+    "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+}
+
+
+def arguments(description=None):
+    """The options --scree PROGRAM and --work FOLDER, or SCREE and WORK of the environment."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--scree", default=os.environ.get("SCREE", ROOT / "build/bin/scree"))
+    parser.add_argument("--work", default=os.environ.get("WORK"))
+    known, rest = parser.parse_known_args()
+    if not known.work:
+        parser.error("--work FOLDER is needed")
+    sys.argv[1:] = rest  # so that unittest.main() sees only its own
+    known.scree = Path(known.scree).resolve()
+    known.work = Path(known.work).resolve()
+    if not known.scree.is_file():
+        parser.error(f"there is no program {known.scree}")
+    known.work.mkdir(parents=True, exist_ok=True)
+    return known
+
+
+class Case:
+    """One deck in a folder of its own, which is emptied first unless `keep` is true."""
+
+    def __init__(self, options, name, deck, ranks=1, threads=1, keep=False):
+        self.scree, self.name = options.scree, name
+        self.ranks, self.threads = ranks, threads
+        self.folder = options.work / name
+        self.code, self.output = None, ""
+        if not keep:
+            shutil.rmtree(self.folder, ignore_errors=True)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.deck = self.folder / f"{name}.nml"
+        self.deck.write_text(deck, encoding="utf-8")
+
+    def run(self, *options, expect=0, timeout=250):
+        """Run the program with further options; `expect` is the exit code, None takes any."""
+        command = [self.scree, "--case", self.name, "--outdir", self.folder, *options, self.deck]
+        if self.ranks > 1:
+            command = ["mpiexec", "-n", str(self.ranks), *command]
+        environment = {**os.environ, **OPEN_MPI, "OMP_NUM_THREADS": str(self.threads)}
+        answer = subprocess.run([str(word) for word in command], env=environment, timeout=timeout,
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                cwd=self.folder)
+        self.code, self.output = answer.returncode, answer.stdout
+        if expect is not None and self.code != expect:
+            raise AssertionError(
+                f"{self.name}: exit code {self.code}, expected {expect}\n{self.output[-4000:]}")
+        return self
+
+    def path(self, ending):
+        """A file of the case, such as path("_history.csv") or path(".summary.json")."""
+        return self.folder / f"{self.name}{ending}"
+
+    @property
+    def summary(self):
+        """What CASE.summary.json holds."""
+        return json.loads(self.path(".summary.json").read_text(encoding="utf-8"))
+
+    @property
+    def history(self):
+        """The columns of CASE_history.csv as arrays, with `units` by name."""
+        return post().history(str(self.path("_history.csv")))
+
+    def snapshots(self, stream="p"):
+        """Pairs (time, Snapshot) of a series, oldest first."""
+        tools = post()
+        series = tools.series(str(self.path(f"_{stream}.hdf.series")))
+        return [(time, tools.snapshot(file)) for time, file in series]
+
+
+def post():
+    """The module scree_post of scripts/, which knows the formats of all files."""
+    folder = str(ROOT / "scripts")
+    if folder not in sys.path:
+        sys.path.insert(0, folder)
+    import scree_post
+    return scree_post
