@@ -74,10 +74,11 @@ contains
    end subroutine dual_start
 
    !> Weight of each cell of a tile: the least fill of its nodes, at most 1.
-   pure subroutine dual_cell_weights(self, grid, filled, node_volume, weight)
+   pure subroutine dual_cell_weights(self, grid, total, row, node_volume, weight)
       class(dual_t), intent(in) :: self              !! The integrals
       type(grid_t), intent(in) :: grid               !! The grid
-      real(wp), contiguous, intent(in) :: filled(:)  !! (node) Volume of particles around it [m3]
+      real(wp), contiguous, intent(in) :: total(:, :) !! (component, node) Sums of the particles
+      integer, intent(in) :: row                     !! Component that is their volume [m3]
       real(wp), contiguous, intent(in) :: node_volume(:) !! (node) Volume of the node [m3]
       real(wp), contiguous, intent(inout) :: weight(0:)  !! (cell) 0 to 1
       integer :: cell, lane, node, base
@@ -89,7 +90,7 @@ contains
          do lane = 1, lanes
             node = base + grid%lane_offset(lane)
             if (node_volume(node) > 0.0_wp) then
-               least = min(least, filled(node)/node_volume(node))
+               least = min(least, total(row, node)/node_volume(node))
             else
                least = 0.0_wp
             end if
@@ -104,7 +105,7 @@ contains
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
-      real(wp), contiguous, intent(inout) :: patch(:) !! (node) [m3]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node) [m3]
       integer :: cell, lane, node, base, column
 
       do cell = 0, grid%tile_cells - 1
@@ -113,7 +114,7 @@ contains
          column = column_of(self, grid, coordinate, cell)
          do lane = 1, lanes
             node = base + grid%lane_offset(lane)
-            patch(node) = patch(node) + weight(cell)*self%volume(lane, column)
+            patch(1, node) = patch(1, node) + weight(cell)*self%volume(lane, column)
          end do
       end do
    end subroutine dual_add_volume

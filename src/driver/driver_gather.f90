@@ -155,7 +155,7 @@ contains
 
       allocate (gradient(9, simulation%grid%tile_nodes))
       call assemble(simulation%grid, simulation%tiles, patch, tile, gradient)
-      call divide(simulation%nodes%volume(1, :, tile), gradient)
+      call divide(simulation%nodes%volume(:, :, tile), 1, gradient)
       call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), gradient)
    end subroutine node_gradient
 

@@ -26,7 +26,7 @@ contains
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
          all => simulation%tiles%all)
          call ensure_patch(nodes%total, size(nodes%motion, 1), number, all)
-         call ensure_patch(nodes%weight, 1, simulation%grid%tile_cells, all)
+         call ensure_weights(nodes%weight, simulation%grid%tile_cells, all)
          call ensure_patch(nodes%share, 1, number, all)
          call ensure_patch(nodes%volume, 1, number, all)
          call ensure_patch(nodes%force, 3, number, all)
@@ -44,6 +44,19 @@ contains
       call simulation%timer%stop(simulation%phase%grid)
    end subroutine dual_fields
 
+   !> Make room for the weights of the cells of all tiles.
+   pure subroutine ensure_weights(weight, cells, tiles)
+      real(wp), allocatable, intent(inout) :: weight(:, :) !! (cell, tile)
+      integer, intent(in) :: cells                   !! Cells of a tile
+      integer, intent(in) :: tiles                   !! Tiles, ghosts included
+
+      if (allocated(weight)) then
+         if (size(weight, 2) >= tiles) return
+         deallocate (weight)
+      end if
+      allocate (weight(cells, tiles + tiles/8))
+   end subroutine ensure_weights
+
    !> Weights of the cells of a tile and their share of the volumes of the nodes.
    subroutine weigh_tile(simulation, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
@@ -55,9 +68,9 @@ contains
          coordinate => simulation%tiles%coordinate(:, tile))
          call assemble(grid, simulation%tiles, nodes%motion, tile, nodes%total(:, :, tile))
          call grid%node_volume(coordinate, around)
-         call dual%cell_weights(grid, nodes%total(filled, :, tile), around, nodes%weight(1, :, tile))
-         nodes%share(1, :, tile) = 0.0_wp
-         call dual%add_volume(grid, coordinate, nodes%weight(1, :, tile), nodes%share(1, :, tile))
+         call dual%cell_weights(grid, nodes%total(:, :, tile), filled, around, nodes%weight(:, tile))
+         nodes%share(:, :, tile) = 0.0_wp
+         call dual%add_volume(grid, coordinate, nodes%weight(:, tile), nodes%share(:, :, tile))
       end associate
    end subroutine weigh_tile
 
@@ -72,26 +85,28 @@ contains
          coordinate => simulation%tiles%coordinate(:, tile))
          call assemble(grid, simulation%tiles, nodes%share, tile, nodes%volume(:, :, tile))
          stress = nodes%total(first:last, :, tile)
-         call divide(nodes%volume(1, :, tile), stress)
+         call divide(nodes%volume(:, :, tile), 1, stress)
          call simulation%boundary%mirror(grid, coordinate, stress)
          nodes%force(:, :, tile) = 0.0_wp
-         call simulation%dual%add_force(grid, coordinate, nodes%weight(1, :, tile), stress, &
+         call simulation%dual%add_force(grid, coordinate, nodes%weight(:, tile), stress, &
             nodes%force(:, :, tile))
       end associate
    end subroutine force_tile
 
    !> Divide node values by a volume or mass; nodes without any get zero.
-   pure subroutine divide(by, values)
-      real(wp), contiguous, intent(in) :: by(:)            !! (node) Divisor
+   pure subroutine divide(by, row, values)
+      real(wp), contiguous, intent(in) :: by(:, :)         !! (component, node)
+      integer, intent(in) :: row                           !! Component that divides
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (component, node)
-      integer :: node
+      real(wp) :: inverse
+      integer :: node, component
 
-      do node = 1, size(by)
-         if (by(node) > empty_mass) then
-            values(:, node) = values(:, node)*(1.0_wp/by(node))
-         else
-            values(:, node) = 0.0_wp
-         end if
+      do node = 1, size(by, 2)
+         inverse = 0.0_wp
+         if (by(row, node) > empty_mass) inverse = 1.0_wp/by(row, node)
+         do component = 1, size(values, 1)
+            values(component, node) = values(component, node)*inverse
+         end do
       end do
    end subroutine divide
 
@@ -145,8 +160,8 @@ contains
             call assemble(grid, simulation%tiles, nodes%force, tile, force)
             acceleration = acceleration + force
          end if
-         call divide(mass, velocity)
-         call divide(mass, acceleration)
+         call divide(nodes%total(:, :, tile), 1, velocity)
+         call divide(nodes%total(:, :, tile), 1, acceleration)
          if (allocated(simulation%gravity)) then
             do component = 1, 3
                where (mass > empty_mass) acceleration(component, :) = &
@@ -157,12 +172,12 @@ contains
          nodes%strain(:, :, tile) = velocity + dt*acceleration
          if (.not. simulation%method%dual) return
          nodes%gradient(:, :, tile) = 0.0_wp
-         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(1, :, tile), &
+         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), &
             nodes%strain(:, :, tile), nodes%gradient(:, :, tile))
          if (.not. simulation%carries_energy) return
          nodes%middle(:, :, tile) = 0.0_wp
          force = velocity + 0.5_wp*dt*acceleration
-         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(1, :, tile), force, &
+         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), force, &
             nodes%middle(:, :, tile))
       end associate
    end subroutine move_tile
@@ -228,13 +243,13 @@ contains
          associate (strain => simulation%nodes%strain(:, :, tile), &
             coordinate => simulation%tiles%coordinate(:, tile))
             call assemble(simulation%grid, simulation%tiles, simulation%nodes%extra, tile, strain)
-            call divide(simulation%nodes%total(1, :, tile), strain)
+            call divide(simulation%nodes%total(:, :, tile), 1, strain)
             none = 0.0_wp
             call simulation%boundary%constrain(simulation%grid, coordinate, strain, none)
             if (simulation%method%dual) then
                simulation%nodes%gradient(:, :, tile) = 0.0_wp
                call simulation%dual%add_gradient(simulation%grid, coordinate, &
-                  simulation%nodes%weight(1, :, tile), strain, simulation%nodes%gradient(:, :, tile))
+                  simulation%nodes%weight(:, tile), strain, simulation%nodes%gradient(:, :, tile))
             end if
          end associate
       end do

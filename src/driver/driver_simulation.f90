@@ -28,7 +28,7 @@ module driver_simulation
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
       real(wp), allocatable :: extra(:, :, :)        !! Patch (3): momentum mapped a second time [kg m/s]
       real(wp), allocatable :: strain(:, :, :)       !! (3) Velocity of the strain increment [m/s]
-      real(wp), allocatable :: weight(:, :, :)       !! (1, cell, tile) Weights of the dual gradient
+      real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
       real(wp), allocatable :: force(:, :, :)        !! Patch (3): force of the node stress [N]

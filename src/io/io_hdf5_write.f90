@@ -32,7 +32,7 @@ module io_hdf5_write
    !> Write a data set: numbers (row) or vectors and tensors (component, row). Collective.
    interface write_data
       module procedure write_reals, write_vectors, write_singles, write_single_vectors
-      module procedure write_wholes, write_shorts
+      module procedure write_wholes, write_whole_vectors, write_shorts
    end interface write_data
 
 contains
@@ -233,6 +233,19 @@ contains
       if (size(values) > 0) address = c_loc(values)
       call write_any(file, name, rows, 0, h5t_std_i64le, address)
    end subroutine write_wholes
+
+   !> Write vectors of whole numbers.
+   subroutine write_whole_vectors(file, name, rows, values)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      integer(int64), contiguous, target, intent(in) :: values(:, :) !! (component, row)
+      type(c_ptr) :: address
+
+      address = c_null_ptr
+      if (size(values) > 0) address = c_loc(values)
+      call write_any(file, name, rows, size(values, 1), h5t_std_i64le, address)
+   end subroutine write_whole_vectors
 
    !> Write short whole numbers.
    subroutine write_shorts(file, name, rows, values)

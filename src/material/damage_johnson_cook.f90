@@ -3,9 +3,12 @@
 !! failure (D1 + D2 exp(D3 s)) (1 + D4 ln(rate/rate0)) (1 + D5 T*), with s the ratio of mean
 !! stress, positive in tension, to equivalent stress.
 module damage_johnson_cook
+   use base_deck_group, only: group_t
    use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use material_effects, only: effects_t
    use material_damage, only: damage_t
-   use material_heat, only: homologous_temperature, melting_range_t
+   use material_heat, only: homologous_temperature, melting_range_t, read_range
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
    implicit none
@@ -24,12 +27,42 @@ module damage_johnson_cook
       real(wp) :: reference_rate = 1.0_wp            !! Rate of the static strain [1/s]
       type(melting_range_t), allocatable :: range    !! Only if temperature matters
    contains
+      procedure :: declare => johnson_cook_declare   !! Declares its keys
+      procedure :: read => johnson_cook_read         !! Reads its keys
       procedure :: request => johnson_cook_request   !! Asks for damage and temperature
       procedure :: update => johnson_cook_update     !! Lets the damage grow
       procedure :: failure_strain => johnson_cook_failure_strain !! Strain to failure of a state
    end type damage_johnson_cook_t
 
 contains
+
+   !> Declare the keys of the model.
+   subroutine johnson_cook_declare(self, schema)
+      class(damage_johnson_cook_t), intent(in) :: self !! The model
+      type(schema_t), intent(inout) :: schema          !! Keys of the deck
+
+      call schema%real("material", "jcd(5)", "Johnson-Cook D1 to D5, strain to failure", &
+         owner="effects.damage & damage_model = johnson_cook")
+      call schema%require("material", "jcd")
+   end subroutine johnson_cook_declare
+
+   !> Read the keys of the model.
+   pure subroutine johnson_cook_read(self, group, effects)
+      class(damage_johnson_cook_t), intent(inout) :: self !! The model
+      type(group_t), intent(in) :: group                  !! &material
+      type(effects_t), intent(in) :: effects              !! What is asked for
+
+      call group%get("jcd", self%coefficient)
+      if (effects%rate) then
+         call group%get("jc_rate", self%reference_rate)
+      else
+         self%coefficient(4) = 0.0_wp
+      end if
+      if (effects%thermal .and. abs(self%coefficient(5)) > 0.0_wp) then
+         allocate (self%range)
+         call read_range(group, self%range)
+      end if
+   end subroutine johnson_cook_read
 
    !> Damage grows with plastic strain, and the strain to failure may depend on temperature.
    pure subroutine johnson_cook_request(self, wishes)

@@ -5,7 +5,9 @@
 !! p = pH (1 - Gamma0 eta/2) + Gamma0 rho0 e with pH = rho0 c0**2 eta/(1 - s eta)**2, in expansion
 !! p = rho0 c0**2 (rho/rho0 - 1) + Gamma0 rho0 e.
 module eos_mie_gruneisen
+   use base_deck_group, only: group_t
    use base_kinds, only: wp
+   use base_schema, only: schema_t
    use material_eos, only: eos_t
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
@@ -26,6 +28,9 @@ module eos_mie_gruneisen
       real(wp) :: slope = 0.0_wp                     !! s [1]
       real(wp) :: gamma = 0.0_wp                     !! Gamma0 [1]
    contains
+      procedure :: declare => mie_gruneisen_declare  !! Declares its keys
+      procedure :: read => mie_gruneisen_read        !! Reads its keys
+      procedure :: sets_bulk => mie_gruneisen_sets_bulk !! It does
       procedure :: request => mie_gruneisen_request  !! Asks for energy
       procedure :: update => mie_gruneisen_update    !! Pressure and square of the sound speed
       procedure :: stored => mie_gruneisen_stored    !! Nothing, energy is carried
@@ -52,6 +57,40 @@ contains
       eos%bulk = density*sound**2
       eos%gamma_density = gamma*density
    end function mie_gruneisen_of
+
+   !> Declare the keys of the equation of state.
+   subroutine mie_gruneisen_declare(self, schema)
+      class(eos_mie_gruneisen_t), intent(in) :: self !! The equation of state
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      character(len=*), parameter :: owner = "effects.eos & eos_model = mie_gruneisen"
+
+      call schema%real("material", "mg_c0", "Mie-Grueneisen c0 of Us = c0 + s up", unit="m/s", &
+         range="> 0", owner=owner)
+      call schema%real("material", "mg_s", "Mie-Grueneisen s of Us = c0 + s up", &
+         range=">= 0", owner=owner)
+      call schema%real("material", "mg_gamma", "Grueneisen number at the reference density", &
+         range=">= 0", owner=owner)
+      call schema%require("material", "mg_c0 mg_s mg_gamma")
+   end subroutine mie_gruneisen_declare
+
+   !> Read the keys of the equation of state.
+   pure subroutine mie_gruneisen_read(self, group)
+      class(eos_mie_gruneisen_t), intent(inout) :: self !! The equation of state
+      type(group_t), intent(in) :: group                !! &material
+
+      call group%get("mg_c0", self%sound)
+      call group%get("mg_s", self%slope)
+      call group%get("mg_gamma", self%gamma)
+      self%bulk = self%density*self%sound**2
+      self%gamma_density = self%gamma*self%density
+   end subroutine mie_gruneisen_read
+
+   !> The bulk modulus is that of c0.
+   pure logical function mie_gruneisen_sets_bulk(self) result(sets)
+      class(eos_mie_gruneisen_t), intent(in) :: self !! The equation of state
+
+      sets = .true.
+   end function mie_gruneisen_sets_bulk
 
    !> The pressure depends on energy.
    pure subroutine mie_gruneisen_request(self, wishes)

@@ -13,11 +13,19 @@ module law_elastic
    !> Elastic law with Jaumann rate.
    type, extends(law_t) :: law_elastic_t
    contains
+      procedure :: plastic => elastic_plastic        !! It does not flow
       procedure :: request => elastic_request        !! Asks for nothing
       procedure :: update => elastic_update          !! Keeps the trial
    end type law_elastic_t
 
 contains
+
+   !> An elastic law does not flow.
+   pure logical function elastic_plastic(self) result(plastic)
+      class(law_elastic_t), intent(in) :: self       !! The law
+
+      plastic = .false.
+   end function elastic_plastic
 
    !> An elastic particle remembers nothing but its stress.
    pure subroutine elastic_request(self, wishes)

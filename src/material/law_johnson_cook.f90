@@ -3,8 +3,11 @@
 !!
 !! The logarithm is not less than 0, so that slow flow is not weaker than the static yield stress.
 module law_johnson_cook
+   use base_deck_group, only: group_t
    use base_kinds, only: wp
-   use material_heat, only: homologous_temperature, melting_range_t
+   use base_schema, only: schema_t
+   use material_effects, only: effects_t
+   use material_heat, only: homologous_temperature, melting_range_t, read_range
    use material_law, only: equivalent_stress, law_t
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
@@ -23,11 +26,52 @@ module law_johnson_cook
       real(wp) :: softening_exponent = 1.0_wp        !! m [1]
       type(melting_range_t), allocatable :: range    !! Only if temperature softens
    contains
+      procedure :: declare => johnson_cook_declare   !! Declares its keys
+      procedure :: read => johnson_cook_read         !! Reads its keys
       procedure :: request => johnson_cook_request   !! Asks for plastic strain and temperature
       procedure :: update => johnson_cook_update     !! Radial return
    end type law_johnson_cook_t
 
 contains
+
+   !> Declare the keys of the law.
+   subroutine johnson_cook_declare(self, schema)
+      class(law_johnson_cook_t), intent(in) :: self  !! The law
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      character(len=*), parameter :: owner = "effects.strength & strength_model = johnson_cook"
+
+      call schema%real("material", "jc_a", "Johnson-Cook A, static yield stress", unit="Pa", &
+         range="> 0", owner=owner)
+      call schema%real("material", "jc_b", "Johnson-Cook B, hardening", unit="Pa", &
+         range=">= 0", owner=owner)
+      call schema%real("material", "jc_n", "Johnson-Cook n, exponent of plastic strain", &
+         range=">= 0", owner=owner)
+      call schema%real("material", "jc_c", "Johnson-Cook C, rate dependence", range=">= 0", &
+         owner=owner//" & effects.rate")
+      call schema%real("material", "jc_m", "Johnson-Cook m, exponent of thermal softening", &
+         range="> 0", owner=owner//" & effects.thermal")
+      call schema%require("material", "jc_a jc_b jc_n jc_c jc_m")
+   end subroutine johnson_cook_declare
+
+   !> Read the keys of the law.
+   pure subroutine johnson_cook_read(self, group, effects)
+      class(law_johnson_cook_t), intent(inout) :: self !! The law
+      type(group_t), intent(in) :: group               !! &material
+      type(effects_t), intent(in) :: effects           !! What is asked for
+
+      call group%get("jc_a", self%yield)
+      call group%get("jc_b", self%hardening)
+      call group%get("jc_n", self%exponent)
+      if (effects%rate) then
+         call group%get("jc_c", self%rate_coefficient)
+         call group%get("jc_rate", self%reference_rate)
+      end if
+      if (effects%thermal) then
+         call group%get("jc_m", self%softening_exponent)
+         allocate (self%range)
+         call read_range(group, self%range)
+      end if
+   end subroutine johnson_cook_read
 
    !> Hardening needs the plastic strain, softening the temperature.
    pure subroutine johnson_cook_request(self, wishes)

@@ -1,7 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Plasticity of von Mises with linear isotropic hardening: Y = yield + hardening ep.
 module law_von_mises
+   use base_deck_group, only: group_t
    use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use material_effects, only: effects_t
    use material_law, only: equivalent_stress, law_t
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
@@ -15,11 +18,36 @@ module law_von_mises
       real(wp) :: yield = 0.0_wp                     !! Initial yield stress [Pa]
       real(wp) :: hardening = 0.0_wp                 !! Slope of yield stress to plastic strain [Pa]
    contains
+      procedure :: declare => von_mises_declare      !! Declares its keys
+      procedure :: read => von_mises_read            !! Reads its keys
       procedure :: request => von_mises_request      !! Asks for plastic strain if it hardens
       procedure :: update => von_mises_update        !! Radial return
    end type law_von_mises_t
 
 contains
+
+   !> Declare the keys of the law.
+   subroutine von_mises_declare(self, schema)
+      class(law_von_mises_t), intent(in) :: self     !! The law
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      character(len=*), parameter :: owner = "effects.strength & strength_model = von_mises"
+
+      call schema%real("material", "yield", "yield stress of von Mises", unit="Pa", range="> 0", &
+         owner=owner)
+      call schema%real("material", "hardening", "slope of the yield stress to plastic strain", &
+         unit="Pa", default="0", range=">= 0", owner=owner)
+      call schema%require("material", "yield")
+   end subroutine von_mises_declare
+
+   !> Read the keys of the law.
+   pure subroutine von_mises_read(self, group, effects)
+      class(law_von_mises_t), intent(inout) :: self  !! The law
+      type(group_t), intent(in) :: group             !! &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+
+      call group%get("yield", self%yield)
+      call group%get("hardening", self%hardening)
+   end subroutine von_mises_read
 
    !> Perfect plasticity needs no memory, hardening needs the plastic strain.
    pure subroutine von_mises_request(self, wishes)

@@ -1,7 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> What an equation of state is: pressure and sound speed from density and energy.
 module material_eos
+   use base_deck_group, only: group_t
    use base_kinds, only: wp
+   use base_schema, only: schema_t
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
    implicit none
@@ -15,6 +17,9 @@ module material_eos
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
       real(wp) :: gamma_density = 0.0_wp             !! Grueneisen number times density [kg/m3]
    contains
+      procedure :: declare => eos_declare            !! Declares its keys, if it has any
+      procedure :: read => eos_read                  !! Reads its keys, if it has any
+      procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
       procedure(request_i), deferred :: request      !! Asks for the fields it needs
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
       procedure(stored_i), deferred :: stored        !! Energy stored in the change of volume
@@ -39,8 +44,8 @@ module material_eos
          integer, intent(in) :: last                           !! Last particle of the range
       end subroutine update_i
 
-      !> Energy [J] of one particle that carries none: work of the pressure from the reference state,
-      !! where the material bears no pressure below a limit [Pa].
+      !> Energy [J] of one particle that carries none: work of the pressure from the reference
+      !! state, where the material bears no pressure below a limit [Pa].
       pure real(wp) function stored_i(self, mass, volume, limit)
          import :: eos_t, wp
          implicit none
@@ -50,4 +55,26 @@ module material_eos
          real(wp), intent(in) :: limit                         !! Least pressure [Pa]
       end function stored_i
    end interface
+
+contains
+
+   !> Declare the keys of &material that belong to the equation of state. Most override this.
+   subroutine eos_declare(self, schema)
+      class(eos_t), intent(in) :: self                         !! The equation of state
+      type(schema_t), intent(inout) :: schema                  !! Keys of the deck
+   end subroutine eos_declare
+
+   !> Read the keys that belong to the equation of state. Its density is set before, its bulk
+   !! modulus after this by the material, unless its own keys give it.
+   pure subroutine eos_read(self, group)
+      class(eos_t), intent(inout) :: self                      !! The equation of state
+      type(group_t), intent(in) :: group                       !! &material
+   end subroutine eos_read
+
+   !> True if the keys of the equation of state give the bulk modulus.
+   pure logical function eos_sets_bulk(self) result(sets)
+      class(eos_t), intent(in) :: self                         !! The equation of state
+
+      sets = .false.
+   end function eos_sets_bulk
 end module material_eos

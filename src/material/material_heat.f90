@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Temperature of particles: heat of plastic flow and of shocks, adiabatic compression, melting.
 module material_heat
+   use base_deck_group, only: group_t
    use base_kinds, only: wp
    implicit none
    private
 
-   public :: heat, heat_t, homologous_temperature, melt, melting_range_t
+   public :: heat, heat_t, homologous_temperature, melt, melting_range_t, read_range
 
    !> Share of the plastic work that becomes heat (Taylor and Quinney 1934).
    real(wp), parameter :: plastic_share = 0.9_wp
@@ -22,6 +23,15 @@ module material_heat
    end type melting_range_t
 
 contains
+
+   !> Read the temperatures between which a material softens.
+   pure subroutine read_range(group, range)
+      type(group_t), intent(in) :: group             !! &material
+      type(melting_range_t), intent(out) :: range    !! The temperatures
+
+      call group%get("t_ref", range%reference)
+      call group%get("t_melt", range%melt)
+   end subroutine read_range
 
    !> Temperature after the step.
    !!

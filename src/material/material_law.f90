@@ -1,7 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> What a law of strength is: it corrects the deviator of the stress after an elastic trial.
 module material_law
+   use base_deck_group, only: group_t
    use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use material_effects, only: effects_t
    use material_kinematics, only: predict_deviator
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
@@ -14,6 +17,9 @@ module material_law
    type, abstract :: law_t
       real(wp) :: shear = 0.0_wp                     !! Shear modulus [Pa]
    contains
+      procedure :: declare => law_declare            !! Declares its keys, if it has any
+      procedure :: read => law_read                  !! Reads its keys
+      procedure :: plastic => law_plastic            !! True if it flows plastically
       procedure(request_i), deferred :: request      !! Asks for the fields it needs
       procedure :: predict => law_predict            !! Trial deviator of the step
       procedure(update_i), deferred :: update        !! Corrects the trial deviator
@@ -42,6 +48,26 @@ module material_law
    end interface
 
 contains
+
+   !> Declare the keys of &material that belong to the law. Most laws override this.
+   subroutine law_declare(self, schema)
+      class(law_t), intent(in) :: self                         !! The law
+      type(schema_t), intent(inout) :: schema                  !! Keys of the deck
+   end subroutine law_declare
+
+   !> Read the keys that belong to the law. The shear modulus is set by the material.
+   pure subroutine law_read(self, group, effects)
+      class(law_t), intent(inout) :: self                      !! The law
+      type(group_t), intent(in) :: group                       !! &material
+      type(effects_t), intent(in) :: effects                   !! What is asked for
+   end subroutine law_read
+
+   !> True if the law flows plastically, which damage by plastic strain needs.
+   pure logical function law_plastic(self) result(plastic)
+      class(law_t), intent(in) :: self                         !! The law
+
+      plastic = .true.
+   end function law_plastic
 
    !> Elastic trial of the deviator with constant shear modulus and Jaumann rate, and the volume.
    pure subroutine law_predict(self, matter, deformation, first, last)

@@ -25,11 +25,11 @@ module material_matter
       procedure :: walk => matter_walk               !! Shows each allocated field to a worker
    end type matter_t
 
-   !> What one time step does to the particles of one tile; scratch space. The gradient is filled by
-   !! the transfer, all else by the material. Index 1 belongs to the first particle of the range, not
-   !! of the store.
+   !> What one time step does to the particles of one tile; scratch space. The gradient is filled
+   !! by the transfer, all else by the material. Index 1 belongs to the first particle of the range,
+   !! not of the store.
    type :: deformation_t
-      real(wp), allocatable :: gradient(:, :)        !! dt du_k/dx_l, column k + 3 (l - 1) (:, 9) [1]
+      real(wp), allocatable :: gradient(:, :)        !! dt du_k/dx_l, column k + 3 (l - 1) [1]
       real(wp), allocatable :: old_volume(:)         !! Volume before the step [m3]
       real(wp), allocatable :: dilatation(:)         !! Trace of the strain increment [1]
       real(wp), allocatable :: pressure(:)           !! Mean pressure of the material [Pa]
@@ -77,7 +77,7 @@ contains
       end if
       allocate (self%gradient(particles, 9), self%old_volume(particles), &
          self%dilatation(particles), self%pressure(particles), self%pressure_floor(particles), &
-         self%homologous(particles), self%plastic_increment(particles), self%wave_speed(particles), &
-         self%plastic_work(particles), self%viscous_work(particles))
+         self%homologous(particles), self%plastic_increment(particles), &
+         self%wave_speed(particles), self%plastic_work(particles), self%viscous_work(particles))
    end subroutine deformation_reserve
 end module material_matter

@@ -1,268 +1,290 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A material: the chain of laws that a time step runs through, each link only if it is asked for.
+!> A material of the scene, and its keys in the deck.
 module material_type
+   use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use material_catalogue, only: choose_damage, choose_eos, choose_law, damage_names, eos_names, &
+      law_names
+   use material_chain, only: chain_t
    use material_damage, only: damage_t
+   use material_effects, only: effects_t
    use material_eos, only: eos_t
-   use material_heat, only: heat, heat_t, melt
-   use material_kinematics, only: dilate
    use material_law, only: law_t
-   use material_matter, only: deformation_t, matter_t
-   use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
-   use material_tension, only: break, cut_tension, drop_failed, drop_melted, fracture_t, &
-      open_voids, spall_t, stiffen, stiffen_intact
-   use material_viscosity, only: resist, viscosity_t, viscous_losses
-   use material_wishes, only: wishes_t
    implicit none
    private
 
-   public :: material_t
+   public :: declare_material_keys, material_t
 
-   !> One material of the scene. What is not allocated does not happen and costs nothing.
-   type :: material_t
-      character(len=:), allocatable :: name          !! Name that bodies refer to
-      real(wp) :: density = 0.0_wp                   !! Of the reference state [kg/m3]
-      real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
-      real(wp) :: shear = 0.0_wp                     !! Shear modulus, 0 without strength [Pa]
-      class(law_t), allocatable :: law               !! Strength; none: stress is pressure alone
-      class(eos_t), allocatable :: eos               !! None: mean stress in rate form
-      class(damage_t), allocatable :: damage         !! Lets damage grow
-      type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
-      type(spall_t), allocatable :: spall            !! Tension cut-off without memory
-      type(fracture_t), allocatable :: fracture      !! Failure for good
-      type(heat_t), allocatable :: heat              !! Temperature follows the work
-      real(wp), allocatable :: melting               !! Fluid from this temperature [K]
+   !> One material: a chain of models that can be read from the deck.
+   type, extends(chain_t) :: material_t
    contains
-      procedure :: wishes => material_wishes_of      !! Fields to be carried, and why
-      procedure :: request => material_request       !! Allocates these fields
-      procedure :: start => material_start           !! Initial state of particles
-      procedure :: update => material_update         !! One time step
-      procedure :: reference_speed => material_reference_speed !! Fastest signal at rest
-      procedure :: stored_energy => material_stored_energy     !! Internal energy of particles
+      procedure :: read => material_read             !! Makes it from its &material
    end type material_t
 
 contains
 
-   !> The fields that the chain needs its particles to carry.
-   pure function material_wishes_of(self) result(wishes)
-      class(material_t), intent(in) :: self          !! The material
-      type(wishes_t) :: wishes
+   !> Declare all keys of &material, and those of &effects and &method that concern materials.
+   subroutine declare_material_keys(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(effects_t) :: effects
 
-      call wishes%ask("mass", "every material", 1)
-      call wishes%ask("volume", "every material", 1)
-      call wishes%ask("stress", "every material", 6)
-      if (allocated(self%viscosity)) call wishes%ask("viscous_pressure", "artificial viscosity", 1)
-      if (allocated(self%eos)) call self%eos%request(wishes)
-      if (allocated(self%law)) call self%law%request(wishes)
-      if (allocated(self%damage)) call self%damage%request(wishes)
-      if (allocated(self%heat)) call wishes%ask("temperature", "thermal effect", 1)
-      if (allocated(self%fracture)) then
-         call wishes%ask("damage", "failure", 1)
-         call wishes%ask("failed", "failure", 1)
-      end if
-   end function material_wishes_of
+      call effects%declare(schema)
+      call schema%group("method", "numerical method")
+      call schema%real("method", "bulk_q1", "linear coefficient of artificial viscosity", &
+         default="0.06", range=">= 0", owner="effects.artificial_viscosity")
+      call schema%real("method", "bulk_q2", "quadratic coefficient of artificial viscosity", &
+         default="1.5", range=">= 0", owner="effects.artificial_viscosity")
+      call schema%group("material", "one material; flat keys, prefix = model", many=.true.)
+      call schema%text("material", "name", "what bodies refer to")
+      call declare_elasticity(schema)
+      call declare_heat(schema)
+      call declare_models(schema)
+      call schema%require("material", "name density")
+   end subroutine declare_material_keys
 
-   !> Allocate exactly the fields that the chain needs.
-   pure subroutine material_request(self, matter, particles)
-      class(material_t), intent(in) :: self          !! The material
-      type(matter_t), intent(out) :: matter          !! State of its particles
-      integer, optional, intent(in) :: particles     !! Room for so many; none if not given
-      type(wishes_t) :: wishes
-      integer :: n
+   !> Declare density, moduli and the choice of models.
+   subroutine declare_elasticity(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      n = 0
-      if (present(particles)) n = particles
-      wishes = self%wishes()
-      allocate (matter%mass(n), matter%volume(n), matter%stress(n, 6))
-      if (wishes%asked("viscous_pressure")) allocate (matter%viscous_pressure(n))
-      if (wishes%asked("energy")) allocate (matter%energy(n))
-      if (wishes%asked("temperature")) allocate (matter%temperature(n))
-      if (wishes%asked("plastic_strain")) allocate (matter%plastic_strain(n))
-      if (wishes%asked("plastic_rate")) allocate (matter%plastic_rate(n))
-      if (wishes%asked("damage")) allocate (matter%damage(n))
-      if (wishes%asked("failed")) allocate (matter%failed(n))
-   end subroutine material_request
+      call schema%real("material", "density", "density of the reference state", unit="kg/m3", &
+         range="> 0")
+      call schema%text("material", "elastic", "none: no deviator of stress, a fluid", &
+         default="isotropic", words="isotropic none", owner="effects.strength")
+      call schema%real("material", "young", "Young's modulus, with poisson", unit="Pa", range="> 0")
+      call schema%real("material", "poisson", "Poisson's ratio, with young", range="> -1 < 0.5")
+      call schema%real("material", "bulk", "bulk modulus, with shear, instead of young and "// &
+         "poisson", unit="Pa", range="> 0")
+      call schema%real("material", "shear", "shear modulus, with bulk or where the equation of "// &
+         "state gives the bulk modulus", unit="Pa", range="> 0")
+      call schema%text("material", "eos_model", "equation of state", default="linear", &
+         owner="effects.eos")
+      call schema%words("material", "eos_model", eos_names)
+      call schema%text("material", "strength_model", "law of strength", default="elastic", &
+         owner="effects.strength & elastic = isotropic")
+      call schema%words("material", "strength_model", law_names)
+      call schema%text("material", "damage_model", "how damage grows", default="none", &
+         words="none", owner="effects.damage")
+      call schema%words("material", "damage_model", damage_names)
+      call schema%real("material", "spall", "greatest tension; with &effects damage a particle "// &
+         "that reaches it fails", unit="Pa", range="> 0")
+   end subroutine declare_elasticity
 
-   !> Initial state of particles: at rest without stress. Mass and volume are set by the caller.
-   pure subroutine material_start(self, matter, first, last, temperature)
-      class(material_t), intent(in) :: self          !! The material
-      type(matter_t), intent(inout) :: matter        !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: temperature            !! Initial temperature [K]
+   !> Declare temperatures and the rate that several models share.
+   subroutine declare_heat(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      matter%stress(first:last, :) = 0.0_wp
-      if (allocated(matter%viscous_pressure)) matter%viscous_pressure(first:last) = 0.0_wp
-      if (allocated(matter%energy)) matter%energy(first:last) = 0.0_wp
-      if (allocated(matter%temperature)) matter%temperature(first:last) = temperature
-      if (allocated(matter%plastic_strain)) matter%plastic_strain(first:last) = 0.0_wp
-      if (allocated(matter%plastic_rate)) matter%plastic_rate(first:last) = 0.0_wp
-      if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
-      if (allocated(matter%failed)) matter%failed(first:last) = 0
-   end subroutine material_start
+      call schema%real("material", "specific_heat", "at constant volume", unit="J/(kg K)", &
+         range="> 0", owner="effects.thermal")
+      call schema%require("material", "specific_heat")
+      call schema%real("material", "t_ref", "temperature of full strength", unit="K", &
+         default="293.0", range=">= 0", owner="effects.thermal")
+      call schema%real("material", "t_melt", "temperature of melting", unit="K", range="> 0", &
+         owner="effects.thermal")
+      call schema%real("material", "jc_rate", "rate of the static yield stress and strain to "// &
+         "failure of Johnson and Cook", unit="1/s", default="1.0", range="> 0", &
+         owner="effects.rate")
+   end subroutine declare_heat
 
-   !> Fastest signal [m/s] in the reference state, for the first time step.
-   pure real(wp) function material_reference_speed(self) result(speed)
-      class(material_t), intent(in) :: self          !! The material
+   !> Declare the keys that belong to the models of the catalogue.
+   subroutine declare_models(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_t), allocatable :: law
+      class(eos_t), allocatable :: eos
+      class(damage_t), allocatable :: damage
+      integer :: i
 
-      speed = sqrt((self%bulk + 4.0_wp/3.0_wp*self%shear)/self%density)
-   end function material_reference_speed
-
-   !> One time step of a range of particles, with the gradient given and the work of the stress of
-   !! the force already in the energy. The order of the chain is that of the calls here.
-   pure subroutine material_update(self, matter, deformation, first, last, dt, spacing)
-      class(material_t), intent(in) :: self              !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
-      real(wp), intent(in) :: dt                         !! Time step [s]
-      real(wp), intent(in) :: spacing                    !! Cell size [m]
-      integer :: count
-
-      count = last - first + 1
-      if (count < 1) return
-      deformation%plastic_work(:count) = 0.0_wp
-      deformation%viscous_work(:count) = 0.0_wp
-      if (allocated(self%law)) then
-         call update_deviator(self, matter, deformation, first, last, dt)
-      else
-         call dilate(first, last, deformation%gradient, matter%volume, deformation%old_volume, &
-            deformation%dilatation)
-         deformation%plastic_increment(:count) = 0.0_wp
-      end if
-      call update_pressure(self, matter, deformation, first, last)
-      if (allocated(self%damage)) call self%damage%update(matter, deformation, first, last, dt)
-      call limit_tension(self, matter, deformation, first, last)
-      if (allocated(self%viscosity)) call viscous_losses(first, last, matter%viscous_pressure, &
-         deformation%old_volume, deformation%dilatation, deformation%viscous_work)
-      if (allocated(self%heat)) call update_temperature(self, matter, deformation, first, last)
-      if (allocated(self%viscosity)) then
-         call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
-            deformation%dilatation, matter%viscous_pressure, deformation%pressure, &
-            deformation%wave_speed)
-      else
-         call square_root(count, deformation%wave_speed)
-      end if
-      if (allocated(self%law)) then
-         call assemble(first, last, deformation%pressure, matter%stress)
-      else
-         call assemble_isotropic(first, last, deformation%pressure, matter%stress)
-      end if
-   end subroutine material_update
-
-   !> Volume and deviator of stress.
-   pure subroutine update_deviator(self, matter, deformation, first, last, dt)
-      class(material_t), intent(in) :: self              !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
-      real(wp), intent(in) :: dt                         !! Time step [s]
-
-      call self%law%predict(matter, deformation, first, last)
-      ! Before the law, so that what has no strength does not flow plastically.
-      if (allocated(self%fracture)) call drop_failed(first, last, matter%failed, matter%stress)
-      if (allocated(self%melting)) &
-         call drop_melted(first, last, self%melting, matter%temperature, matter%stress)
-      call self%law%update(matter, deformation, first, last, dt)
-   end subroutine update_deviator
-
-   !> Pressure of the material, and the square of its wave speed.
-   pure subroutine update_pressure(self, matter, deformation, first, last)
-      class(material_t), intent(in) :: self              !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
-
-      if (allocated(self%eos)) then
-         call self%eos%update(matter, deformation, first, last)
-      else
-         if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
-            deformation%pressure(:last - first + 1) - matter%viscous_pressure(first:last)
-         call follow_rate(first, last, self%bulk, matter%mass, matter%volume, &
-            deformation%dilatation, deformation%pressure, deformation%wave_speed)
-      end if
-      if (.not. allocated(self%law)) return
-      if (allocated(self%fracture)) then
-         call stiffen_intact(first, last, self%shear, matter%failed, matter%mass, matter%volume, &
-            deformation%wave_speed)
-      else
-         call stiffen(first, last, self%shear, matter%mass, matter%volume, deformation%wave_speed)
-      end if
-   end subroutine update_pressure
-
-   !> Cut the tension or let particles fail.
-   pure subroutine limit_tension(self, matter, deformation, first, last)
-      class(material_t), intent(in) :: self              !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
-
-      if (allocated(self%fracture)) then
-         call break(first, last, self%fracture%strength, self%shear, self%bulk, matter%volume, &
-            matter%stress, deformation%pressure, deformation%pressure_floor, matter%damage, &
-            matter%failed, deformation%plastic_work)
-         if (.not. allocated(self%eos)) call open_voids(first, last, self%density, self%bulk, &
-            matter%mass, matter%volume, matter%failed, deformation%pressure, &
-            deformation%wave_speed)
-      else if (allocated(self%spall)) then
-         call cut_tension(first, last, self%spall%strength, deformation%pressure, &
-            deformation%pressure_floor)
-      else if (allocated(self%heat)) then
-         deformation%pressure_floor(:last - first + 1) = -huge(1.0_wp)
-      end if
-      if (allocated(self%melting)) call melt(first, last, self%melting, matter%temperature, &
-         deformation%pressure, deformation%pressure_floor)
-   end subroutine limit_tension
-
-   !> Temperature after the step.
-   pure subroutine update_temperature(self, matter, deformation, first, last)
-      class(material_t), intent(in) :: self              !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
-      real(wp) :: gamma_density
-
-      gamma_density = 0.0_wp
-      if (allocated(self%eos)) gamma_density = self%eos%gamma_density
-      call heat(first, last, self%heat%specific_heat, gamma_density, matter%mass, matter%volume, &
-         deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
-         deformation%plastic_work, deformation%viscous_work, matter%temperature)
-   end subroutine update_temperature
-
-   !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.
-   pure subroutine material_stored_energy(self, matter, first, last, energy)
-      class(material_t), intent(in) :: self          !! The material
-      type(matter_t), intent(in) :: matter           !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(inout) :: energy(:) !! (range) [J]
-      real(wp) :: limit, pressure, square
-      integer :: i, k
-
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         if (allocated(matter%energy)) then
-            energy(i) = matter%mass(k)*matter%energy(k)
-            cycle
-         end if
-         limit = -huge(1.0_wp)
-         if (allocated(self%spall)) limit = -self%spall%strength
-         if (allocated(matter%failed)) limit = merge(0.0_wp, limit, matter%failed(k) /= 0)
-         pressure = -sum(matter%stress(k, 1:3))/3.0_wp
-         square = sum((matter%stress(k, 1:3) + pressure)**2) + 2.0_wp*sum(matter%stress(k, 4:6)**2)
-         energy(i) = 0.0_wp
-         if (self%shear > 0.0_wp) energy(i) = matter%volume(k)*square/(4.0_wp*self%shear)
-         if (allocated(self%eos)) then
-            energy(i) = energy(i) + self%eos%stored(matter%mass(k), matter%volume(k), limit)
-         else
-            if (allocated(matter%viscous_pressure)) pressure = pressure - matter%viscous_pressure(k)
-            energy(i) = energy(i) + matter%volume(k)*pressure**2/(2.0_wp*self%bulk)
-         end if
+      do i = 1, size(law_names)
+         call choose_law(law_names(i), law)
+         call law%declare(schema)
       end do
-   end subroutine material_stored_energy
+      do i = 1, size(eos_names)
+         call choose_eos(eos_names(i), eos)
+         call eos%declare(schema)
+      end do
+      do i = 1, size(damage_names)
+         call choose_damage(damage_names(i), damage)
+         call damage%declare(schema)
+      end do
+   end subroutine declare_models
+
+   !> Make a material from its group. What the single keys cannot tell is checked here; the material
+   !> is complete only if the deck has no errors at all.
+   subroutine material_read(self, deck, place)
+      class(material_t), intent(out) :: self         !! The material
+      type(deck_t), intent(inout) :: deck            !! The deck, notes what is wrong
+      integer, intent(in) :: place                   !! Number among the &material of the deck
+      type(effects_t) :: effects
+      type(group_t) :: group
+
+      call effects%read(deck%group("effects"))
+      group = deck%group("material", place)
+      call group%get("name", self%name)
+      call choose_models(self, group, effects)
+      call check_moduli(self, group, deck)
+      call check_models(self, group, effects, deck)
+      if (deck%errors() > 0) return
+      call group%get("density", self%density)
+      call read_moduli(self, group)
+      call read_models(self, group, effects, deck%group("method"))
+   end subroutine material_read
+
+   !> Allocate the models that are asked for.
+   subroutine choose_models(material, group, effects)
+      class(material_t), intent(inout) :: material   !! The material
+      type(group_t), intent(in) :: group             !! Its &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+      character(len=:), allocatable :: word
+
+      call group%get("elastic", word)
+      if (effects%strength .and. word == "isotropic") then
+         call group%get("strength_model", word)
+         call choose_law(word, material%law)
+      end if
+      call group%get("eos_model", word)
+      if (effects%eos) call choose_eos(word, material%eos)
+      call group%get("damage_model", word)
+      if (effects%damage) call choose_damage(word, material%damage)
+   end subroutine choose_models
+
+   !> Exactly one way to give the moduli, and nothing that is not used.
+   subroutine check_moduli(material, group, deck)
+      class(material_t), intent(in) :: material      !! The material with its models chosen
+      type(group_t), intent(in) :: group             !! Its &material
+      type(deck_t), intent(inout) :: deck            !! Notes what is wrong
+      logical :: young, poisson, bulk, shear, derived, strong
+
+      young = group%given("young")
+      poisson = group%given("poisson")
+      bulk = group%given("bulk")
+      shear = group%given("shear")
+      strong = allocated(material%law)
+      derived = .false.
+      if (allocated(material%eos)) derived = material%eos%sets_bulk()
+      if ((young .or. poisson) .and. (bulk .or. shear)) then
+         call deck%complain(group, "young/poisson and bulk/shear are both given; keep one pair")
+         return
+      end if
+      if (young .and. .not. poisson) call deck%complain(group, &
+         "poisson must be set (above -1, below 0.5), as young is given", "young")
+      if (poisson .and. .not. young) call deck%complain(group, &
+         "young must be set [Pa], as poisson is given", "poisson")
+      if (derived .and. bulk) call deck%complain(group, &
+         "bulk is not used, as the equation of state gives it; remove it", "bulk")
+      if (shear .and. .not. strong) call deck%complain(group, &
+         "shear is not used by a material without strength; remove it", "shear")
+      if (derived .and. young .and. .not. strong) call deck%complain(group, &
+         "young and poisson are not used by a material without strength; remove them", "young")
+      if (young .or. poisson) return
+      if (.not. derived .and. .not. bulk) call deck%complain(group, &
+         "bulk must be set [Pa], or young [Pa] and poisson")
+      if (strong .and. .not. shear) call deck%complain(group, &
+         "shear must be set [Pa], or young [Pa] and poisson")
+   end subroutine check_moduli
+
+   !> Models that fit each other and the effects.
+   subroutine check_models(material, group, effects, deck)
+      class(material_t), intent(in) :: material      !! The material with its models chosen
+      type(group_t), intent(in) :: group             !! Its &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(deck_t), intent(inout) :: deck            !! Notes what is wrong
+      character(len=:), allocatable :: strength, damage
+      real(wp) :: rate, reference, melting
+      logical :: plastic
+
+      plastic = .false.
+      if (allocated(material%law)) plastic = material%law%plastic()
+      if (allocated(material%damage) .and. .not. plastic) call deck%complain(group, &
+         "this damage_model counts plastic strain and needs a strength_model that flows", &
+         "damage_model")
+      if (.not. allocated(material%law) .and. .not. effects%eos) call deck%complain(group, &
+         "a material without strength needs &effects eos = .true.")
+      call group%get("strength_model", strength)
+      call group%get("damage_model", damage)
+      ! The default itself is let pass, as the echo of a deck holds it for every material.
+      call group%get("jc_rate", rate)
+      if (group%given("jc_rate") .and. abs(rate - 1.0_wp) > 0.0_wp .and. &
+         strength /= "johnson_cook" .and. damage /= "johnson_cook") &
+         call deck%complain(group, "jc_rate is given but no model of Johnson and Cook", "jc_rate")
+      if (.not. effects%thermal) return
+      if (group%given("t_melt")) then
+         if (.not. (group%known("t_melt") .and. group%known("t_ref"))) return
+         call group%get("t_melt", melting)
+         call group%get("t_ref", reference)
+         if (melting <= reference) &
+            call deck%complain(group, "t_melt must be above t_ref", "t_melt")
+      else if (effects%melting .or. needs_melting(material, group)) then
+         call deck%complain(group, "t_melt must be set [K]")
+      end if
+   end subroutine check_models
+
+   !> True if strength or damage follows the temperature up to melting.
+   logical function needs_melting(material, group)
+      class(material_t), intent(in) :: material      !! The material with its models chosen
+      type(group_t), intent(in) :: group             !! Its &material
+      real(wp) :: coefficient(5)
+
+      needs_melting = group%given("jc_m")
+      if (.not. allocated(material%damage) .or. group%count("jcd") < 5) return
+      call group%get("jcd", coefficient)
+      needs_melting = needs_melting .or. abs(coefficient(5)) > 0.0_wp
+   end function needs_melting
+
+   !> Bulk and shear modulus from what is given.
+   subroutine read_moduli(material, group)
+      class(material_t), intent(inout) :: material   !! The material
+      type(group_t), intent(in) :: group             !! Its &material
+      real(wp) :: young, poisson
+
+      if (group%given("young")) then
+         call group%get("young", young)
+         call group%get("poisson", poisson)
+         material%bulk = young/(3.0_wp*(1.0_wp - 2.0_wp*poisson))
+         material%shear = young/(2.0_wp*(1.0_wp + poisson))
+      else
+         if (group%given("bulk")) call group%get("bulk", material%bulk)
+         if (group%given("shear")) call group%get("shear", material%shear)
+      end if
+      if (.not. allocated(material%law)) material%shear = 0.0_wp
+   end subroutine read_moduli
+
+   !> The models with their constants.
+   subroutine read_models(material, group, effects, method_group)
+      class(material_t), intent(inout) :: material   !! The material
+      type(group_t), intent(in) :: group             !! Its &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(group_t), intent(in) :: method_group      !! &method
+
+      if (allocated(material%eos)) then
+         material%eos%density = material%density
+         material%eos%bulk = material%bulk
+         call material%eos%read(group)
+         material%bulk = material%eos%bulk
+      end if
+      if (allocated(material%law)) then
+         material%law%shear = material%shear
+         call material%law%read(group, effects)
+      end if
+      if (allocated(material%damage)) call material%damage%read(group, effects)
+      if (effects%viscosity) then
+         allocate (material%viscosity)
+         call method_group%get("bulk_q1", material%viscosity%linear)
+         call method_group%get("bulk_q2", material%viscosity%quadratic)
+      end if
+      if (effects%damage .and. (allocated(material%damage) .or. group%given("spall"))) then
+         allocate (material%fracture)
+         if (group%given("spall")) call group%get("spall", material%fracture%strength)
+      else if (group%given("spall")) then
+         allocate (material%spall)
+         call group%get("spall", material%spall%strength)
+      end if
+      if (effects%thermal) then
+         allocate (material%heat)
+         call group%get("specific_heat", material%heat%specific_heat)
+      end if
+      if (effects%melting) then
+         allocate (material%melting)
+         call group%get("t_melt", material%melting)
+      end if
+   end subroutine read_models
 end module material_type

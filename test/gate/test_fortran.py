@@ -57,9 +57,10 @@ class FortranGate(unittest.TestCase):
         offences = []
         for module in MODULES:
             lines = lines_of(module.path)
-            for name, first, last, arguments, _ in module.procedures:
-                kernel = any(LONG_KERNEL in line for line in lines[first - 2:last])
-                if last - first + 1 > PROCEDURE_LINES and not kernel:
+            for name, first, last, arguments, body in module.procedures:
+                kernel = any("contiguous" in text.lower() for _, text in body)
+                long_kernel = any(LONG_KERNEL in line for line in lines[first - 2:last])
+                if last - first + 1 > PROCEDURE_LINES and not long_kernel:
                     offences.append(f"{place(module.path, first)} {name} has {last - first + 1} "
                                     f"lines, limit {PROCEDURE_LINES}")
                 if len(arguments) > ARGUMENTS and not kernel:
@@ -146,7 +147,8 @@ class FortranGate(unittest.TestCase):
                     end = line
                     while code_of(lines[end - 1]).endswith("&"):
                         end += 1
-                    if not any("!!" in lines[number] for number in range(line - 1, end)):
+                    beside = any("!!" in lines[number] for number in range(line - 1, end))
+                    if not beside and not documented(lines, line):
                         offences.append(f"{place(module.path, line)} {name}: no !! on {text}")
         self.none(offences)
 

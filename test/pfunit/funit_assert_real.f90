@@ -117,8 +117,8 @@ contains
       end do
    end subroutine compare
 
-   !> True if two numbers differ by no more than a limit. A NaN agrees with nothing; it is looked for
-   !! first, since comparing it would trap in a Debug build.
+   !> True if two numbers differ by no more than a limit. A NaN agrees with nothing; it is looked
+   !! for first, since comparing it would trap in a Debug build.
    pure function agree(expected, found, limit) result(good)
       real(wp), intent(in) :: expected, found, limit
       logical :: good
@@ -195,7 +195,8 @@ contains
          if (.not. (ieee_is_nan(lower(element)) .or. ieee_is_nan(upper(element)))) then
             if (lower(element) < upper(element)) cycle
          end if
-         write (text, "(a, es24.16, a, es24.16)") "not less:", lower(element), " <", upper(element)
+         write (text, "(a, es24.16, a, es24.16)") "not less:", lower(element), " <", &
+            upper(element)
          call throw(trim(text), message, location)
          return
       end do

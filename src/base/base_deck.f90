@@ -1,0 +1,420 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> A deck: what the user asks for, read against the schema with all its faults found in one pass.
+!!
+!! Usage: `read`, then checks of one's own with `complain` and `warn`, then `verdict`.
+module base_deck
+   use base_deck_check, only: check_groups, check_schema, label_of
+   use base_deck_echo, only: echo
+   use base_deck_fill, only: fill_defaults, fill_groups, start_group
+   use base_deck_group, only: group_t, unset_whole
+   use base_deck_override, only: override, take_apart
+   use base_deck_problems, only: problems_t
+   use base_deck_value, only: value_t
+   use base_error, only: error_t, exit_input, fail
+   use base_kinds, only: wp
+   use base_namelist, only: namelist_t
+   use base_schema, only: kind_integer, kind_logical, kind_real, kind_text, schema_t
+   use base_text, only: brief, lower, text_t
+   use base_units, only: system_names, system_number, system_si, unit_of, unit_t
+   implicit none
+   private
+
+   public :: deck_t, group_t, unset_whole
+
+   !> The deck.
+   type :: deck_t
+      character(len=:), allocatable :: file              !! Its name
+      integer :: system = system_si                      !! Units it is written in
+      type(schema_t), private :: schema                  !! What is allowed
+      type(problems_t) :: problems                       !! What is wrong
+      type(group_t), allocatable, private :: groups(:)   !! All groups
+      type(text_t), allocatable, private :: files(:)     !! Its files in the order of reading
+      integer, private :: written = 0                    !! Number of groups in the text
+   contains
+      procedure :: read => deck_read                     !! Read it
+      procedure :: count => deck_count                   !! Number of groups of a kind
+      procedure :: group => deck_group                   !! One group
+      procedure :: named => deck_named                   !! Number of the group of a name
+      !> Note an error or a warning about a group, at the line of a key if it is given.
+      generic :: complain => complain_of_group, complain_of_place
+      generic :: warn => warn_of_group, warn_of_place    !! The same for a warning
+      !> Put the value that is used in the place of a default that depends on other keys.
+      generic :: settle => settle_numbers, settle_number, settle_whole, settle_wholes, &
+         settle_switch, settle_text
+      procedure :: errors => deck_errors                 !! Number of errors so far
+      procedure :: warnings => deck_warnings             !! Number of warnings so far
+      procedure :: report => deck_report                 !! All errors and warnings, and their count
+      procedure :: verdict => deck_verdict               !! An error if there were any
+      procedure :: shown => deck_shown                   !! A number in the units of the deck
+      procedure :: echo => deck_echo                     !! The deck with all values used, in SI
+      procedure, private :: complain_of_group, complain_of_place, warn_of_group, warn_of_place
+      procedure, private :: settle_numbers, settle_number, settle_whole, settle_wholes, &
+         settle_switch, settle_text
+      procedure, private :: locate => deck_locate        !! Index of a group
+      procedure, private :: slot => deck_slot            !! Indices of a group and a key
+   end type deck_t
+
+contains
+
+   !> Read a deck. What is wrong with it is noted in it; an error is a mistake in the schema.
+   subroutine deck_read(self, schema, text, file, overrides, error)
+      class(deck_t), intent(out) :: self                 !! The deck
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      character(len=*), intent(in) :: text               !! All lines
+      character(len=*), intent(in) :: file               !! Its name, for messages
+      type(text_t), intent(in) :: overrides(:)           !! GROUP.KEY=VALUE of the command line
+      type(error_t), allocatable, intent(out) :: error   !! The schema is wrong
+      type(namelist_t) :: namelist
+      type(group_t), allocatable :: groups(:)
+      integer :: filled, i
+
+      self%file = file
+      self%schema = schema
+      call check_schema(schema, error)
+      if (allocated(error)) return
+      call namelist%scan(text, file, self%problems)
+      self%written = namelist%count
+      call move_alloc(namelist%files, self%files)
+      self%system = chosen_system(namelist, overrides)
+      allocate (groups(namelist%count + size(overrides) + size(schema%groups)))
+      filled = 0
+      call fill_groups(schema, namelist, self%system, self%problems, groups, filled)
+      do i = 1, size(overrides)
+         call override(schema, overrides(i)%text, self%system, self%problems, groups, filled)
+      end do
+      call add_absent(schema, file, groups, filled)
+      do i = 1, filled
+         call fill_defaults(schema%groups(schema%find(groups(i)%group)), self%problems, groups(i))
+         call groups(i)%get("name", groups(i)%title)
+      end do
+      self%groups = groups(:filled)
+      call check_groups(schema, self%groups, file, self%problems)
+   end subroutine deck_read
+
+   !> The system of units that the deck or the command line names; SI if that has a fault.
+   integer function chosen_system(namelist, overrides) result(system)
+      type(namelist_t), intent(in) :: namelist           !! What is written
+      type(text_t), intent(in) :: overrides(:)           !! GROUP.KEY=VALUE of the command line
+      character(len=:), allocatable :: choice, group, key, name, value
+      integer :: i, k
+
+      name = "si"
+      do i = namelist%count, 1, -1
+         if (namelist%blocks(i)%name /= "units") cycle
+         do k = 1, size(namelist%blocks(i)%pieces)
+            associate (piece => namelist%blocks(i)%pieces(k))
+               if (piece%key == "system" .and. size(piece%tokens) == 1) name = piece%tokens(1)%text
+            end associate
+         end do
+      end do
+      do i = 1, size(overrides)
+         call take_apart(overrides(i)%text, group, choice, key, value)
+         if (group == "units" .and. key == "system") name = value
+      end do
+      if (scan(name//" ", "'""") == 1) name = name(2:len(name) - 1)
+      system = system_number(lower(name))
+      if (system == 0) system = system_si
+   end function chosen_system
+
+   !> Add the groups that may be given once and were not, so that they have their defaults.
+   subroutine add_absent(schema, file, groups, filled)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      character(len=*), intent(in) :: file               !! Name of the deck
+      type(group_t), intent(inout) :: groups(:)          !! All groups
+      integer, intent(inout) :: filled                   !! Number of groups
+      integer :: i, rule
+
+      do rule = 1, size(schema%groups)
+         if (schema%groups(rule)%many) cycle
+         do i = 1, filled
+            if (groups(i)%group == schema%groups(rule)%name) exit
+         end do
+         if (i <= filled) cycle
+         filled = filled + 1
+         call start_group(schema%groups(rule), 1, groups(filled))
+         groups(filled)%path = file
+      end do
+   end subroutine add_absent
+
+   !> Number of groups of a kind. One that may be given once always counts as one.
+   pure integer function deck_count(self, name) result(count)
+      class(deck_t), intent(in) :: self                  !! The deck
+      character(len=*), intent(in) :: name               !! The kind, without &
+      integer :: i
+
+      count = 0
+      do i = 1, size(self%groups)
+         if (self%groups(i)%group == name) count = count + 1
+      end do
+   end function deck_count
+
+   !> Index of a group in the list, 0 if there is none.
+   pure integer function deck_locate(self, name, place) result(index)
+      class(deck_t), intent(in) :: self                  !! The deck
+      character(len=*), intent(in) :: name               !! The kind, without &
+      integer, intent(in) :: place                       !! Number among those of its kind
+      integer :: seen
+
+      seen = 0
+      do index = 1, size(self%groups)
+         if (self%groups(index)%group /= name) cycle
+         seen = seen + 1
+         if (seen == place) return
+      end do
+      index = 0
+   end function deck_locate
+
+   !> One group. If there is none, it is one without values.
+   function deck_group(self, name, place) result(group)
+      class(deck_t), intent(in) :: self                  !! The deck
+      character(len=*), intent(in) :: name               !! The kind, without &
+      integer, intent(in), optional :: place             !! Number among those of its kind, or 1
+      type(group_t) :: group
+      integer :: index
+
+      index = 1
+      if (present(place)) index = place
+      index = self%locate(name, index)
+      if (index > 0) then
+         group = self%groups(index)
+         return
+      end if
+      group%group = name
+      group%title = ""
+      group%path = self%file
+      allocate (group%values(0))
+   end function deck_group
+
+   !> Number of the group of a name among those of its kind, 0 if there is none.
+   pure integer function deck_named(self, name, title) result(place)
+      class(deck_t), intent(in) :: self                  !! The deck
+      character(len=*), intent(in) :: name               !! The kind, without &
+      character(len=*), intent(in) :: title              !! Value of its key `name`
+      integer :: i
+
+      place = 0
+      do i = 1, size(self%groups)
+         if (self%groups(i)%group /= name) cycle
+         place = place + 1
+         if (self%groups(i)%title == title) return
+      end do
+      place = 0
+   end function deck_named
+
+   !> Note an error about a group.
+   subroutine complain_of_group(self, group, message, key)
+      class(deck_t), intent(inout) :: self               !! The deck
+      type(group_t), intent(in) :: group                 !! The group
+      character(len=*), intent(in) :: message            !! What is wrong and what to do
+      character(len=*), intent(in), optional :: key      !! The key whose line is told
+
+      call self%problems%error(group%file(key), group%line(key), label_of(group)//": "//message)
+   end subroutine complain_of_group
+
+   !> Note an error about a group.
+   subroutine complain_of_place(self, name, place, message, key)
+      class(deck_t), intent(inout) :: self               !! The deck
+      character(len=*), intent(in) :: name               !! The kind, without &
+      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: message            !! What is wrong and what to do
+      character(len=*), intent(in), optional :: key      !! The key whose line is told
+
+      call self%complain(self%group(name, place), message, key)
+   end subroutine complain_of_place
+
+   !> Note a warning about a group.
+   subroutine warn_of_group(self, group, message, key)
+      class(deck_t), intent(inout) :: self               !! The deck
+      type(group_t), intent(in) :: group                 !! The group
+      character(len=*), intent(in) :: message            !! What looks wrong and what to do
+      character(len=*), intent(in), optional :: key      !! The key whose line is told
+
+      call self%problems%warning(group%file(key), group%line(key), label_of(group)//": "//message)
+   end subroutine warn_of_group
+
+   !> Note a warning about a group.
+   subroutine warn_of_place(self, name, place, message, key)
+      class(deck_t), intent(inout) :: self               !! The deck
+      character(len=*), intent(in) :: name               !! The kind, without &
+      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: message            !! What looks wrong and what to do
+      character(len=*), intent(in), optional :: key      !! The key whose line is told
+
+      call self%warn(self%group(name, place), message, key)
+   end subroutine warn_of_place
+
+   !> Number of errors so far.
+   pure integer function deck_errors(self) result(errors)
+      class(deck_t), intent(in) :: self                  !! The deck
+
+      errors = self%problems%errors
+   end function deck_errors
+
+   !> Number of warnings so far.
+   pure integer function deck_warnings(self) result(warnings)
+      class(deck_t), intent(in) :: self                  !! The deck
+
+      warnings = self%problems%warnings
+   end function deck_warnings
+
+   !> All errors and warnings in the order of the lines, and a last line with their count.
+   function deck_report(self) result(text)
+      class(deck_t), intent(in) :: self                  !! The deck
+      character(len=:), allocatable :: text
+
+      text = self%problems%report(self%files, self%written)
+   end function deck_report
+
+   !> An error with the report if there were errors.
+   subroutine deck_verdict(self, error)
+      class(deck_t), intent(in) :: self                  !! The deck
+      type(error_t), allocatable, intent(out) :: error   !! The deck is wrong
+
+      if (self%errors() > 0) call fail(error, exit_input, self%report())
+   end subroutine deck_verdict
+
+   !> A number in the units of the deck, for messages.
+   function deck_shown(self, value, unit_text) result(text)
+      class(deck_t), intent(in) :: self                  !! The deck
+      real(wp), intent(in) :: value                      !! The number [SI]
+      character(len=*), intent(in) :: unit_text          !! Its unit of SI
+      character(len=:), allocatable :: text
+      type(unit_t) :: unit
+      logical :: known
+
+      call unit_of(unit_text, unit, known)
+      text = brief(value*10.0_wp**(-unit%exponent(self%system)))
+   end function deck_shown
+
+   !> The deck with all values that are used, in SI; it reads back to the same bits.
+   function deck_echo(self) result(text)
+      class(deck_t), intent(in) :: self                  !! The deck
+      character(len=:), allocatable :: text
+
+      text = echo(self%schema, self%groups)
+      text = "! Written in SI ("//trim(system_names(system_si))//"); the deck was in "// &
+         trim(system_names(self%system))//"."//new_line("a")//text
+   end function deck_echo
+
+   !> Indices of a group and a key of a certain kind; 0 if there is no such key.
+   pure function deck_slot(self, name, place, key, kind) result(slot)
+      class(deck_t), intent(in) :: self                  !! The deck
+      character(len=*), intent(in) :: name               !! The kind of the group, without &
+      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: key                !! The key
+      integer, intent(in) :: kind                        !! Kind of its values
+      integer :: slot(2)
+      integer :: group, index, rule
+
+      slot = 0
+      group = self%locate(name, place)
+      rule = self%schema%find(name)
+      if (group == 0 .or. rule == 0) return
+      index = self%schema%groups(rule)%find(key)
+      if (index == 0) return
+      if (self%schema%groups(rule)%keys(index)%kind == kind) slot = [group, index]
+   end function deck_slot
+
+   !> Settle several numbers.
+   pure subroutine settle_numbers(self, group, place, key, value)
+      class(deck_t), intent(inout) :: self               !! The deck
+      character(len=*), intent(in) :: group              !! The kind of the group, without &
+      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: key                !! The key
+      real(wp), intent(in) :: value(:)                   !! Its values [SI]
+      integer :: slot(2)
+
+      slot = self%slot(group, place, key, kind_real)
+      if (slot(1) == 0) return
+      associate (slot_value => self%groups(slot(1))%values(slot(2)))
+         call settle_value(slot_value, size(value))
+         slot_value%numbers = value
+      end associate
+   end subroutine settle_numbers
+
+   !> Settle one number.
+   pure subroutine settle_number(self, group, place, key, value)
+      class(deck_t), intent(inout) :: self               !! The deck
+      character(len=*), intent(in) :: group              !! The kind of the group, without &
+      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: key                !! The key
+      real(wp), intent(in) :: value                      !! Its value [SI]
+
+      call self%settle(group, place, key, [value])
+   end subroutine settle_number
+
+   !> Settle several whole numbers.
+   pure subroutine settle_wholes(self, group, place, key, value)
+      class(deck_t), intent(inout) :: self               !! The deck
+      character(len=*), intent(in) :: group              !! The kind of the group, without &
+      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: key                !! The key
+      integer, intent(in) :: value(:)                    !! Its values
+      integer :: slot(2)
+
+      slot = self%slot(group, place, key, kind_integer)
+      if (slot(1) == 0) return
+      associate (slot_value => self%groups(slot(1))%values(slot(2)))
+         call settle_value(slot_value, size(value))
+         slot_value%wholes = value
+      end associate
+   end subroutine settle_wholes
+
+   !> Settle one whole number.
+   pure subroutine settle_whole(self, group, place, key, value)
+      class(deck_t), intent(inout) :: self               !! The deck
+      character(len=*), intent(in) :: group              !! The kind of the group, without &
+      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: key                !! The key
+      integer, intent(in) :: value                       !! Its value
+
+      call self%settle(group, place, key, [value])
+   end subroutine settle_whole
+
+   !> Settle a switch.
+   pure subroutine settle_switch(self, group, place, key, value)
+      class(deck_t), intent(inout) :: self               !! The deck
+      character(len=*), intent(in) :: group              !! The kind of the group, without &
+      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: key                !! The key
+      logical, intent(in) :: value                       !! Its value
+      integer :: slot(2)
+
+      slot = self%slot(group, place, key, kind_logical)
+      if (slot(1) == 0) return
+      associate (slot_value => self%groups(slot(1))%values(slot(2)))
+         call settle_value(slot_value, 1)
+         slot_value%switches = [value]
+      end associate
+   end subroutine settle_switch
+
+   !> Settle a text.
+   pure subroutine settle_text(self, group, place, key, value)
+      class(deck_t), intent(inout) :: self               !! The deck
+      character(len=*), intent(in) :: group              !! The kind of the group, without &
+      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: value              !! Its value
+      integer :: slot(2)
+
+      slot = self%slot(group, place, key, kind_text)
+      if (slot(1) == 0) return
+      associate (slot_value => self%groups(slot(1))%values(slot(2)))
+         call settle_value(slot_value, 1)
+         allocate (slot_value%texts(1))
+         slot_value%texts(1)%text = value
+      end associate
+   end subroutine settle_text
+
+   !> Empty a value that was not given, before it gets the one that is used.
+   pure subroutine settle_value(value, places)
+      type(value_t), intent(inout) :: value              !! The value
+      integer, intent(in) :: places                      !! Number of values
+
+      value%settled = .true.
+      value%valid = .true.
+      if (allocated(value%filled)) deallocate (value%filled)
+      if (allocated(value%texts)) deallocate (value%texts)
+      allocate (value%filled(places), source=.true.)
+   end subroutine settle_value
+end module base_deck

@@ -1,0 +1,248 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Checks that the schema alone asks for: owners, required keys, names, references.
+module base_deck_check
+   use base_deck_group, only: group_t
+   use base_deck_problems, only: problems_t
+   use base_deck_value, only: read_default, value_t
+   use base_error, only: error_t, exit_internal, fail
+   use base_schema, only: condition_t, group_rule_t, key_t, kind_logical, schema_t
+   use base_text, only: append, closest, join, number, text_t
+   implicit none
+   private
+
+   public :: applies, check_groups, check_schema, label_of
+
+contains
+
+   !> Find mistakes of the program in the declarations.
+   subroutine check_schema(schema, error)
+      type(schema_t), intent(in) :: schema               !! The declarations
+      type(error_t), allocatable, intent(out) :: error   !! The first mistake
+      type(value_t) :: value
+      character(len=:), allocatable :: complaint
+      integer :: i, k, other, owner
+
+      if (allocated(schema%fault)) then
+         call fail(error, exit_internal, schema%fault)
+         return
+      end if
+      do i = 1, size(schema%groups)
+         do k = 1, size(schema%groups(i)%keys)
+            associate (key => schema%groups(i)%keys(k))
+               call read_default(key, value, complaint)
+               do owner = 1, size(key%owners)
+                  other = schema%find(key%owners(owner)%group)
+                  if (other > 0) other = schema%groups(other)%find(key%owners(owner)%key)
+                  if (other == 0) complaint = "owner"
+               end do
+               if (key%target /= "" .and. schema%find(key%target) == 0) complaint = "target"
+               if (complaint == "") cycle
+               call fail(error, exit_internal, "declaration of the deck: "//key%group//"."// &
+                  key%name//": "//complaint)
+               return
+            end associate
+         end do
+      end do
+   end subroutine check_schema
+
+   !> Check all groups. Keys with an error of their own are taken as they were meant.
+   subroutine check_groups(schema, groups, deck_file, problems)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(group_t), intent(in) :: groups(:)             !! All groups
+      character(len=*), intent(in) :: deck_file          !! Name of the deck
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      integer :: i, k, rule
+
+      do i = 1, size(groups)
+         rule = schema%find(groups(i)%group)
+         if (.not. groups(i)%present) then
+            call check_absent(schema%groups(rule), deck_file, problems)
+            cycle
+         end if
+         do k = 1, size(schema%groups(rule)%keys)
+            call check_key(schema, schema%groups(rule)%keys(k), k, groups, i, problems)
+         end do
+         if (schema%groups(rule)%find("name") > 0) call check_name(groups, i, problems)
+      end do
+   end subroutine check_groups
+
+   !> A group that is not in the deck must not have required keys.
+   subroutine check_absent(rule, deck_file, problems)
+      type(group_rule_t), intent(in) :: rule             !! What is allowed in it
+      character(len=*), intent(in) :: deck_file          !! Name of the deck
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(text_t), allocatable :: names(:)
+      integer :: k
+
+      allocate (names(0))
+      do k = 1, size(rule%keys)
+         if (rule%keys(k)%required) call append(names, rule%keys(k)%name)
+      end do
+      if (size(names) > 0) call problems%error(deck_file, 0, "&"//rule%name// &
+         " is missing; it must give "//join(names, ", "))
+   end subroutine check_absent
+
+   !> Check one key of one group: does it apply, must it be given, is the name known?
+   subroutine check_key(schema, key, place, groups, which, problems)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(key_t), intent(in) :: key                     !! The key
+      integer, intent(in) :: place                       !! Its index
+      type(group_t), intent(in) :: groups(:)             !! All groups
+      integer, intent(in) :: which                       !! Index of the group
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      character(len=:), allocatable :: reason
+
+      associate (group => groups(which), value => groups(which)%values(place))
+         if (.not. value%valid) return
+         call weigh(schema, key, groups, which, reason)
+         if (value%given .and. reason /= "") then
+            call problems%error(value%file, value%line, label_of(group)//": "//key%name//" "//reason)
+         else if (key%required .and. reason == "" .and. value%count() == 0) then
+            if (.not. group%broken) call problems%error(group%path, group%first_line, &
+               label_of(group)//": "//key%name//" must be given ("//key%doc//")")
+         else if (key%target /= "" .and. value%given .and. reason == "") then
+            call check_references(key, groups, which, value, problems)
+         end if
+      end associate
+   end subroutine check_key
+
+   !> True if a key means something in its group.
+   logical function applies(schema, key, groups, which)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(key_t), intent(in) :: key                     !! The key
+      type(group_t), intent(in) :: groups(:)             !! All groups
+      integer, intent(in) :: which                       !! Index of the group
+      character(len=:), allocatable :: reason
+
+      call weigh(schema, key, groups, which, reason)
+      applies = reason == ""
+   end function applies
+
+   !> Why a key means nothing in its group; empty if it does.
+   subroutine weigh(schema, key, groups, which, reason)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(key_t), intent(in) :: key                     !! The key
+      type(group_t), intent(in) :: groups(:)             !! All groups
+      integer, intent(in) :: which                       !! Index of the group
+      character(len=:), allocatable, intent(out) :: reason !! Follows the name of the key
+      integer :: i, other, owner, rule
+
+      reason = ""
+      do i = 1, size(key%owners)
+         associate (condition => key%owners(i))
+            other = which
+            if (condition%group /= key%group) then
+               do other = 1, size(groups)
+                  if (groups(other)%group == condition%group) exit
+               end do
+               if (other > size(groups)) cycle
+            end if
+            rule = schema%find(condition%group)
+            owner = schema%groups(rule)%find(condition%key)
+            call compare(schema%groups(rule)%keys(owner), condition, groups(other)%values(owner), &
+               other == which, reason)
+            if (reason /= "") return
+         end associate
+      end do
+   end subroutine weigh
+
+   !> Compare a value with a condition.
+   subroutine compare(owner, condition, value, same_group, reason)
+      type(key_t), intent(in) :: owner                   !! The key of the condition
+      type(condition_t), intent(in) :: condition         !! What it should be
+      type(value_t), intent(in) :: value                 !! What it is
+      logical, intent(in) :: same_group                  !! It stands in the group of the key in question
+      character(len=:), allocatable, intent(inout) :: reason !! Why the condition does not hold
+      character(len=:), allocatable :: place, word
+      integer :: i
+
+      if (.not. value%valid) return
+      place = ""
+      if (.not. same_group) place = "&"//owner%group//" "
+      if (owner%kind == kind_logical) then
+         if (value%switches(1)) return
+         if (same_group) then
+            reason = "given but "//owner%name//" = .false."
+         else
+            reason = "needs "//place//owner%name//" = .true."
+         end if
+         return
+      end if
+      word = ""
+      if (value%count() > 0) word = value%texts(1)%text
+      do i = 1, size(condition%words)
+         if (condition%words(i)%text == word) return
+      end do
+      if (word == "") then
+         reason = "needs "//place//owner%name//" = '"//join(condition%words, "' or '")//"'"
+      else
+         reason = "given but "//place//owner%name//" = '"//word//"' does not use it"
+      end if
+   end subroutine compare
+
+   !> Names must not be used twice.
+   subroutine check_name(groups, which, problems)
+      type(group_t), intent(in) :: groups(:)             !! All groups
+      integer, intent(in) :: which                       !! Index of the group
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      integer :: i
+
+      associate (group => groups(which))
+         if (group%title == "") return
+         do i = 1, which - 1
+            if (groups(i)%title /= group%title) cycle
+            if (groups(i)%group /= group%group) cycle
+            call problems%error(group%file("name"), group%line("name"), label_of(group)// &
+               ": the name is taken by the &"//group%group//" of "//groups(i)%path//":"// &
+               number(groups(i)%first_line))
+            return
+         end do
+      end associate
+   end subroutine check_name
+
+   !> Each name must be that of a group of the right kind, or the default. Nothing is said if one of
+   !! those groups has a fault in its name.
+   subroutine check_references(key, groups, which, value, problems)
+      type(key_t), intent(in) :: key                     !! The key
+      type(group_t), intent(in) :: groups(:)             !! All groups
+      integer, intent(in) :: which                       !! Index of the group
+      type(value_t), intent(in) :: value                 !! The names
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(text_t), allocatable :: names(:)
+      character(len=:), allocatable :: near
+      integer :: i, k
+
+      allocate (names(0))
+      do i = 1, size(groups)
+         if (groups(i)%group /= key%target) cycle
+         if (groups(i)%title == "") return
+         call append(names, groups(i)%title)
+      end do
+      do k = 1, value%count()
+         associate (name => value%texts(k)%text)
+            if (allocated(key%default)) then
+               if (name == key%default) cycle
+            end if
+            do i = 1, size(names)
+               if (names(i)%text == name) exit
+            end do
+            if (i <= size(names)) cycle
+            near = closest(name, names)
+            if (near /= "") near = "; did you mean '"//near//"'?"
+            if (size(names) == 0) near = "; there is no &"//key%target
+            if (size(names) > 0) near = "; defined: "//join(names, ", ")//near
+            call problems%error(value%file, value%line, label_of(groups(which))//": no "// &
+               key%target//" '"//name//"'"//near)
+         end associate
+      end do
+   end subroutine check_references
+
+   !> Group and name for messages.
+   pure function label_of(group) result(label)
+      type(group_t), intent(in) :: group                 !! The group
+      character(len=:), allocatable :: label
+
+      label = "&"//group%group
+      if (group%title /= "") label = label//" '"//group%title//"'"
+   end function label_of
+end module base_deck_check

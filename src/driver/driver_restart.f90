@@ -1,0 +1,96 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Checkpoints of a run and the way back from them.
+module driver_restart
+   use base_error, only: error_t, exit_file, fail
+   use base_kinds, only: int64, wp
+   use driver_output, only: outputs_t
+   use driver_simulation, only: simulation_t
+   use driver_start, only: distribute
+   use io_checkpoint, only: checkpoint_newest, checkpoint_place_t, checkpoint_write, longest_path
+   use io_restart, only: checkpoint_read
+   use io_state, only: state_t
+   implicit none
+   private
+
+   public :: describe_state, resume, write_checkpoint
+
+contains
+
+   !> Step, time, books and counters of a run.
+   subroutine describe_state(simulation, state)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(state_t), intent(out) :: state            !! The same on all ranks
+
+      state%step = simulation%step
+      state%time = simulation%time
+      state%dt_next = simulation%dt_next
+      call simulation%ledger%save(simulation%communicator, state)
+   end subroutine describe_state
+
+   !> Write a checkpoint and count it.
+   subroutine write_checkpoint(simulation, outputs, place, error)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(outputs_t), intent(in) :: outputs         !! Their counters go along
+      type(checkpoint_place_t), intent(inout) :: place !! Where; its number grows
+      type(error_t), allocatable, intent(out) :: error !! Not written; older ones are intact
+      type(state_t) :: state
+
+      call simulation%timer%start(simulation%phase%checkpoint)
+      call describe_state(simulation, state)
+      call outputs%save(state)
+      call state%set("checkpoint_number", [int(place%number, int64)])
+      call state%set("last_step_length", [simulation%dt])
+      call checkpoint_write(simulation%communicator, place, simulation%stores, state, error)
+      if (.not. allocated(error)) place%number = place%number + 1
+      call simulation%timer%stop(simulation%phase%checkpoint)
+   end subroutine write_checkpoint
+
+   !> Go on from a checkpoint: the one named, or the newest that can be read.
+   subroutine resume(simulation, outputs, place, file, note, error)
+      type(simulation_t), intent(inout) :: simulation !! The run, without particles
+      type(outputs_t), intent(inout) :: outputs      !! Their counters
+      type(checkpoint_place_t), intent(inout) :: place !! Folder and case; gets the next number
+      character(len=*), intent(in) :: file           !! Empty = the newest
+      character(len=:), allocatable, intent(out) :: note !! What the log should say
+      type(error_t), allocatable, intent(out) :: error !! None can be read
+      character(len=longest_path), allocatable :: paths(:)
+      type(state_t) :: state
+      integer(int64), allocatable :: number(:)
+      real(wp), allocatable :: length(:)
+      integer :: n
+
+      note = ""
+      if (len(file) > 0) then
+         allocate (paths(1))
+         paths(1) = file
+      else
+         call checkpoint_newest(simulation%communicator, place%folder, place%case, paths, error)
+         if (allocated(error)) return
+      end if
+      if (size(paths) == 0) then
+         call fail(error, exit_file, "no checkpoint "//place%case//"_chk_*.h5 in "//place%folder// &
+            "; start without --restart")
+         return
+      end if
+      do n = 1, size(paths)
+         call checkpoint_read(simulation%communicator, trim(paths(n)), simulation%stores, state, error)
+         if (.not. allocated(error)) exit
+         note = note//"warning: "//error%message//new_line("a")
+      end do
+      if (allocated(error)) return
+      note = note//"restart from "//trim(paths(n))
+      simulation%step = state%step
+      simulation%time = state%time
+      simulation%dt_next = state%dt_next
+      call simulation%ledger%load(simulation%communicator, state, error)
+      if (allocated(error)) return
+      call state%get("checkpoint_number", number, error)
+      if (allocated(error)) return
+      place%number = int(number(1)) + 1
+      call state%get("last_step_length", length, error)
+      if (allocated(error)) return
+      simulation%dt = length(1)
+      call outputs%load(state)
+      call distribute(simulation)
+   end subroutine resume
+end module driver_restart

@@ -1,0 +1,347 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Runs a simulation to its end: steps, outputs, checkpoints, signals, progress.
+module driver_run
+   use base_constants, only: unset
+   use base_deck, only: deck_t, group_t
+   use base_deck_group, only: unset_whole
+   use base_error, only: error_t, exit_again, exit_physics, exit_success, fail
+   use base_kinds, only: int64, wp
+   use base_log, only: log_t, progress_heading, progress_line, progress_t
+   use base_timer, only: wall_seconds
+   use driver_ledger, only: balance_t, kinetic
+   use driver_output, only: outputs_t
+   use driver_restart, only: write_checkpoint
+   use driver_signal, only: signal_caught, watch_signal
+   use driver_simulation, only: simulation_t
+   use driver_step, only: advance
+   use io_checkpoint, only: checkpoint_place_t
+   implicit none
+   private
+
+   public :: limits_t, read_limits, run_to_end
+
+   !> When a run ends and when it looks after itself.
+   type :: limits_t
+      real(wp) :: time_end = 0.0_wp                  !! [s]
+      real(wp) :: dt_max = huge(1.0_wp)              !! Greatest time step [s]
+      real(wp) :: dt_min = 0.0_wp                    !! Smaller: give up [s]
+      real(wp) :: dt_fixed = 0.0_wp                  !! Always this one, 0 = stable one [s]
+      integer(int64) :: max_steps = huge(1_int64)    !! Stop after so many
+      real(wp) :: wall_limit = huge(1.0_wp)          !! Wall time to leave after [s]
+      real(wp) :: kinetic_below = -1.0_wp            !! Stop when the kinetic energy falls below [J]
+      real(wp) :: checkpoint_wall = huge(1.0_wp)     !! Wall time between checkpoints [s]
+      real(wp) :: checkpoint_time = 0.0_wp           !! Simulated time between them, 0 = none [s]
+      logical :: checkpoint_at_end = .true.          !! One more at the end
+      character(len=:), allocatable :: signals(:)    !! Signals that ask for one
+      real(wp) :: progress = 10.0_wp                 !! Wall time between lines of progress [s]
+   end type limits_t
+
+   !> What a run remembers between steps.
+   type :: watch_t
+      real(wp) :: begin = 0.0_wp                     !! Wall time at the start of the loop [s]
+      real(wp) :: last_line = 0.0_wp                 !! Of the last line of progress [s]
+      real(wp) :: last_checkpoint = 0.0_wp           !! Of the last checkpoint [s]
+      real(wp) :: checkpoint_cost = 0.0_wp           !! Wall time that one took [s]
+      real(wp) :: time_begin = 0.0_wp                !! Simulated time at the start [s]
+      integer(int64) :: checkpoints = 0              !! Simulated intervals between them that are over
+      integer :: signal = 0                          !! The signal that came
+   end type watch_t
+
+contains
+
+   !> Read the limits of a run.
+   subroutine read_limits(deck, limits)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(limits_t), intent(out) :: limits          !! What it says
+      type(group_t) :: group
+      character(len=:), allocatable :: word
+      real(wp) :: number
+      integer :: steps
+
+      group = deck%group("time", 1)
+      call group%get("t_end", limits%time_end)
+      call group%get("dt_max", number)
+      if (number > unset) limits%dt_max = number
+      call group%get("dt_min", number)
+      if (number > unset) limits%dt_min = number
+      call group%get("dt_fixed", number)
+      if (number > unset) limits%dt_fixed = number
+      call group%get("max_steps", steps)
+      if (steps /= unset_whole) limits%max_steps = steps
+      call group%get("wall_limit", word)
+      limits%wall_limit = wall_limit_of(word)
+      call group%get("stop_when", word)
+      if (word == "kinetic_below") call group%get("stop_value", limits%kinetic_below)
+      group = deck%group("checkpoint", 1)
+      call group%get("wall_minutes", number)
+      if (number > unset) limits%checkpoint_wall = 60.0_wp*number
+      call group%get("dt", number)
+      if (number > unset) limits%checkpoint_time = number
+      call group%get("at_end", limits%checkpoint_at_end)
+      call group%get("on_signal", limits%signals)
+      group = deck%group("log", 1)
+      call group%get("progress_seconds", limits%progress)
+   end subroutine read_limits
+
+   !> Seconds of a text hh:mm:ss; no limit for `none`.
+   pure real(wp) function wall_limit_of(text) result(seconds)
+      character(len=*), intent(in) :: text           !! From the deck
+      integer :: hours, minutes, rest, status
+
+      seconds = huge(1.0_wp)
+      if (len(text) < 7) return
+      read (text(:len(text) - 6), *, iostat=status) hours
+      if (status /= 0) return
+      read (text(len(text) - 4:len(text) - 3), *, iostat=status) minutes
+      if (status /= 0) return
+      read (text(len(text) - 1:), *, iostat=status) rest
+      if (status /= 0) return
+      seconds = real(3600*hours + 60*minutes + rest, wp)
+   end function wall_limit_of
+
+   !> Run to the end. An error leaves the last good checkpoint as it is.
+   subroutine run_to_end(simulation, outputs, place, limits, log, code, reason, error)
+      type(simulation_t), intent(inout) :: simulation !! The run in its first state
+      type(outputs_t), intent(inout) :: outputs      !! Open streams
+      type(checkpoint_place_t), intent(inout) :: place !! Where checkpoints go
+      type(limits_t), intent(in) :: limits           !! When to stop
+      type(log_t), intent(inout) :: log              !! Gets progress
+      integer, intent(out) :: code                   !! Exit code
+      character(len=:), allocatable, intent(out) :: reason !! Why it ended
+      type(error_t), allocatable, intent(out) :: error !! It failed
+      type(watch_t) :: watch
+      real(wp) :: dt
+      logical :: finished
+
+      call begin(simulation, limits, log, watch)
+      call write_outputs(simulation, outputs, .false., log, error)
+      if (allocated(error)) return
+      finished = .false.
+      code = exit_success
+      do
+         call judge(simulation, limits, watch, finished, code, reason)
+         if (finished) exit
+         call choose_step(simulation, limits, dt, error)
+         if (allocated(error)) exit
+         call advance(simulation, dt, error)
+         if (allocated(error)) return
+         call write_outputs(simulation, outputs, .false., log, error)
+         if (allocated(error)) return
+         call tell(simulation, limits, log, watch)
+         if (checkpoint_due(simulation, limits, watch)) then
+            call save(simulation, outputs, place, log, watch, error)
+            if (allocated(error)) return
+         end if
+      end do
+      if (allocated(error)) then
+         ! the step became too small: the state is good and worth keeping
+         call keep_state(simulation, outputs, place, log, watch)
+         return
+      end if
+      if (code == exit_success) call write_outputs(simulation, outputs, .true., log, error)
+      if (allocated(error)) return
+      if (code == exit_again .or. limits%checkpoint_at_end) &
+         call save(simulation, outputs, place, log, watch, error)
+   end subroutine run_to_end
+
+   !> Clocks, signals, heading.
+   subroutine begin(simulation, limits, log, watch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(limits_t), intent(in) :: limits           !! Signals
+      type(log_t), intent(inout) :: log              !! Gets the heading
+      type(watch_t), intent(out) :: watch            !! Clocks
+      integer :: n
+
+      watch%begin = wall_seconds()
+      watch%last_line = watch%begin
+      watch%last_checkpoint = watch%begin
+      watch%time_begin = simulation%time
+      if (limits%checkpoint_time > 0.0_wp) &
+         watch%checkpoints = int(simulation%time/limits%checkpoint_time, int64)
+      do n = 1, size(limits%signals)
+         call watch_signal(trim(limits%signals(n)))
+      end do
+      call log%info(progress_heading())
+   end subroutine begin
+
+   !> Is the run over, and why? All ranks agree.
+   subroutine judge(simulation, limits, watch, finished, code, reason)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(limits_t), intent(in) :: limits           !! When to stop
+      type(watch_t), intent(inout) :: watch          !! Clocks
+      logical, intent(out) :: finished               !! Leave the loop?
+      integer, intent(out) :: code                   !! Exit code
+      character(len=:), allocatable, intent(out) :: reason !! Why
+      type(balance_t) :: now
+      real(wp) :: call_for_end
+
+      finished = .true.
+      code = exit_success
+      call_for_end = real(signal_caught(), wp)
+      if (wall_seconds() - watch%begin + 2.0_wp*watch%checkpoint_cost > limits%wall_limit) &
+         call_for_end = max(call_for_end, 1000.0_wp)
+      watch%signal = nint(simulation%communicator%maximum(call_for_end))
+      reason = "t_end reached"
+      if (simulation%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp))) return
+      reason = "max_steps reached"
+      if (simulation%step >= limits%max_steps) return
+      code = exit_again
+      reason = "wall_limit reached"
+      if (watch%signal >= 1000) return
+      reason = "signal "//name_of(watch%signal)
+      if (watch%signal > 0) return
+      code = exit_success
+      reason = "kinetic energy below stop_value"
+      if (limits%kinetic_below >= 0.0_wp .and. mod(simulation%step, 20_int64) == 0) then
+         call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+            simulation%stores, simulation%materials, now)
+         if (now%entry(kinetic) < limits%kinetic_below) return
+      end if
+      finished = .false.
+   end subroutine judge
+
+   !> Name of a signal that is caught.
+   pure function name_of(number) result(name)
+      integer, intent(in) :: number                  !! Which signal
+      character(len=:), allocatable :: name
+
+      select case (number)
+      case (2)
+         name = "INT"
+      case (10)
+         name = "USR1"
+      case (15)
+         name = "TERM"
+      case default
+         name = "of another kind"
+      end select
+   end function name_of
+
+   !> Length of the next step.
+   subroutine choose_step(simulation, limits, dt, error)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(limits_t), intent(in) :: limits           !! Bounds
+      real(wp), intent(out) :: dt                    !! [s]
+      type(error_t), allocatable, intent(out) :: error !! Smaller than dt_min
+      character(len=160) :: text
+
+      dt = min(simulation%dt_next, limits%dt_max)
+      if (dt < limits%dt_min .or. .not. dt > 0.0_wp) then
+         write (text, "(a,es10.3,a,es10.3,a,i0)") "the stable time step ", dt, &
+            " s is below dt_min = ", limits%dt_min, " s at step ", simulation%step
+         call fail(error, exit_physics, trim(text))
+         return
+      end if
+      if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
+      ! the last step ends at t_end; no step is left over that is shorter than rounding
+      if (simulation%time + dt*(1.0_wp + 1.0e-9_wp) >= limits%time_end) &
+         dt = limits%time_end - simulation%time
+   end subroutine choose_step
+
+   !> Write what is due and say so.
+   subroutine write_outputs(simulation, outputs, last, log, error)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(outputs_t), intent(inout) :: outputs      !! The streams
+      logical, intent(in) :: last                    !! Final state?
+      type(log_t), intent(inout) :: log              !! Told of snapshots
+      type(error_t), allocatable, intent(out) :: error !! A file cannot be written
+      character(len=:), allocatable :: note
+
+      call outputs%write_due(simulation, last, note, error)
+      if (len(note) > 0) call log%info(note)
+   end subroutine write_outputs
+
+   !> A line of progress now and then.
+   subroutine tell(simulation, limits, log, watch)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(limits_t), intent(in) :: limits           !! How often
+      type(log_t), intent(inout) :: log              !! Gets the line
+      type(watch_t), intent(inout) :: watch          !! Clocks
+      type(progress_t) :: progress
+      type(balance_t) :: now
+      real(wp) :: wall, share
+      logical :: due
+      integer(int64) :: counts(2)
+      integer :: index
+
+      wall = wall_seconds()
+      due = .false.
+      if (simulation%communicator%rank == 0) due = wall - watch%last_line >= limits%progress
+      due = simulation%communicator%any(due)
+      if (.not. due) return
+      watch%last_line = wall
+      call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
+         simulation%materials, now)
+      counts = 0
+      do index = 1, size(simulation%stores)
+         counts(1) = counts(1) + simulation%stores(index)%particles()
+      end do
+      counts(2) = simulation%updates
+      call simulation%communicator%total(counts)
+      progress%wall = wall - watch%begin
+      progress%time = simulation%time
+      progress%time_end = limits%time_end
+      progress%step = simulation%step
+      progress%step_length = simulation%dt
+      progress%kinetic = now%entry(kinetic)
+      progress%energy_error = now%energy_error
+      progress%particles = counts(1)
+      progress%updates_per_second = real(counts(2), wp)/progress%wall
+      share = (simulation%time - watch%time_begin)/(limits%time_end - watch%time_begin)
+      progress%seconds_left = progress%wall*(1.0_wp/share - 1.0_wp)
+      call log%info(progress_line(progress))
+   end subroutine tell
+
+   !> Is a checkpoint due? All ranks agree.
+   logical function checkpoint_due(simulation, limits, watch) result(due)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(limits_t), intent(in) :: limits           !! How often
+      type(watch_t), intent(inout) :: watch          !! Clocks
+
+      due = .false.
+      if (limits%checkpoint_wall < huge(1.0_wp)) then
+         if (simulation%communicator%rank == 0) &
+            due = wall_seconds() - watch%last_checkpoint >= limits%checkpoint_wall
+         due = simulation%communicator%any(due)
+      end if
+      if (limits%checkpoint_time > 0.0_wp) then
+         do while (simulation%time >= real(watch%checkpoints + 1, wp)*limits%checkpoint_time)
+            watch%checkpoints = watch%checkpoints + 1
+            due = .true.
+         end do
+      end if
+   end function checkpoint_due
+
+   !> Write a checkpoint and say so.
+   subroutine save(simulation, outputs, place, log, watch, error)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(outputs_t), intent(in) :: outputs         !! Their counters go along
+      type(checkpoint_place_t), intent(inout) :: place !! Where
+      type(log_t), intent(inout) :: log              !! Told of it
+      type(watch_t), intent(inout) :: watch          !! Clocks
+      type(error_t), allocatable, intent(out) :: error !! Not written; older ones are intact
+      character(len=:), allocatable :: path
+      character(len=24) :: step
+
+      path = place%path()
+      watch%last_checkpoint = wall_seconds()
+      call write_checkpoint(simulation, outputs, place, error)
+      if (allocated(error)) return
+      watch%checkpoint_cost = wall_seconds() - watch%last_checkpoint
+      write (step, "(i0)") simulation%step
+      call log%info("  checkpoint "//path(index(path, "/", back=.true.) + 1:)//" at step "//trim(step))
+   end subroutine save
+
+   !> After an error that left the state good: keep it if that is possible.
+   subroutine keep_state(simulation, outputs, place, log, watch)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(outputs_t), intent(in) :: outputs         !! Their counters go along
+      type(checkpoint_place_t), intent(inout) :: place !! Where
+      type(log_t), intent(inout) :: log              !! Told of it
+      type(watch_t), intent(inout) :: watch          !! Clocks
+      type(error_t), allocatable :: error
+
+      call save(simulation, outputs, place, log, watch, error)
+      if (allocated(error)) call log%warn(error%message)
+   end subroutine keep_state
+end module driver_run

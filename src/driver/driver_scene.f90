@@ -1,0 +1,213 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Builds a run from a deck whose words and numbers are known to be right one by one.
+module driver_scene
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: int64, wp
+   use ddmp_alpha, only: alpha_names
+   use driver_method, only: method_t, stress_names, transfer_names
+   use driver_shapes, only: read_shapes, named_shape_t
+   use driver_simulation, only: simulation_t
+   use driver_start, only: carry_energy, prepare
+   use material_type, only: material_t
+   use mesh_boundary, only: face_names, face_periodic, face_symmetry, face_types
+   use particle_fill, only: body_t
+   implicit none
+   private
+
+   public :: build_scene
+
+contains
+
+   !> Build grid, faces, materials, method and bodies; particles come later. Faults go into the deck's
+   !! list of problems.
+   subroutine build_scene(deck, simulation, bodies)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
+      type(named_shape_t), allocatable :: shapes(:)
+
+      call read_method(deck, simulation%method)
+      call read_grid(deck, simulation)
+      call read_materials(deck, simulation)
+      if (deck%errors() > 0) return
+      call read_boundary(deck, simulation)
+      call simulation%grid%start(block_of(deck))
+      call read_gravity(deck, simulation)
+      call read_shapes(deck, simulation%grid, shapes)
+      call read_bodies(deck, simulation, shapes, bodies)
+      if (deck%errors() > 0) return
+      call prepare(simulation)
+      call carry_energy(simulation, with_body=size(bodies) > 1)
+   end subroutine build_scene
+
+   !> Numerical method.
+   subroutine read_method(deck, method)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(method_t), intent(inout) :: method        !! Choices
+      type(group_t) :: group
+      character(len=:), allocatable :: word
+
+      group = deck%group("run", 1)
+      call group%get("method", word)
+      method%dual = word == "ddmp"
+      group = deck%group("method", 1)
+      call group%get("alpha", word)
+      method%alpha = max(position_of(word, alpha_names), 1)
+      call group%get("alpha_0", method%alpha_centre)
+      call group%get("stress_update", word)
+      method%stress = max(position_of(word, stress_names), 1)
+      call group%get("transfer", word)
+      method%transfer = max(position_of(word, transfer_names), 1)
+      call group%get("flip", method%flip)
+      group = deck%group("time", 1)
+      call group%get("cfl", method%cfl)
+   end subroutine read_method
+
+   !> Place of a word in a list, 0 if it is not there.
+   pure integer function position_of(word, list) result(position)
+      character(len=*), intent(in) :: word           !! The word
+      character(len=*), intent(in) :: list(:)        !! Where to look
+
+      do position = 1, size(list)
+         if (list(position) == word) return
+      end do
+      position = 0
+   end function position_of
+
+   !> Box, spacing and problem class.
+   subroutine read_grid(deck, simulation)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(group_t) :: group
+      character(len=:), allocatable :: word
+      integer :: cells(3)
+
+      group = deck%group("run", 1)
+      call group%get("dimension", word)
+      associate (grid => simulation%grid)
+         select case (word)
+         case ("1d")
+            grid%dimensions = 1
+         case ("plane_strain", "axisymmetric")
+            grid%dimensions = 2
+         case default
+            grid%dimensions = 3
+         end select
+         grid%axisymmetric = word == "axisymmetric"
+         group = deck%group("grid", 1)
+         call group%get("lo", grid%lower)
+         call group%get("hi", grid%upper)
+         if (group%given("cells")) then
+            call group%get("cells", cells)
+            grid%spacing = (grid%upper(1) - grid%lower(1))/real(cells(1), wp)
+         else
+            call group%get("dx", grid%spacing)
+         end if
+         ! a direction that the scene lacks counts with its full extent, or with a unit if it has none
+         if (grid%dimensions < 3 .and. .not. grid%upper(2) > grid%lower(2)) &
+            grid%upper(2) = grid%lower(2) + merge(0.0_wp, 1.0_wp, grid%axisymmetric)
+         if (grid%dimensions < 2 .and. .not. grid%upper(3) > grid%lower(3)) &
+            grid%upper(3) = grid%lower(3) + 1.0_wp
+      end associate
+   end subroutine read_grid
+
+   !> Cells along a tile that the user wished, 0 = the program chooses.
+   integer function block_of(deck) result(block)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(group_t) :: group
+
+      group = deck%group("grid", 1)
+      call group%get("block", block)
+   end function block_of
+
+   !> Conditions on the faces of the box.
+   subroutine read_boundary(deck, simulation)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(group_t) :: group
+      character(len=:), allocatable :: face, kind
+      integer :: index, side
+
+      if (simulation%grid%axisymmetric) simulation%boundary%kind(1) = face_symmetry
+      do index = 1, deck%count("boundary")
+         group = deck%group("boundary", index)
+         call group%get("face", face)
+         call group%get("type", kind)
+         do side = 1, 6
+            if (face /= face_names(side) .and. face /= "all") cycle
+            simulation%boundary%kind(side) = position_of(kind, face_types)
+            call group%get("velocity", simulation%boundary%velocity(:, side))
+         end do
+      end do
+      associate (sides => simulation%boundary%kind)
+         if (simulation%grid%axisymmetric) sides(1) = face_symmetry
+         do side = 1, 3
+            simulation%grid%periodic(side) = sides(2*side) == face_periodic .and. &
+               sides(2*side - 1) == face_periodic
+         end do
+      end associate
+   end subroutine read_boundary
+
+   !> Gravity, if it acts.
+   subroutine read_gravity(deck, simulation)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(group_t) :: group
+      logical :: acts
+
+      group = deck%group("effects", 1)
+      call group%get("gravity", acts)
+      if (.not. acts) return
+      allocate (simulation%gravity(3))
+      call group%get("gravity_vector", simulation%gravity)
+      where (.not. simulation%grid%active) simulation%gravity = 0.0_wp
+   end subroutine read_gravity
+
+   !> The materials.
+   subroutine read_materials(deck, simulation)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: index
+
+      allocate (simulation%materials(deck%count("material")))
+      do index = 1, size(simulation%materials)
+         call simulation%materials(index)%read(deck, index)
+      end do
+   end subroutine read_materials
+
+   !> The bodies.
+   subroutine read_bodies(deck, simulation, shapes, bodies)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! Materials and grid
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(body_t), allocatable, intent(out) :: bodies(:)
+      type(group_t) :: group
+      character(len=:), allocatable :: region, material
+      integer :: index, place
+
+      allocate (bodies(deck%count("body")))
+      do index = 1, size(bodies)
+         group = deck%group("body", index)
+         associate (body => bodies(index))
+            call group%get("name", body%name)
+            call group%get("region", region)
+            call group%get("material", material)
+            do place = 1, size(shapes)
+               if (shapes(place)%name == region) body%shape = shapes(place)%shape
+            end do
+            do place = 1, size(simulation%materials)
+               if (simulation%materials(place)%name == material) body%store = place
+            end do
+            call group%get("ppc", body%per_cell)
+            call group%get("velocity", body%velocity)
+            call group%get("spin", body%spin)
+            call group%get("temperature", body%temperature)
+            body%density = simulation%materials(body%store)%density
+            where (.not. simulation%grid%active)
+               body%per_cell = 1
+               body%velocity = 0.0_wp
+            end where
+         end associate
+      end do
+   end subroutine read_bodies
+end module driver_scene

@@ -1,0 +1,66 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> When something is due: at equal intervals of time, at listed times, or every so many steps. The
+!! time steps do not bend to it: what is due is done after the first step that reaches its time.
+module driver_schedule
+   use base_deck, only: group_t
+   use base_constants, only: unset
+   use base_deck_group, only: unset_whole
+   use base_kinds, only: int64, wp
+   implicit none
+   private
+
+   public :: read_schedule, schedule_t
+
+   !> A schedule.
+   type :: schedule_t
+      real(wp) :: interval = 0.0_wp                  !! Time between, 0 = none [s]
+      integer(int64) :: every = 0                    !! Steps between, 0 = none
+      real(wp), allocatable :: times(:)              !! Listed times, ascending [s]
+      integer(int64) :: done = 0                     !! Intervals or listed times that are over
+   contains
+      procedure :: due => schedule_due               !! Is it due now? Then it counts as done
+   end type schedule_t
+
+contains
+
+   !> Read the keys dt, every, times and count of a group.
+   subroutine read_schedule(group, time_end, schedule)
+      type(group_t), intent(in) :: group             !! An &output
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      type(schedule_t), intent(out) :: schedule      !! What was asked for
+      integer :: number
+
+      call group%get("dt", schedule%interval)
+      if (schedule%interval <= unset) schedule%interval = 0.0_wp
+      call group%get("every", number)
+      if (number /= unset_whole) schedule%every = number
+      call group%get("count", number)
+      if (number /= unset_whole .and. number > 0) schedule%interval = time_end/real(number, wp)
+      call group%list("times", schedule%times)
+      if (size(schedule%times) == 0) deallocate (schedule%times)
+   end subroutine read_schedule
+
+   !> Is it due after this step? At step 0 it always is, unless it has listed times.
+   logical function schedule_due(self, step, time) result(due)
+      class(schedule_t), intent(inout) :: self       !! The schedule
+      integer(int64), intent(in) :: step             !! Steps done
+      real(wp), intent(in) :: time                   !! Time reached [s]
+      ! a time that is reached but for rounding is reached
+      real(wp), parameter :: grain = 1.0e-12_wp
+
+      due = .false.
+      if (self%interval > 0.0_wp) then
+         do while (time*(1.0_wp + grain) >= real(self%done, wp)*self%interval)
+            due = .true.
+            self%done = self%done + 1
+         end do
+      else if (allocated(self%times)) then
+         do while (self%done < size(self%times))
+            if (time*(1.0_wp + grain) < self%times(self%done + 1)) exit
+            due = .true.
+            self%done = self%done + 1
+         end do
+      end if
+      if (self%every > 0) due = due .or. mod(step, self%every) == 0
+   end function schedule_due
+end module driver_schedule

@@ -1,0 +1,141 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Shapes from the regions of a deck.
+module driver_shapes
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
+   use base_text, only: text_t
+   use mesh_grid, only: grid_t
+   use particle_shape, only: box, combine, cylinder, set_difference, set_intersection, set_union, &
+      shape_holder_t, sphere
+   implicit none
+   private
+
+   public :: named_shape_t, read_shapes
+
+   !> A region.
+   type :: named_shape_t
+      character(len=:), allocatable :: name          !! Name in the deck
+      type(shape_holder_t) :: shape                  !! Where it is
+      logical :: ready = .false.                     !! Is the shape built?
+      logical :: asked = .false.                     !! Is it being built?
+   end type named_shape_t
+
+contains
+
+   !> Build all regions.
+   subroutine read_shapes(deck, grid, shapes)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(named_shape_t), allocatable, intent(out) :: shapes(:)
+      type(group_t) :: group
+      integer :: index
+
+      allocate (shapes(deck%count("region")))
+      do index = 1, size(shapes)
+         group = deck%group("region", index)
+         call group%get("name", shapes(index)%name)
+      end do
+      do index = 1, size(shapes)
+         call build(deck, grid, shapes, index)
+      end do
+   end subroutine read_shapes
+
+   !> Build one region and those that it is made of.
+   recursive subroutine build(deck, grid, shapes, index)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(named_shape_t), intent(inout) :: shapes(:) !! All regions
+      integer, intent(in) :: index                   !! Which one
+      type(group_t) :: group
+      character(len=:), allocatable :: word
+      real(wp) :: scale, rotate(3), translate(3)
+
+      if (shapes(index)%ready) return
+      group = deck%group("region", index)
+      if (shapes(index)%asked) then
+         call deck%complain(group, "the region is made of itself; name other regions", key="of")
+         return
+      end if
+      shapes(index)%asked = .true.
+      call group%get("shape", word)
+      select case (word)
+      case ("union", "difference", "intersection")
+         call build_set(deck, grid, shapes, index, group, word)
+      case default
+         call build_simple(grid, group, word, shapes(index)%shape)
+      end select
+      call group%get("scale", scale)
+      call group%get("rotate", rotate)
+      call group%get("translate", translate)
+      if (allocated(shapes(index)%shape%shape)) &
+         call shapes(index)%shape%shape%place(scale, rotate, translate)
+      shapes(index)%ready = .true.
+   end subroutine build
+
+   !> A box, sphere or cylinder. In directions that the scene lacks a box reaches everywhere and a
+   !! centre lies where the particles are.
+   subroutine build_simple(grid, group, word, holder)
+      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(group_t), intent(in) :: group             !! The region
+      character(len=*), intent(in) :: word           !! Kind of shape
+      type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
+      real(wp), parameter :: far = 1.0e6_wp          ! extents of the box
+      real(wp) :: lo(3), hi(3), centre(3), axis(3), radius, height, length
+
+      select case (word)
+      case ("box")
+         call group%get("lo", lo)
+         call group%get("hi", hi)
+         length = far*maxval(grid%upper - grid%lower)
+         where (.not. grid%active)
+            lo = -length
+            hi = length
+         end where
+         call holder%set(box(lo, hi))
+      case default
+         call group%get("centre", centre)
+         call group%get("radius", radius)
+         where (.not. grid%active) centre = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), &
+            grid%axisymmetric)
+         if (word == "sphere") then
+            call holder%set(sphere(centre, radius))
+         else
+            call group%get("axis", axis)
+            call group%get("height", height)
+            call holder%set(cylinder(centre, axis, radius, height))
+         end if
+      end select
+   end subroutine build_simple
+
+   !> A set operation on other regions.
+   recursive subroutine build_set(deck, grid, shapes, index, group, word)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(named_shape_t), intent(inout) :: shapes(:) !! All regions
+      integer, intent(in) :: index                   !! Which one
+      type(group_t), intent(in) :: group             !! Its group
+      character(len=*), intent(in) :: word           !! Which operation
+      type(text_t), allocatable :: names(:)
+      type(shape_holder_t), allocatable :: operands(:)
+      integer :: n, other, kind
+
+      call group%list("of", names)
+      allocate (operands(size(names)))
+      do n = 1, size(names)
+         do other = 1, size(shapes)
+            if (shapes(other)%name /= names(n)%text) cycle
+            call build(deck, grid, shapes, other)
+            operands(n) = shapes(other)%shape
+         end do
+      end do
+      select case (word)
+      case ("union")
+         kind = set_union
+      case ("difference")
+         kind = set_difference
+      case default
+         kind = set_intersection
+      end select
+      call shapes(index)%shape%set(combine(kind, operands))
+   end subroutine build_set
+end module driver_shapes

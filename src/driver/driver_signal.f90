@@ -1,0 +1,52 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Signals that ask a run to write a checkpoint and leave.
+module driver_signal
+   use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int
+   implicit none
+   private
+
+   public :: signal_caught, watch_signal
+
+   !> A signal handler has no arguments of its own, so this one number cannot live in a type.
+   integer(c_int), volatile :: caught = 0
+
+   interface
+      !> signal(2) of the C library.
+      function c_signal(number, handler) bind(c, name="signal") result(previous)
+         import :: c_funptr, c_int
+         implicit none
+         integer(c_int), value, intent(in) :: number   !! Which signal
+         type(c_funptr), value, intent(in) :: handler  !! What it calls
+         type(c_funptr) :: previous
+      end function c_signal
+   end interface
+
+contains
+
+   !> Catch a signal by name: TERM, USR1 or INT (Linux numbers). Unknown names are ignored.
+   subroutine watch_signal(name)
+      character(len=*), intent(in) :: name             !! Without SIG
+      type(c_funptr) :: previous
+
+      select case (name)
+      case ("TERM")
+         previous = c_signal(15_c_int, c_funloc(handle))
+      case ("USR1")
+         previous = c_signal(10_c_int, c_funloc(handle))
+      case ("INT")
+         previous = c_signal(2_c_int, c_funloc(handle))
+      end select
+   end subroutine watch_signal
+
+   !> Note the signal; the run looks at it between steps.
+   subroutine handle(number) bind(c)
+      integer(c_int), value, intent(in) :: number      !! Which signal
+
+      caught = number
+   end subroutine handle
+
+   !> Number of the signal that came, 0 if none.
+   integer function signal_caught() result(number)
+      number = caught
+   end function signal_caught
+end module driver_signal

@@ -1,0 +1,217 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What a run leaves behind about itself: tables in the log and CASE.summary.json.
+module driver_summary
+   use base_error, only: error_t
+   use base_kinds, only: int64, wp
+   use base_log, only: log_t
+   use base_version, only: git_commit, version_text
+   use driver_ledger, only: balance_t, entries, entry_names
+   use driver_output, only: outputs_t
+   use driver_restart, only: describe_state
+   use driver_simulation, only: simulation_t
+   use io_digest, only: state_digest
+   use io_state, only: state_t
+   use io_summary, only: json_t
+   use omp_lib, only: omp_get_max_threads
+   implicit none
+   private
+
+   public :: count_particles, summarise
+
+contains
+
+   !> Write the tables and the summary. Collective.
+   subroutine summarise(simulation, outputs, log, wall, code, reason, error)
+      type(simulation_t), intent(inout) :: simulation !! The run at its end
+      type(outputs_t), intent(in) :: outputs         !! For names of files
+      type(log_t), intent(inout) :: log              !! Gets the tables
+      real(wp), intent(in) :: wall                   !! Wall time of the whole run [s]
+      integer, intent(in) :: code                    !! Exit code
+      character(len=*), intent(in) :: reason         !! Why it ended
+      type(error_t), allocatable, intent(out) :: error !! The file cannot be written
+      type(json_t) :: json
+      type(balance_t) :: now
+      type(state_t) :: state
+      character(len=16) :: digest
+      integer(int64) :: counts(2)
+      real(wp) :: rate, bytes
+      real(wp), allocatable :: least(:), mean(:), greatest(:)
+
+      call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
+         simulation%materials, now)
+      call describe_state(simulation, state)
+      digest = state_digest(simulation%communicator, simulation%stores, state)
+      counts = [count_particles(simulation), simulation%updates]
+      call simulation%communicator%total(counts)
+      allocate (least(simulation%timer%count()), mean(simulation%timer%count()), &
+         greatest(simulation%timer%count()))
+      call simulation%timer%spread(simulation%communicator, wall, least, mean, greatest)
+      rate = step_rate(simulation, counts(2), greatest)
+      bytes = bytes_per_particle(simulation, counts(1))
+      call log%info(simulation%timer%table(simulation%communicator, wall))
+      call log%info(balance_text(now, rate, bytes))
+      if (simulation%communicator%rank /= 0) return
+      call json%add("version", version_text)
+      call json%add("git", git_commit)
+      call json%add("case", outputs%case)
+      call json%add("exit_code", code)
+      call json%add("reason", reason)
+      call json%add("steps", simulation%step)
+      call json%add("time", simulation%time)
+      call json%add("particles", counts(1))
+      call json%add("wall_s", wall)
+      call json%add("particle_updates_per_s", rate)
+      call json%add("bytes_per_particle", bytes)
+      call json%add("ranks", simulation%communicator%size)
+      call json%add("threads", omp_get_max_threads())
+      call json%add("digest", digest)
+      call add_timers(json, simulation, least, mean, greatest)
+      call add_ledger(json, simulation, now)
+      call add_files(json, outputs)
+      call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
+   end subroutine summarise
+
+   !> Particles of this rank.
+   pure integer(int64) function count_particles(simulation) result(particles)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer :: index
+
+      particles = 0
+      do index = 1, size(simulation%stores)
+         particles = particles + simulation%stores(index)%particles()
+      end do
+   end function count_particles
+
+   !> Particle updates a second of wall time in the steps, without output and checkpoints.
+   pure real(wp) function step_rate(simulation, updates, seconds) result(rate)
+      type(simulation_t), intent(in) :: simulation   !! For the phases
+      integer(int64), intent(in) :: updates          !! On all ranks
+      real(wp), intent(in) :: seconds(:)             !! (phase) Of the slowest rank [s]
+      real(wp) :: total
+
+      associate (phase => simulation%phase)
+         total = seconds(phase%sort) + seconds(phase%scatter) + seconds(phase%exchange) &
+            + seconds(phase%grid) + seconds(phase%gather)
+      end associate
+      rate = 0.0_wp
+      if (total > 0.0_wp) rate = real(updates, wp)/total
+   end function step_rate
+
+   !> Memory of particle and node fields for each particle [byte].
+   real(wp) function bytes_per_particle(simulation, particles) result(bytes)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer(int64), intent(in) :: particles        !! On all ranks
+      integer(int64) :: total(1)
+      integer :: index
+
+      total = 0
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            total = total + 8_int64*store%words()*size(store%identity) &
+               + 4_int64*(size(store%home) + size(store%cell_start))
+         end associate
+      end do
+      associate (nodes => simulation%nodes)
+         total = total + 8_int64*(length(nodes%motion) + length(nodes%total) &
+            + length(nodes%velocity) + length(nodes%acceleration) + length(nodes%extra) &
+            + length(nodes%strain) + length(nodes%share) + length(nodes%volume) &
+            + length(nodes%force) + length(nodes%gradient) + length(nodes%middle))
+      end associate
+      call simulation%communicator%total(total)
+      bytes = 0.0_wp
+      if (particles > 0) bytes = real(total(1), wp)/real(particles, wp)
+   end function bytes_per_particle
+
+   !> Numbers in an array that may not exist.
+   pure integer(int64) function length(array)
+      real(wp), allocatable, intent(in) :: array(:, :, :) !! Any
+
+      length = 0
+      if (allocated(array)) length = size(array, kind=int64)
+   end function length
+
+   !> The books as two lines of text.
+   function balance_text(now, rate, bytes) result(text)
+      type(balance_t), intent(in) :: now             !! The books
+      real(wp), intent(in) :: rate                   !! Particle updates a second
+      real(wp), intent(in) :: bytes                  !! A particle
+      character(len=:), allocatable :: text
+      character(len=200) :: line
+
+      write (line, "(4(a,es9.2))") "balance   error of mass", now%mass_error, ", momentum", &
+         now%momentum_error, ", angular momentum", now%angular_error, ", energy", now%energy_error
+      text = trim(line)//new_line("a")
+      write (line, "(a,f0.2,a,f0.0,a)") "speed     ", 1.0e-6_wp*rate, &
+         " million particle updates/s in the steps, ", bytes, " bytes/particle"
+      text = text//trim(line)
+   end function balance_text
+
+   !> Wall time by phase.
+   subroutine add_timers(json, simulation, least, mean, greatest)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! Names
+      real(wp), intent(in) :: least(:)               !! (phase) [s]
+      real(wp), intent(in) :: mean(:)                !! (phase) [s]
+      real(wp), intent(in) :: greatest(:)            !! (phase) [s]
+      integer :: n
+
+      call json%begin("timers")
+      do n = 1, size(least)
+         call json%begin(trim(simulation%timer%name(n)))
+         call json%add("min", least(n))
+         call json%add("avg", mean(n))
+         call json%add("max", greatest(n))
+         call json%add("calls", simulation%timer%calls(n))
+         call json%end()
+      end do
+      call json%end()
+   end subroutine add_timers
+
+   !> Every entry at the start and the end, and the errors.
+   subroutine add_ledger(json, simulation, now)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! With the start
+      type(balance_t), intent(in) :: now             !! The end
+      integer :: n
+
+      call json%begin("ledger")
+      call json%add("mass_error", now%mass_error)
+      call json%add("momentum_error", now%momentum_error)
+      call json%add("angular_momentum_error", now%angular_error)
+      call json%add("energy_error", now%energy_error)
+      call json%begin("start")
+      do n = 1, entries
+         call json%add(trim(entry_names(n)), simulation%ledger%start%entry(n))
+      end do
+      call json%add("total", simulation%ledger%start%total)
+      call json%end()
+      call json%begin("end")
+      do n = 1, entries
+         call json%add(trim(entry_names(n)), now%entry(n))
+      end do
+      call json%add("total", now%total)
+      call json%end()
+      call json%end()
+   end subroutine add_ledger
+
+   !> Names of what was written.
+   subroutine add_files(json, outputs)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(outputs_t), intent(in) :: outputs         !! The streams
+      integer :: n
+      character(len=12) :: number
+
+      call json%begin("files")
+      do n = 1, size(outputs%snapshots)
+         write (number, "(i0)") n
+         call json%add("particles_"//trim(number), outputs%snapshots(n)%prefix//".hdf.series")
+      end do
+      do n = 1, size(outputs%histories)
+         write (number, "(i0)") n
+         associate (path => outputs%histories(n)%path)
+            call json%add("history_"//trim(number), path(index(path, "/", back=.true.) + 1:))
+         end associate
+      end do
+      call json%end()
+   end subroutine add_files
+end module driver_summary

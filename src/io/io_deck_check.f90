@@ -1,0 +1,174 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Checks of a deck that compare keys with each other. Each says what to write instead.
+module io_deck_check
+   use base_constants, only: unset
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
+   use base_text, only: brief, number
+   use io_deck_check_grid, only: check_grid, check_plane
+   use io_deck_check_scene, only: check_boundaries, check_regions
+   use io_file, only: name_of
+   implicit none
+   private
+
+   public :: check_deck
+
+contains
+
+   !> Check the whole deck. What is wrong is noted in it; defaults that depend on it are settled.
+   subroutine check_deck(deck)
+      type(deck_t), intent(inout) :: deck                !! After `read`
+      integer :: i
+
+      do i = 1, deck%count("include")
+         call deck%complain("include", i, "the file was not read; end the group with a /", "file")
+      end do
+      call check_case(deck)
+      call check_grid(deck)
+      call check_time(deck)
+      do i = 1, deck%count("material")
+         call check_material(deck, deck%group("material", i))
+      end do
+      call check_regions(deck)
+      if (deck%count("body") == 0) call deck%complain("body", 1, "there is none, so nothing to compute")
+      do i = 1, deck%count("body")
+         call check_plane(deck, deck%group("body", i), "velocity")
+         call check_spin(deck, deck%group("body", i))
+      end do
+      call check_boundaries(deck)
+      do i = 1, deck%count("output")
+         call check_output(deck, deck%group("output", i))
+      end do
+   end subroutine check_deck
+
+   !> The case is part of file names. Without one it is the name of the deck.
+   subroutine check_case(deck)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      character(len=*), parameter :: suffix = ".nml"
+      character(len=:), allocatable :: case_name
+      type(group_t) :: run
+      integer :: last
+
+      run = deck%group("run")
+      if (.not. run%valid(["case"])) return
+      if (.not. run%given("case")) then
+         case_name = name_of(deck%file)
+         last = len(case_name)
+         if (last > len(suffix)) then
+            if (case_name(last - len(suffix) + 1:) == suffix) last = last - len(suffix)
+         end if
+         call deck%settle("run", 1, "case", case_name(:last))
+         return
+      end if
+      call run%get("case", case_name)
+      if (scan(case_name, "/ *?'""") > 0) call deck%complain(run, "case = '"//case_name// &
+         "' is part of file names: no blanks, slashes, quotes; the folder is --outdir", "case")
+      if (len(case_name) > 100) call deck%complain(run, "case is longer than 100 letters", "case")
+   end subroutine check_case
+
+   !> Steps and limits of time.
+   subroutine check_time(deck)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      character(len=:), allocatable :: limit
+      real(wp) :: dt_fixed, dt_max, dt_min
+      type(group_t) :: time
+
+      time = deck%group("time")
+      call time%get("dt_min", dt_min)
+      call time%get("dt_max", dt_max)
+      call time%get("dt_fixed", dt_fixed)
+      if (time%given("dt_max") .and. time%valid(["dt_max"]) .and. dt_max <= dt_min) &
+         call deck%complain(time, "dt_max must be above dt_min", "dt_max")
+      if (time%given("dt_fixed") .and. time%valid(["dt_fixed"])) then
+         if (dt_fixed < dt_min) call deck%complain(time, "dt_fixed is below dt_min", "dt_fixed")
+         if (time%given("dt_max")) call deck%complain(time, &
+            "dt_fixed and dt_max are both given; keep one", "dt_fixed")
+         if (time%given("cfl")) call deck%warn(time, "cfl is not used, as dt_fixed is given", "cfl")
+      end if
+      call time%get("wall_limit", limit)
+      if (time%given("wall_limit") .and. limit /= "none" .and. limit /= "") then
+         if (.not. is_clock(limit)) call deck%complain(time, "wall_limit = '"//limit// &
+            "' must be 'none' or hours, minutes and seconds such as '03:30:00'", "wall_limit")
+      end if
+   end subroutine check_time
+
+   !> True for hh:mm:ss.
+   pure logical function is_clock(text)
+      character(len=*), intent(in) :: text               !! Perhaps a time
+      integer :: last
+
+      last = len(text)
+      is_clock = .false.
+      if (last < 7 .or. last > 9) return
+      if (verify(text(:last - 6), "0123456789") > 0) return
+      is_clock = text(last - 5:last - 5) == ":" .and. text(last - 2:last - 2) == ":" .and. &
+         verify(text(last - 4:last - 3)//text(last - 1:), "0123456789") == 0 .and. &
+         scan(text(last - 4:last - 4)//text(last - 1:last - 1), "6789") == 0
+   end function is_clock
+
+   !> A density that only forgotten units explain.
+   subroutine check_material(deck, material)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      type(group_t), intent(in) :: material              !! One material
+      real(wp), parameter :: polystyrene_foam = 15.0_wp  !! [kg/m3]
+      real(wp) :: density
+      type(group_t) :: units
+
+      if (.not. material%known("density")) return
+      call material%get("density", density)
+      units = deck%group("units")
+      if (density > polystyrene_foam .or. units%given("system")) return
+      call deck%warn(material, "density = "//brief(density)// &
+         " kg/m3 is lighter than polystyrene; is &units missing?", "density")
+   end subroutine check_material
+
+   !> In a plane or on a line bodies turn only in the plane.
+   subroutine check_spin(deck, body)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      type(group_t), intent(in) :: body                  !! One body
+      character(len=:), allocatable :: dimension
+      real(wp) :: spin(3)
+      type(group_t) :: run
+
+      run = deck%group("run")
+      call run%get("dimension", dimension)
+      if (dimension == "3d" .or. .not. (body%given("spin") .and. body%known("spin"))) return
+      call body%get("spin", spin)
+      if (dimension == "plane_strain") spin(2) = 0.0_wp
+      if (any(abs(spin) > 0.0_wp)) call deck%complain(body, "spin leaves the plane of dimension = '"// &
+         dimension//"'; only plane_strain can turn, about y", "spin")
+   end subroutine check_spin
+
+   !> When an output is written.
+   subroutine check_output(deck, output)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      type(group_t), intent(in) :: output                !! One output
+      character(len=5), parameter :: ways(4) = ["dt   ", "every", "times", "count"]
+      real(wp), allocatable :: times(:)
+      character(len=:), allocatable :: given
+      real(wp) :: t_end
+      type(group_t) :: time
+      integer :: i, total
+
+      total = 0
+      given = ""
+      do i = 1, size(ways)
+         if (.not. output%given(trim(ways(i)))) cycle
+         total = total + 1
+         given = given//" "//trim(ways(i))
+      end do
+      if (total == 0) call deck%complain(output, "give one of dt, every, times, count")
+      if (total > 1) call deck%complain(output, "give one of dt, every, times, count, not"//given, &
+         given(2:index(given(2:)//" ", " ")))
+      time = deck%group("time")
+      call time%get("t_end", t_end)
+      if (t_end <= unset) return
+      call output%list("times", times)
+      do i = 1, size(times)
+         if (times(i) <= t_end) cycle
+         call deck%warn(output, "time "//number(i)//" of "//number(size(times))// &
+            " is after t_end and will not be written", "times")
+         return
+      end do
+   end subroutine check_output
+end module io_deck_check

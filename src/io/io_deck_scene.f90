@@ -1,0 +1,81 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Keys of the deck that say what is where: regions, bodies, boundaries.
+module io_deck_scene
+   use base_schema, only: schema_t
+   use mesh_boundary, only: face_names, face_types
+   implicit none
+   private
+
+   public :: declare_body, declare_boundary, declare_region
+
+   character(len=*), parameter :: solids = "shape = sphere cylinder" !! Shapes with a centre
+   character(len=*), parameter :: sets = "shape = union difference intersection"
+
+contains
+
+   !> Declare &region.
+   subroutine declare_region(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("region", "a shape, or a set operation on shapes", many=.true.)
+      call schema%text("region", "name", "what bodies and other regions refer to")
+      call schema%text("region", "shape", "kind of shape", &
+         words="box sphere cylinder union difference intersection")
+      call schema%real("region", "lo(3)", "lower corner of a box", unit="m", owner="shape = box")
+      call schema%real("region", "hi(3)", "upper corner of a box", unit="m", owner="shape = box")
+      call schema%real("region", "centre(3)", "centre, for a cylinder the middle of its axis", &
+         unit="m", owner=solids)
+      call schema%real("region", "radius", "radius", unit="m", range="> 0", owner=solids)
+      call schema%real("region", "axis(3)", "direction of the axis", default="0 0 1", &
+         owner="shape = cylinder")
+      call schema%real("region", "height", "length along the axis", unit="m", range="> 0", &
+         owner="shape = cylinder")
+      call schema%text("region", "of(:8)", "regions that the set operation takes; difference: the "// &
+         "first without the others", owner=sets)
+      call schema%real("region", "scale", "factor, applied first", default="1.0", range="> 0")
+      call schema%real("region", "rotate(3)", "angles about x, then y, then z, applied second", &
+         unit="deg", default="0 0 0")
+      call schema%real("region", "translate(3)", "displacement, applied last", unit="m", &
+         default="0 0 0")
+      call schema%require("region", "name shape lo hi centre radius height of")
+      call schema%refer("region", "of", "region")
+   end subroutine declare_region
+
+   !> Declare &body.
+   subroutine declare_body(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("body", "material points", many=.true.)
+      call schema%text("body", "name", "name in outputs")
+      call schema%text("body", "region", "where it is")
+      call schema%text("body", "material", "what it is made of")
+      call schema%integer("body", "ppc(3)", "points per cell along x, y, z", default="2 2 2", &
+         range="> 0 <= 16")
+      call schema%text("body", "packing", "places of the points", default="lattice", words="lattice")
+      call schema%real("body", "velocity(3)", "velocity of its centre of mass", unit="m/s", &
+         default="0 0 0")
+      call schema%real("body", "spin(3)", "angular velocity about its centre of mass", unit="1/s", &
+         default="0 0 0")
+      call schema%real("body", "temperature", "temperature at the start", unit="K", default="293.0", &
+         range=">= 0", owner="effects.thermal")
+      call schema%require("body", "name region material")
+      call schema%refer("body", "region", "region")
+      call schema%refer("body", "material", "material")
+   end subroutine declare_body
+
+   !> Declare &boundary.
+   subroutine declare_boundary(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("boundary", "what holds on a face of the grid; faces without one are open", &
+         many=.true.)
+      call schema%text("boundary", "face", "one face or all that have no other", words="all")
+      call schema%words("boundary", "face", face_names)
+      call schema%text("boundary", "type", "outflow: points leave and are booked; velocity: a "// &
+         "rigid moving wall")
+      call schema%words("boundary", "type", face_types)
+      call schema%real("boundary", "velocity(3)", "velocity of the wall", unit="m/s", &
+         default="0 0 0", owner="type = velocity")
+      call schema%require("boundary", "face type")
+   end subroutine declare_boundary
+end module io_deck_scene

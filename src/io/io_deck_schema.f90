@@ -1,0 +1,133 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> All groups of a deck and the keys that are not those of materials.
+module io_deck_schema
+   use base_schema, only: schema_t
+   use base_units, only: system_names
+   use io_deck_output, only: declare_checkpoint, declare_log, declare_output, declare_parallel
+   use io_deck_scene, only: declare_body, declare_boundary, declare_region
+   implicit none
+   private
+
+   public :: declare_deck
+
+contains
+
+   !> Declare the groups in the order of the echo, and their keys. Those of &material, and the ones
+   !! of &effects and &method that concern materials, are added by the materials themselves.
+   subroutine declare_deck(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("include", "read more groups from another file", many=.true.)
+      call schema%text("include", "file", "path, relative to the file that includes it")
+      call declare_run(schema)
+      call declare_units(schema)
+      call declare_grid(schema)
+      call declare_time(schema)
+      call declare_method(schema)
+      call declare_effects(schema)
+      call schema%group("material", "one material; flat keys, prefix = model", many=.true.)
+      call declare_region(schema)
+      call declare_body(schema)
+      call declare_boundary(schema)
+      call declare_output(schema)
+      call declare_checkpoint(schema)
+      call declare_parallel(schema)
+      call declare_log(schema)
+   end subroutine declare_deck
+
+   !> Declare &run.
+   subroutine declare_run(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("run", "identity and problem class")
+      call schema%text("run", "title", "one line, goes into every output", default="untitled")
+      call schema%text("run", "case", "prefix of all output files; default: name of the deck")
+      call schema%text("run", "dimension", "problem class; plane_strain and axisymmetric use x and z", &
+         default="3d", words="3d plane_strain axisymmetric 1d")
+      call schema%text("run", "method", "gradient of the node functions", default="ddmp", &
+         words="ddmp mpm")
+      call schema%integer("run", "seed", "all random numbers derive from it", default="12345")
+      call schema%integer("run", "deck_version", "format of this deck", default="1", range="> 0 <= 1")
+   end subroutine declare_run
+
+   !> Declare &units.
+   subroutine declare_units(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("units", "units of the numbers in this deck; output is in SI")
+      call schema%text("units", "system", "length-time-mass; temperature in K and angles in degrees "// &
+         "always", default="si")
+      call schema%words("units", "system", system_names)
+   end subroutine declare_units
+
+   !> Declare &grid.
+   subroutine declare_grid(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("grid", "background grid")
+      call schema%real("grid", "lo(3)", "lower corner", unit="m")
+      call schema%real("grid", "hi(3)", "upper corner", unit="m")
+      call schema%real("grid", "dx", "edge of a cell; (hi-lo)/dx must be whole", unit="m", range="> 0")
+      call schema%integer("grid", "cells(3)", "cells along x, y, z instead of dx", range="> 0")
+      call schema%integer("grid", "block", "cells along the edge of a tile, 0 = automatic", &
+         default="0", range=">= 0 <= 64")
+      call schema%require("grid", "lo hi")
+   end subroutine declare_grid
+
+   !> Declare &time.
+   subroutine declare_time(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("time", "time stepping")
+      call schema%real("time", "t_end", "end of simulated time", unit="s", range="> 0")
+      call schema%real("time", "cfl", "fraction of the stable step", default="0.4", range="> 0 <= 1")
+      call schema%real("time", "dt_max", "upper bound of the step", unit="s", range="> 0")
+      call schema%real("time", "dt_min", "a smaller step ends the run with exit code 4", unit="s", &
+         range="> 0")
+      call schema%real("time", "dt_fixed", "the step, whatever cfl says", unit="s", range="> 0")
+      call schema%integer("time", "max_steps", "stop after so many steps", range=">= 0")
+      call schema%text("time", "wall_limit", "hh:mm:ss of wall time, then checkpoint and exit "// &
+         "code 75", default="none")
+      call schema%text("time", "stop_when", "early end", default="never", &
+         words="never kinetic_below at_rest")
+      call schema%real("time", "stop_value", "kinetic_below: energy in J; at_rest: fraction of the "// &
+         "greatest kinetic energy", range="> 0", owner="stop_when = kinetic_below at_rest")
+      call schema%require("time", "t_end stop_value")
+   end subroutine declare_time
+
+   !> Declare &method.
+   subroutine declare_method(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("method", "numerical method")
+      call schema%text("method", "basis", "node functions", default="linear", words="linear")
+      call schema%text("method", "transfer", "how node velocities come back to particles", &
+         default="flip", words="flip pic xpic")
+      call schema%real("method", "flip", "share of FLIP, the rest is PIC", default="0.99", &
+         range=">= 0 <= 1", owner="transfer = flip")
+      call schema%integer("method", "order_k", "order of xpic", default="2", range=">= 2 <= 2", &
+         owner="transfer = xpic")
+      call schema%text("method", "alpha", "share of the own cell in the gradient: one bubble a "// &
+         "direction, or their product", default="split", words="split product", &
+         owner="run.method = ddmp")
+      call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
+         range=">= 0 <= 1", owner="run.method = ddmp")
+      call schema%text("method", "free_surface", "cell weights of the dual gradient", default="fill", &
+         words="fill", owner="run.method = ddmp")
+      call schema%text("method", "quadrature", "where gradients are taken", default="point", &
+         words="point")
+      call schema%text("method", "stress_update", "after the step, before it, or after mapping the "// &
+         "new velocities", default="usl", words="usl usf musl")
+   end subroutine declare_method
+
+   !> Declare the part of &effects that does not concern materials.
+   subroutine declare_effects(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("effects", "physics switches; a switched-off effect costs nothing and its "// &
+         "keys are refused")
+      call schema%logical("effects", "gravity", "constant acceleration", default=".false.")
+      call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &
+         default="0 0 -9.80665", owner="gravity")
+   end subroutine declare_effects
+end module io_deck_schema

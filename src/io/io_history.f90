@@ -1,0 +1,141 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Time histories as CSV: a heading with units, one row a time, cut back on restart.
+module io_history
+   use base_agreement, only: agree
+   use base_communicator, only: communicator_t
+   use base_error, only: error_t, exit_file, fail
+   use base_kinds, only: int64, wp
+   use io_file, only: file_exists, output_file_t, read_file, write_file
+   use io_text, only: real_text, whole_text
+   implicit none
+   private
+
+   public :: history_t
+
+   character(len=*), parameter :: key = "step"           !! Column that is a whole number
+
+   !> A file of histories. Rank 0 writes; the values must be the same on all ranks.
+   type :: history_t
+      integer, private :: key_place = 0                  !! Place of the column "step"
+      integer, private :: columns = 0                    !! Number of columns
+      type(output_file_t), private :: file               !! Open on rank 0
+   contains
+      procedure :: open => history_open                  !! Begin, or go on
+      procedure :: row => history_row                    !! Write a row
+      procedure :: close => history_close                !! Close
+   end type history_t
+
+contains
+
+   !> Begin a file, or go on with one of an earlier run. Collective.
+   subroutine history_open(self, communicator, path, columns, resume_step, error)
+      class(history_t), intent(inout) :: self            !! The file
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      character(len=*), intent(in) :: path               !! Where
+      character(len=*), intent(in) :: columns(:)         !! As "time [s]"; "step" holds the steps
+      integer(int64), intent(in) :: resume_step          !! Later rows are cut away; < 0: all
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be written, or other columns
+      character(len=:), allocatable :: heading
+      integer :: column
+      logical :: going_on
+
+      self%key_place = 0
+      self%columns = size(columns)
+      heading = ""
+      do column = 1, size(columns)
+         if (columns(column) == key) self%key_place = column
+         if (column > 1) heading = heading//","
+         heading = heading//trim(columns(column))
+      end do
+      if (communicator%rank == 0) then
+         going_on = file_exists(path)
+         if (resume_step >= 0 .and. going_on) then
+            call cut_back(path, heading, self%key_place, resume_step, error)
+            if (.not. allocated(error)) call self%file%append(path, error)
+         else
+            call self%file%create(path, error)
+            if (.not. allocated(error)) call self%file%write(heading//new_line("a"), error)
+         end if
+      end if
+      call agree(communicator, error)
+   end subroutine history_open
+
+   !> Take away the rows after a step, and an unfinished last line.
+   subroutine cut_back(path, heading, key_place, resume_step, error)
+      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: heading            !! What its first line must be
+      integer, intent(in) :: key_place                   !! Place of the column "step"
+      integer(int64), intent(in) :: resume_step          !! Last step that stays
+      type(error_t), allocatable, intent(out) :: error   !! Another heading, or not writable
+      character(len=:), allocatable :: text
+      integer :: first, kept, length
+
+      call read_file(path, text, error)
+      if (allocated(error)) return
+      length = index(text, new_line("a"))
+      if (length == 0) length = len(text) + 1
+      if (text(:length - 1) /= heading) then
+         call fail(error, exit_file, "'"//path//"' has other columns than this run; "// &
+            "rename it or choose another case name")
+         return
+      end if
+      kept = length
+      do
+         first = kept + 1
+         length = index(text(first:), new_line("a"))
+         if (length == 0) exit
+         if (step_of(text(first:first + length - 2), key_place) > resume_step) exit
+         kept = kept + length
+      end do
+      call write_file(path, text(:kept), error)
+   end subroutine cut_back
+
+   !> The step of a row; a row that cannot be read belongs to no step that stays.
+   pure function step_of(line, key_place) result(step)
+      character(len=*), intent(in) :: line               !! A row
+      integer, intent(in) :: key_place                   !! Place of the column "step"
+      integer(int64) :: step
+      integer :: comma, first, place, status
+
+      first = 1
+      do place = 2, key_place
+         comma = index(line(first:), ",")
+         if (comma == 0) exit
+         first = first + comma
+      end do
+      comma = index(line(first:)//",", ",")
+      read (line(first:first + comma - 2), "(i20)", iostat=status) step
+      if (status /= 0) step = huge(step)
+   end function step_of
+
+   !> Write a row, at once. Collective.
+   subroutine history_row(self, communicator, values, error)
+      class(history_t), intent(inout) :: self            !! The file
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      real(wp), intent(in) :: values(:)                  !! (column)
+      type(error_t), allocatable, intent(out) :: error   !! Not written, say on a full disk
+      character(len=:), allocatable :: line
+      integer :: column
+
+      if (communicator%rank == 0) then
+         line = ""
+         do column = 1, size(values)
+            if (column > 1) line = line//","
+            if (column == self%key_place) then
+               line = line//whole_text(nint(values(column), int64))
+            else
+               line = line//real_text(values(column))
+            end if
+         end do
+         call self%file%write(line//new_line("a"), error)
+      end if
+      call agree(communicator, error)
+   end subroutine history_row
+
+   !> Close the file.
+   subroutine history_close(self)
+      class(history_t), intent(inout) :: self            !! The file
+
+      call self%file%close()
+   end subroutine history_close
+end module io_history

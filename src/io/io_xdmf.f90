@@ -1,0 +1,230 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The files that make one series of many snapshots: .hdf.series, .xdmf, and the index .vtkhdf.
+!!
+!! They are made anew from what the snapshots say, so a restart finds the series on the disk.
+module io_xdmf
+   use base_agreement, only: agree
+   use base_communicator, only: communicator_t
+   use base_error, only: error_t
+   use base_kinds, only: int64
+   use io_file, only: join_path, list_folder, longest_name, name_of, write_file
+   use io_hdf5_index, only: read_snapshot, snapshot_info_t, write_index
+   use io_text, only: real_text, whole_text
+   implicit none
+   private
+
+   public :: series_t
+
+   integer, parameter :: often = 50                      !! So many snapshots: index each time
+
+   !> A series of snapshots.
+   type :: series_t
+      character(len=:), allocatable :: folder            !! Where the files are
+      character(len=:), allocatable :: prefix            !! As "CASE_p"
+      type(snapshot_info_t), allocatable, private :: steps(:) !! On rank 0 only
+   contains
+      procedure :: open => series_open                   !! Find the snapshots of an earlier run
+      procedure :: path => series_path                   !! Path of a snapshot
+      procedure :: add => series_add                     !! A snapshot has been written
+      procedure :: close => series_close                 !! Bring the index up to date
+   end type series_t
+
+contains
+
+   !> Begin a series, with the snapshots of an earlier run before a number. Collective.
+   subroutine series_open(self, communicator, folder, prefix, next_number, error)
+      class(series_t), intent(inout) :: self             !! The series
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      character(len=*), intent(in) :: folder             !! Where the files are
+      character(len=*), intent(in) :: prefix             !! As "CASE_p"
+      integer, intent(in) :: next_number                 !! Number of the next snapshot
+      type(error_t), allocatable, intent(out) :: error   !! A snapshot cannot be read
+      character(len=longest_name), allocatable :: names(:)
+      type(snapshot_info_t) :: info
+      integer :: index
+
+      self%folder = folder
+      self%prefix = prefix
+      if (allocated(self%steps)) deallocate (self%steps)
+      allocate (self%steps(0))
+      if (communicator%rank == 0 .and. next_number > 0) then
+         call list_folder(folder, prefix//"_", ".hdf", names, error)
+         if (.not. allocated(error)) then
+            do index = 1, size(names)
+               if (.not. is_before(names(index), self%path(next_number))) cycle
+               call read_snapshot(join_path(folder, trim(names(index))), info, error)
+               if (allocated(error)) exit
+               call append(self%steps, info)
+            end do
+         end if
+      end if
+      call agree(communicator, error)
+   end subroutine series_open
+
+   !> Is a name that of a snapshot before another one.
+   pure logical function is_before(name, path) result(before)
+      character(len=*), intent(in) :: name               !! Name of a file
+      character(len=*), intent(in) :: path               !! Path of the later snapshot
+      character(len=:), allocatable :: later
+      integer :: first
+
+      later = name_of(path)
+      before = len_trim(name) == len(later)
+      if (.not. before) return
+      first = len(later) - len("000000.hdf") + 1
+      before = verify(name(first:first + 5), "0123456789") == 0 .and. llt(name, later)
+   end function is_before
+
+   !> Path of a snapshot.
+   function series_path(self, number) result(path)
+      class(series_t), intent(in) :: self                !! The series
+      integer, intent(in) :: number                      !! From 0
+      character(len=:), allocatable :: path
+      character(len=16) :: digits
+
+      write (digits, "(i0.6)") number
+      path = join_path(self%folder, self%prefix//"_"//trim(digits)//".hdf")
+   end function series_path
+
+   !> Book a snapshot that has been written. Collective.
+   subroutine series_add(self, communicator, path, error)
+      class(series_t), intent(inout) :: self             !! The series
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      character(len=*), intent(in) :: path               !! The snapshot
+      type(error_t), allocatable, intent(out) :: error   !! The series cannot be written
+      type(snapshot_info_t) :: info
+      character(len=:), allocatable :: base
+      integer :: count
+
+      if (communicator%rank == 0) then
+         call read_snapshot(path, info, error)
+         if (.not. allocated(error)) then
+            call append(self%steps, info)
+            count = size(self%steps)
+            base = join_path(self%folder, self%prefix)
+            call write_file(base//".hdf.series", series_text(self%steps), error)
+            if (.not. allocated(error)) &
+               call write_file(base//".xdmf", xdmf_text(self%steps), error)
+            if (.not. allocated(error) .and. (count <= often .or. mod(count, often) == 0)) &
+               call write_index(base//".vtkhdf", self%steps, error)
+         end if
+      end if
+      call agree(communicator, error)
+   end subroutine series_add
+
+   !> Bring the index up to date at the end of a run. Collective.
+   subroutine series_close(self, communicator, error)
+      class(series_t), intent(inout) :: self             !! The series
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(error_t), allocatable, intent(out) :: error   !! The index cannot be written
+
+      if (communicator%rank == 0 .and. allocated(self%steps)) then
+         if (size(self%steps) > 0) &
+            call write_index(join_path(self%folder, self%prefix//".vtkhdf"), self%steps, error)
+      end if
+      call agree(communicator, error)
+   end subroutine series_close
+
+   !> Add a snapshot to the list; those of this and later numbers are of an earlier run and go.
+   subroutine append(steps, info)
+      type(snapshot_info_t), allocatable, intent(inout) :: steps(:) !! The list
+      type(snapshot_info_t), intent(in) :: info          !! A further one
+      type(snapshot_info_t), allocatable :: larger(:)
+      integer :: index, kept
+
+      kept = size(steps)
+      do while (kept > 0)
+         if (llt(steps(kept)%path, info%path)) exit
+         kept = kept - 1
+      end do
+      allocate (larger(kept + 1))
+      do index = 1, kept
+         larger(index) = steps(index)
+      end do
+      larger(size(larger)) = info
+      call move_alloc(larger, steps)
+   end subroutine append
+
+   !> The list of files and times that ParaView reads.
+   function series_text(steps) result(text)
+      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
+      character(len=:), allocatable :: text
+      integer :: step
+
+      text = "{"//new_line("a")//"  ""file-series-version"": ""1.0"","//new_line("a")// &
+         "  ""files"": ["
+      do step = 1, size(steps)
+         if (step > 1) text = text//","
+         text = text//new_line("a")//"    {""name"": """//name_of(steps(step)%path)// &
+            """, ""time"": "//real_text(steps(step)%time)//"}"
+      end do
+      text = text//new_line("a")//"  ]"//new_line("a")//"}"//new_line("a")
+   end function series_text
+
+   !> The same for readers of XDMF 3.
+   function xdmf_text(steps) result(text)
+      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
+      character(len=:), allocatable :: text
+      integer :: step
+
+      text = "<?xml version=""1.0"" ?>"//new_line("a")//"<Xdmf Version=""3.0"">"//new_line("a")// &
+         "<Domain>"//new_line("a")//"<Grid Name=""particles"" GridType=""Collection"" "// &
+         "CollectionType=""Temporal"">"//new_line("a")
+      do step = 1, size(steps)
+         text = text//grid_text(steps(step))
+      end do
+      text = text//"</Grid>"//new_line("a")//"</Domain>"//new_line("a")//"</Xdmf>"//new_line("a")
+   end function xdmf_text
+
+   !> One snapshot in XDMF.
+   function grid_text(step) result(text)
+      type(snapshot_info_t), intent(in) :: step          !! The snapshot
+      character(len=:), allocatable :: text
+      character(len=:), allocatable :: count, file, kind
+      integer :: field
+
+      file = name_of(step%path)
+      count = whole_text(step%points)
+      text = "<Grid Name=""particles"" GridType=""Uniform"">"//new_line("a")// &
+         "<Time Value="""//real_text(step%time)//"""/>"//new_line("a")// &
+         "<Topology TopologyType=""Polyvertex"" NumberOfElements="""//count// &
+         """ NodesPerElement=""1"">"//new_line("a")// &
+         item_text(file, "Connectivity", count, .false., 8)//"</Topology>"//new_line("a")// &
+         "<Geometry GeometryType=""XYZ"">"//new_line("a")// &
+         item_text(file, "Points", count//" 3", .true., 8)//"</Geometry>"//new_line("a")
+      do field = 1, size(step%fields)
+         associate (info => step%fields(field))
+            kind = "Scalar"
+            if (info%dimensions > 1) kind = "Vector"
+            text = text//"<Attribute Name="""//trim(info%name)//""" AttributeType="""//kind// &
+               """ Center=""Node"">"//new_line("a")
+            if (info%dimensions > 1) then
+               text = text//item_text(file, "PointData/"//trim(info%name), count//" "// &
+                  whole_text(int(info%components, int64)), info%is_real, info%bytes)
+            else
+               text = text//item_text(file, "PointData/"//trim(info%name), count, info%is_real, &
+                  info%bytes)
+            end if
+            text = text//"</Attribute>"//new_line("a")
+         end associate
+      end do
+      text = text//"</Grid>"//new_line("a")
+   end function grid_text
+
+   !> One data set in XDMF.
+   pure function item_text(file, name, extent, is_real, bytes) result(text)
+      character(len=*), intent(in) :: file               !! Name of the snapshot
+      character(len=*), intent(in) :: name               !! From the root of viewers
+      character(len=*), intent(in) :: extent             !! Rows and components
+      logical, intent(in) :: is_real                     !! Real, not whole numbers
+      integer, intent(in) :: bytes                       !! Of one number
+      character(len=:), allocatable :: text
+      character(len=:), allocatable :: kind
+
+      kind = "Int"
+      if (is_real) kind = "Float"
+      text = "<DataItem Format=""HDF"" NumberType="""//kind//""" Precision="""// &
+         whole_text(int(bytes, int64))//""" Dimensions="""//extent//""">"//file//":/VTKHDF/"// &
+         name//"</DataItem>"//new_line("a")
+   end function item_text
+end module io_xdmf

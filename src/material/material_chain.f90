@@ -1,0 +1,268 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The chain of laws that a time step of a material runs through, each link only if asked for.
+module material_chain
+   use base_kinds, only: wp
+   use material_damage, only: damage_t
+   use material_eos, only: eos_t
+   use material_heat, only: heat, heat_t, melt
+   use material_kinematics, only: dilate
+   use material_law, only: law_t
+   use material_matter, only: deformation_t, matter_t
+   use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
+   use material_tension, only: break, cut_tension, drop_failed, drop_melted, fracture_t, &
+      open_voids, spall_t, stiffen, stiffen_intact
+   use material_viscosity, only: resist, viscosity_t, viscous_losses
+   use material_wishes, only: wishes_t
+   implicit none
+   private
+
+   public :: chain_t
+
+   !> The models of one material. What is not allocated does not happen and costs nothing.
+   type :: chain_t
+      character(len=:), allocatable :: name          !! Name that bodies refer to
+      real(wp) :: density = 0.0_wp                   !! Of the reference state [kg/m3]
+      real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
+      real(wp) :: shear = 0.0_wp                     !! Shear modulus, 0 without strength [Pa]
+      class(law_t), allocatable :: law               !! Strength; none: stress is pressure alone
+      class(eos_t), allocatable :: eos               !! None: mean stress in rate form
+      class(damage_t), allocatable :: damage         !! Lets damage grow
+      type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
+      type(spall_t), allocatable :: spall            !! Tension cut-off without memory
+      type(fracture_t), allocatable :: fracture      !! Failure for good
+      type(heat_t), allocatable :: heat              !! Temperature follows the work
+      real(wp), allocatable :: melting               !! Fluid from this temperature [K]
+   contains
+      procedure :: wishes => chain_wishes            !! Fields to be carried, and why
+      procedure :: request => chain_request          !! Allocates these fields
+      procedure :: start => chain_start              !! Initial state of particles
+      procedure :: update => chain_update            !! One time step
+      procedure :: reference_speed => chain_reference_speed   !! Fastest signal at rest
+      procedure :: stored_energy => chain_stored_energy       !! Internal energy of particles
+   end type chain_t
+
+contains
+
+   !> The fields that the chain needs its particles to carry.
+   pure function chain_wishes(self) result(wishes)
+      class(chain_t), intent(in) :: self             !! The material
+      type(wishes_t) :: wishes
+
+      call wishes%ask("mass", "every material", 1)
+      call wishes%ask("volume", "every material", 1)
+      call wishes%ask("stress", "every material", 6)
+      if (allocated(self%viscosity)) call wishes%ask("viscous_pressure", "artificial viscosity", 1)
+      if (allocated(self%eos)) call self%eos%request(wishes)
+      if (allocated(self%law)) call self%law%request(wishes)
+      if (allocated(self%damage)) call self%damage%request(wishes)
+      if (allocated(self%heat)) call wishes%ask("temperature", "thermal effect", 1)
+      if (allocated(self%fracture)) then
+         call wishes%ask("damage", "failure", 1)
+         call wishes%ask("failed", "failure", 1)
+      end if
+   end function chain_wishes
+
+   !> Allocate exactly the fields that the chain needs.
+   pure subroutine chain_request(self, matter, particles)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(out) :: matter          !! State of its particles
+      integer, optional, intent(in) :: particles     !! Room for so many; none if not given
+      type(wishes_t) :: wishes
+      integer :: n
+
+      n = 0
+      if (present(particles)) n = particles
+      wishes = self%wishes()
+      allocate (matter%mass(n), matter%volume(n), matter%stress(n, 6))
+      if (wishes%asked("viscous_pressure")) allocate (matter%viscous_pressure(n))
+      if (wishes%asked("energy")) allocate (matter%energy(n))
+      if (wishes%asked("temperature")) allocate (matter%temperature(n))
+      if (wishes%asked("plastic_strain")) allocate (matter%plastic_strain(n))
+      if (wishes%asked("plastic_rate")) allocate (matter%plastic_rate(n))
+      if (wishes%asked("damage")) allocate (matter%damage(n))
+      if (wishes%asked("failed")) allocate (matter%failed(n))
+   end subroutine chain_request
+
+   !> Initial state of particles: at rest without stress. Mass and volume are set by the caller.
+   pure subroutine chain_start(self, matter, first, last, temperature)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(inout) :: matter        !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: temperature            !! Initial temperature [K]
+
+      matter%stress(first:last, :) = 0.0_wp
+      if (allocated(matter%viscous_pressure)) matter%viscous_pressure(first:last) = 0.0_wp
+      if (allocated(matter%energy)) matter%energy(first:last) = 0.0_wp
+      if (allocated(matter%temperature)) matter%temperature(first:last) = temperature
+      if (allocated(matter%plastic_strain)) matter%plastic_strain(first:last) = 0.0_wp
+      if (allocated(matter%plastic_rate)) matter%plastic_rate(first:last) = 0.0_wp
+      if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
+      if (allocated(matter%failed)) matter%failed(first:last) = 0
+   end subroutine chain_start
+
+   !> Fastest signal [m/s] in the reference state, for the first time step.
+   pure real(wp) function chain_reference_speed(self) result(speed)
+      class(chain_t), intent(in) :: self             !! The material
+
+      speed = sqrt((self%bulk + 4.0_wp/3.0_wp*self%shear)/self%density)
+   end function chain_reference_speed
+
+   !> One time step of a range of particles, with the gradient given and the work of the stress of
+   !! the force already in the energy. The order of the chain is that of the calls here.
+   pure subroutine chain_update(self, matter, deformation, first, last, dt, spacing)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp), intent(in) :: dt                         !! Time step [s]
+      real(wp), intent(in) :: spacing                    !! Cell size [m]
+      integer :: count
+
+      count = last - first + 1
+      if (count < 1) return
+      deformation%plastic_work(:count) = 0.0_wp
+      deformation%viscous_work(:count) = 0.0_wp
+      if (allocated(self%law)) then
+         call update_deviator(self, matter, deformation, first, last, dt)
+      else
+         call dilate(first, last, deformation%gradient, matter%volume, deformation%old_volume, &
+            deformation%dilatation)
+         deformation%plastic_increment(:count) = 0.0_wp
+      end if
+      call update_pressure(self, matter, deformation, first, last)
+      if (allocated(self%damage)) call self%damage%update(matter, deformation, first, last, dt)
+      call limit_tension(self, matter, deformation, first, last)
+      if (allocated(self%viscosity)) call viscous_losses(first, last, matter%viscous_pressure, &
+         deformation%old_volume, deformation%dilatation, deformation%viscous_work)
+      if (allocated(self%heat)) call update_temperature(self, matter, deformation, first, last)
+      if (allocated(self%viscosity)) then
+         call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
+            deformation%dilatation, matter%viscous_pressure, deformation%pressure, &
+            deformation%wave_speed)
+      else
+         call square_root(count, deformation%wave_speed)
+      end if
+      if (allocated(self%law)) then
+         call assemble(first, last, deformation%pressure, matter%stress)
+      else
+         call assemble_isotropic(first, last, deformation%pressure, matter%stress)
+      end if
+   end subroutine chain_update
+
+   !> Volume and deviator of stress.
+   pure subroutine update_deviator(self, matter, deformation, first, last, dt)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp), intent(in) :: dt                         !! Time step [s]
+
+      call self%law%predict(matter, deformation, first, last)
+      ! Before the law, so that what has no strength does not flow plastically.
+      if (allocated(self%fracture)) call drop_failed(first, last, matter%failed, matter%stress)
+      if (allocated(self%melting)) &
+         call drop_melted(first, last, self%melting, matter%temperature, matter%stress)
+      call self%law%update(matter, deformation, first, last, dt)
+   end subroutine update_deviator
+
+   !> Pressure of the material, and the square of its wave speed.
+   pure subroutine update_pressure(self, matter, deformation, first, last)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (allocated(self%eos)) then
+         call self%eos%update(matter, deformation, first, last)
+      else
+         if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
+            deformation%pressure(:last - first + 1) - matter%viscous_pressure(first:last)
+         call follow_rate(first, last, self%bulk, matter%mass, matter%volume, &
+            deformation%dilatation, deformation%pressure, deformation%wave_speed)
+      end if
+      if (.not. allocated(self%law)) return
+      if (allocated(self%fracture)) then
+         call stiffen_intact(first, last, self%shear, matter%failed, matter%mass, matter%volume, &
+            deformation%wave_speed)
+      else
+         call stiffen(first, last, self%shear, matter%mass, matter%volume, deformation%wave_speed)
+      end if
+   end subroutine update_pressure
+
+   !> Cut the tension or let particles fail.
+   pure subroutine limit_tension(self, matter, deformation, first, last)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (allocated(self%fracture)) then
+         call break(first, last, self%fracture%strength, self%shear, self%bulk, matter%volume, &
+            matter%stress, deformation%pressure, deformation%pressure_floor, matter%damage, &
+            matter%failed, deformation%plastic_work)
+         if (.not. allocated(self%eos)) call open_voids(first, last, self%density, self%bulk, &
+            matter%mass, matter%volume, matter%failed, deformation%pressure, &
+            deformation%wave_speed)
+      else if (allocated(self%spall)) then
+         call cut_tension(first, last, self%spall%strength, deformation%pressure, &
+            deformation%pressure_floor)
+      else if (allocated(self%heat)) then
+         deformation%pressure_floor(:last - first + 1) = -huge(1.0_wp)
+      end if
+      if (allocated(self%melting)) call melt(first, last, self%melting, matter%temperature, &
+         deformation%pressure, deformation%pressure_floor)
+   end subroutine limit_tension
+
+   !> Temperature after the step.
+   pure subroutine update_temperature(self, matter, deformation, first, last)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp) :: gamma_density
+
+      gamma_density = 0.0_wp
+      if (allocated(self%eos)) gamma_density = self%eos%gamma_density
+      call heat(first, last, self%heat%specific_heat, gamma_density, matter%mass, matter%volume, &
+         deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
+         deformation%plastic_work, deformation%viscous_work, matter%temperature)
+   end subroutine update_temperature
+
+   !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.
+   pure subroutine chain_stored_energy(self, matter, first, last, energy)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(in) :: matter           !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(inout) :: energy(:) !! (range) [J]
+      real(wp) :: limit, pressure, square
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         if (allocated(matter%energy)) then
+            energy(i) = matter%mass(k)*matter%energy(k)
+            cycle
+         end if
+         limit = -huge(1.0_wp)
+         if (allocated(self%spall)) limit = -self%spall%strength
+         if (allocated(matter%failed)) limit = merge(0.0_wp, limit, matter%failed(k) /= 0)
+         pressure = -sum(matter%stress(k, 1:3))/3.0_wp
+         square = sum((matter%stress(k, 1:3) + pressure)**2) + 2.0_wp*sum(matter%stress(k, 4:6)**2)
+         energy(i) = 0.0_wp
+         if (self%shear > 0.0_wp) energy(i) = matter%volume(k)*square/(4.0_wp*self%shear)
+         if (allocated(self%eos)) then
+            energy(i) = energy(i) + self%eos%stored(matter%mass(k), matter%volume(k), limit)
+         else
+            if (allocated(matter%viscous_pressure)) pressure = pressure - matter%viscous_pressure(k)
+            energy(i) = energy(i) + matter%volume(k)*pressure**2/(2.0_wp*self%bulk)
+         end if
+      end do
+   end subroutine chain_stored_energy
+end module material_chain
