@@ -76,7 +76,8 @@ contains
 
       allocate (names(0))
       do k = 1, size(rule%keys)
-         if (rule%keys(k)%required) call append(names, rule%keys(k)%name)
+         if (rule%keys(k)%required .and. size(rule%keys(k)%owners) == 0) &
+            call append(names, rule%keys(k)%name)
       end do
       if (size(names) > 0) call problems%error(deck_file, 0, "&"//rule%name// &
          " is missing; it must give "//join(names, ", "))
@@ -91,10 +92,12 @@ contains
       integer, intent(in) :: which                       !! Index of the group
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       character(len=:), allocatable :: reason
+      logical :: sure
 
       associate (group => groups(which), value => groups(which)%values(place))
          if (.not. value%valid) return
-         call weigh(schema, key, groups, which, reason)
+         call weigh(schema, key, groups, which, reason, sure)
+         if (.not. sure) return
          if (value%given .and. reason /= "") then
             call problems%error(value%file, value%line, label_of(group)//": "//key%name//" "//reason)
          else if (key%required .and. reason == "" .and. value%count() == 0) then
@@ -113,21 +116,24 @@ contains
       type(group_t), intent(in) :: groups(:)             !! All groups
       integer, intent(in) :: which                       !! Index of the group
       character(len=:), allocatable :: reason
+      logical :: sure
 
-      call weigh(schema, key, groups, which, reason)
+      call weigh(schema, key, groups, which, reason, sure)
       applies = reason == ""
    end function applies
 
    !> Why a key means nothing in its group; empty if it does.
-   subroutine weigh(schema, key, groups, which, reason)
+   subroutine weigh(schema, key, groups, which, reason, sure)
       type(schema_t), intent(in) :: schema               !! What is allowed
       type(key_t), intent(in) :: key                     !! The key
       type(group_t), intent(in) :: groups(:)             !! All groups
       integer, intent(in) :: which                       !! Index of the group
       character(len=:), allocatable, intent(out) :: reason !! Follows the name of the key
+      logical, intent(out) :: sure                       !! False: a fault in another key hides it
       integer :: i, other, owner, rule
 
       reason = ""
+      sure = .true.
       do i = 1, size(key%owners)
          associate (condition => key%owners(i))
             other = which
@@ -139,6 +145,7 @@ contains
             end if
             rule = schema%find(condition%group)
             owner = schema%groups(rule)%find(condition%key)
+            sure = sure .and. groups(other)%values(owner)%valid
             call compare(schema%groups(rule)%keys(owner), condition, groups(other)%values(owner), &
                other == which, reason)
             if (reason /= "") return

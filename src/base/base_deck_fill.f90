@@ -6,7 +6,7 @@ module base_deck_fill
    use base_deck_value, only: convert, read_default, value_t
    use base_namelist, only: block_t, namelist_t, piece_t, token_t
    use base_schema, only: group_rule_t, kind_integer, kind_logical, kind_real, key_t, schema_t
-   use base_text, only: closest, number
+   use base_text, only: closest, number, shortened
    implicit none
    private
 
@@ -192,11 +192,9 @@ contains
       do i = 1, size(tokens)
          if (i > 1 .and. .not. tokens(i)%comma) text = text//" "
          text = text//tokens(i)%raw
-         if (len(text) > longest_quotation) then
-            text = text(:longest_quotation)//"..."
-            return
-         end if
+         if (len(text) > longest_quotation) exit
       end do
+      text = shortened(text, longest_quotation)
    end function written
 
    !> Give defaults to all places that have no value, and tell of places that need one.

@@ -34,6 +34,7 @@ module base_deck_value
       logical :: quoted = .false.                        !! It stood in quotes
    end type item_t
 
+   integer, parameter :: longest_text = 240              !! Fits into a line with its quotes doubled
    character(len=*), parameter :: points_at = "  <- "    !! Between what is written and what is wrong
 
 contains
@@ -102,7 +103,7 @@ contains
       end do
       if (complaint == "") then
          if (size(items) > places) then
-            complaint = too_many(key, subscript, tokens, size(items))
+            complaint = too_many(key, subscript, tokens, items)
          else if (key%exact .and. subscript == 0 .and. size(items) < places) then
             complaint = expectation(key)//", not "//number(size(items))
          end if
@@ -113,20 +114,24 @@ contains
    end subroutine convert
 
    !> What is wrong if there are more values than places.
-   function too_many(key, subscript, tokens, count) result(complaint)
+   function too_many(key, subscript, tokens, items) result(complaint)
       type(key_t), intent(in) :: key                     !! The key
       integer, intent(in) :: subscript                   !! First place to fill, 0 = all
       type(token_t), intent(in) :: tokens(:)             !! What is written
-      integer, intent(in) :: count                       !! Number of values
+      type(item_t), intent(in) :: items(:)               !! The values
       character(len=:), allocatable :: complaint
-
       integer :: i
 
-      complaint = expectation(key)//", not "//number(count)
+      complaint = expectation(key)//", not "//number(size(items))
       if (subscript > 0) complaint = expectation(key)//"; there is no place "// &
          number(key%places + 1)
       do i = 1, size(tokens)
          if (.not. tokens(i)%quoted .and. index(tokens(i)%raw, "*") > 0) complaint = expectation(key)
+      end do
+      do i = 1, size(items)
+         if (key%kind == kind_text .and. items(i)%quoted) cycle
+         if (key%kind /= kind_text .and. verify(items(i)%text, "+-.0123456789eEdD") == 0) cycle
+         complaint = expectation(key)
       end do
    end function too_many
 
@@ -163,7 +168,7 @@ contains
       pending = 1
       do i = 1, size(tokens)
          if (tokens(i)%comma) then
-            if (after_comma) complaint = "has nothing before a comma"
+            if (after_comma) complaint = "misses a value before a comma"
             after_comma = .true.
             cycle
          end if
@@ -298,6 +303,7 @@ contains
          read (text(mark + 1:), *, iostat=status) exponent
       end if
       complaint = ""
+      if (text(1:1) == "-") number_read = sign(0.0_wp, -1.0_wp)
       digits = scan(text(:mark - 1), "123456789")
       if (digits == 0) return
       exponent = exponent + shift
@@ -378,7 +384,8 @@ contains
 
       text = trim(written)
       if (text == "") complaint = "expects a text that is not empty"
-      if (text == "" .or. size(key%words) == 0) return
+      if (len(text) > longest_text) complaint = "is longer than "//number(longest_text)//" letters"
+      if (complaint /= "" .or. size(key%words) == 0) return
       do i = 1, size(key%words)
          if (lower(key%words(i)%text) /= lower(text)) cycle
          text = key%words(i)%text

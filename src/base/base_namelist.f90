@@ -146,8 +146,8 @@ contains
             call scanner%back(words(filled))
             exit
          case (word_nothing)
-            if (.not. group%broken) call problems%error(group%file, words(filled)%line, &
-               "&"//group%name//" opened in line "//number(group%line)//" is not closed by a /")
+            if (.not. group%broken) call problems%error(group%file, group%line, &
+               "&"//group%name//" is not closed by a / before the end of the file")
             exit
          case (word_broken)
             group%broken = .true.

@@ -2,7 +2,7 @@
 !> Cuts namelist text into words: the letters, quotes, commas and signs that groups are made of.
 module base_namelist_words
    use base_deck_problems, only: problems_t
-   use base_text, only: is_letter, number
+   use base_text, only: is_letter, number, shortened
    implicit none
    private
 
@@ -91,11 +91,7 @@ contains
          if (self%text(last:last) > " ") exit
          last = last - 1
       end do
-      if (last - first >= most) then
-         letters = self%text(first:first + most - 1)//"..."
-      else
-         letters = self%text(first:last)
-      end if
+      letters = shortened(self%text(first:last), most)
    end function scanner_rest_of_line
 
    !> Go back to before a word of the present line.

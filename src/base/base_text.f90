@@ -5,7 +5,8 @@ module base_text
    implicit none
    private
 
-   public :: append, brief, buffer_t, closest, distance, is_letter, join, lower, number, split, text_t
+   public :: append, brief, buffer_t, closest, distance, is_letter, join, lower, number, shortened, &
+      split, text_t
 
    !> A text of any length, so that arrays of texts can be made.
    type :: text_t
@@ -105,6 +106,21 @@ contains
          end if
       end do
    end function lower
+
+   !> A text for a message, cut if it is long, but not within a letter of several bytes.
+   pure function shortened(text, most) result(short)
+      character(len=*), intent(in) :: text               !! Any text
+      integer, intent(in) :: most                        !! Greatest number of bytes kept
+      character(len=:), allocatable :: short
+      integer :: last
+
+      short = text
+      if (len(text) <= most) return
+      do last = most, 1, -1
+         if (iand(ichar(text(last + 1:last + 1)), 192) /= 128) exit
+      end do
+      short = text(:last)//"..."
+   end function shortened
 
    !> Words of a text that blanks separate.
    pure subroutine split(text, words)

@@ -49,6 +49,7 @@ module driver_output
       procedure :: plan => outputs_plan              !! Read the streams from the deck
       procedure :: open => outputs_open              !! Open files, new or after a restart
       procedure :: write_due => outputs_write_due    !! Write what is due
+      procedure :: expected => outputs_expected      !! Snapshots that will be written
       procedure :: close => outputs_close            !! Close files
       procedure :: save => outputs_save              !! Counters into a checkpoint
       procedure :: load => outputs_load              !! Counters from a checkpoint
@@ -244,6 +245,21 @@ contains
       row(entries + 4:) = [now%total, now%mass_error, now%momentum_error, now%angular_error, &
          now%energy_error]
    end function row_of
+
+   !> Snapshots that the run will write, as far as that is known before it.
+   pure integer(int64) function outputs_expected(self, time_end) result(number)
+      class(outputs_t), intent(in) :: self           !! The streams
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      integer :: n
+
+      number = 0
+      do n = 1, size(self%snapshots)
+         associate (schedule => self%snapshots(n)%schedule)
+            if (schedule%interval > 0.0_wp) number = number + 1 + int(time_end/schedule%interval, int64)
+            if (allocated(schedule%times)) number = number + size(schedule%times)
+         end associate
+      end do
+   end function outputs_expected
 
    !> Close all files.
    subroutine outputs_close(self)

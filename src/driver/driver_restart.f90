@@ -6,7 +6,8 @@ module driver_restart
    use driver_output, only: outputs_t
    use driver_simulation, only: simulation_t
    use driver_start, only: distribute
-   use io_checkpoint, only: checkpoint_newest, checkpoint_place_t, checkpoint_write, longest_path
+   use io_checkpoint, only: checkpoint_newest, checkpoint_place_t, checkpoint_write
+   use io_file, only: longest_path
    use io_restart, only: checkpoint_read
    use io_state, only: state_t
    implicit none

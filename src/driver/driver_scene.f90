@@ -4,17 +4,20 @@ module driver_scene
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
    use ddmp_alpha, only: alpha_names
+   use driver_output, only: outputs_t
    use driver_method, only: method_t, stress_names, transfer_names
    use driver_shapes, only: read_shapes, named_shape_t
    use driver_simulation, only: simulation_t
    use driver_start, only: carry_energy, prepare
-   use material_type, only: material_t
+   use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
+      version_text
+   use io_checkpoint, only: checkpoint_place_t
    use mesh_boundary, only: face_names, face_periodic, face_symmetry, face_types
    use particle_fill, only: body_t
    implicit none
    private
 
-   public :: build_scene
+   public :: build_scene, describe_run
 
 contains
 
@@ -210,4 +213,58 @@ contains
          end associate
       end do
    end subroutine read_bodies
+
+   !> Names of the run: folder, case, and what files say of it.
+   subroutine describe_run(deck, simulation, bodies, deck_text, folder, outputs, place)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(body_t), intent(in) :: bodies(:)          !! Its bodies
+      character(len=*), intent(in) :: deck_text      !! As written
+      character(len=:), allocatable, intent(in) :: folder !! Wish of the user, if any
+      type(outputs_t), intent(inout) :: outputs      !! Gets folder, case and header
+      type(checkpoint_place_t), intent(inout) :: place !! Gets folder, case and how many to keep
+      type(group_t) :: group
+      integer :: n
+
+      group = deck%group("run")
+      call group%get("case", outputs%case)
+      outputs%folder = "out/"//outputs%case
+      if (allocated(folder)) outputs%folder = folder
+      associate (header => outputs%header)
+         header%code = "scree"
+         header%version = version_text
+         header%git = git_commit
+         header%compiler = compiler_name//" "//compiler_version_text
+         header%flags = compiler_flags
+         header%case = outputs%case
+         call group%get("title", header%title)
+         call group%get("dimension", header%dimension)
+         header%symmetry = ""
+         do n = 1, 6
+            if (simulation%boundary%kind(n) == face_symmetry .and. &
+               simulation%grid%active(ishft(n + 1, -1))) &
+               header%symmetry = trim(header%symmetry//" "//face_names(n))
+         end do
+         header%symmetry = trim(adjustl(header%symmetry))
+         header%deck = deck_text
+         header%echo = deck%echo()
+         header%axisymmetric = simulation%grid%axisymmetric
+         allocate (header%body_names(size(bodies)), header%body_materials(size(bodies)), &
+            header%material_names(size(simulation%materials)))
+         do n = 1, size(bodies)
+            header%body_names(n) = bodies(n)%name
+            header%body_materials(n) = bodies(n)%store
+         end do
+         do n = 1, size(simulation%materials)
+            header%material_names(n) = simulation%materials(n)%name
+         end do
+      end associate
+      place%folder = outputs%folder
+      place%case = outputs%case
+      place%version = version_text
+      place%deck = deck_text
+      place%echo = outputs%header%echo
+      group = deck%group("checkpoint")
+      call group%get("keep", place%keep)
+   end subroutine describe_run
 end module driver_scene

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Brings a run whose parts are chosen to its first state: tiles, ranks, particles, time step.
 module driver_start
+   use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use driver_simulation, only: simulation_t
    use driver_step, only: sort_particles
@@ -11,7 +12,7 @@ module driver_start
    implicit none
    private
 
-   public :: carry_energy, distribute, fill_simulation, first_step, name_phases, prepare
+   public :: carry_energy, distribute, fill_simulation, first_step, name_phases, prepare, spin_bodies
 
 contains
 
@@ -97,6 +98,49 @@ contains
       end do
       call sort_particles(simulation)
    end subroutine fill_simulation
+
+   !> Let bodies spin about their centres of mass, which only their particles know.
+   subroutine spin_bodies(simulation, bodies)
+      type(simulation_t), intent(inout) :: simulation !! The run with particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(exact_sum_t) :: sums(4)
+      real(wp) :: centre(3), arm(3)
+      integer(int64) :: last
+      integer :: body, tile, p, k
+
+      do body = 1, size(bodies)
+         if (.not. any(abs(bodies(body)%spin) > 0.0_wp)) cycle
+         associate (store => simulation%stores(bodies(body)%store), spin => bodies(body)%spin)
+            last = bodies(body)%first_identity + product(bodies(body)%sites(simulation%grid)) - 1
+            do k = 1, 4
+               call sums(k)%clear()
+            end do
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  if (store%identity(p) < bodies(body)%first_identity) cycle
+                  if (store%identity(p) > last) cycle
+                  do k = 1, 3
+                     call sums(k)%add(store%matter%mass(p)*store%position(p, k))
+                  end do
+                  call sums(4)%add(store%matter%mass(p))
+               end do
+            end do
+            do k = 1, 4
+               call sums(k)%over_ranks(simulation%communicator)
+            end do
+            centre = [sums(1)%value(), sums(2)%value(), sums(3)%value()]/sums(4)%value()
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  if (store%identity(p) < bodies(body)%first_identity) cycle
+                  if (store%identity(p) > last) cycle
+                  arm = store%position(p, :) - centre
+                  store%velocity(p, :) = store%velocity(p, :) + [spin(2)*arm(3) - spin(3)*arm(2), &
+                     spin(3)*arm(1) - spin(1)*arm(3), spin(1)*arm(2) - spin(2)*arm(1)]
+               end do
+            end do
+         end associate
+      end do
+   end subroutine spin_bodies
 
    !> Initial temperature of the body that a particle belongs to [K].
    pure real(wp) function temperature_of(bodies, identity) result(temperature)

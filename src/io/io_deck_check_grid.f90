@@ -7,7 +7,7 @@ module io_deck_check_grid
    implicit none
    private
 
-   public :: check_grid, check_plane
+   public :: check_grid, check_plane, dimension_of
 
    character(len=1), parameter, public :: axis_names(3) = ["x", "y", "z"]
    real(wp), parameter :: whole = 1.0e-9_wp              !! Greatest error of a number of cells

@@ -4,7 +4,7 @@ module io_deck_check_scene
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
    use base_text, only: text_t
-   use io_deck_check_grid, only: axis_names, check_plane
+   use io_deck_check_grid, only: axis_names, check_plane, dimension_of
    use mesh_boundary, only: face_names
    implicit none
    private
@@ -32,7 +32,8 @@ contains
    subroutine check_region(deck, region)
       type(deck_t), intent(inout) :: deck                !! The deck
       type(group_t), intent(in) :: region                !! The region
-      character(len=:), allocatable :: shape
+      character(len=:), allocatable :: dimension, shape
+      logical :: active(3)
       real(wp) :: axis(3), hi(3), lo(3)
       integer :: k, operands
 
@@ -42,8 +43,9 @@ contains
          if (.not. (region%known("lo") .and. region%known("hi"))) return
          call region%get("lo", lo)
          call region%get("hi", hi)
+         call dimension_of(deck, dimension, active)
          do k = 1, 3
-            if (hi(k) > lo(k)) cycle
+            if (hi(k) > lo(k) .or. .not. active(k)) cycle
             call deck%complain(region, "hi must be above lo in "//axis_names(k), "hi")
             return
          end do

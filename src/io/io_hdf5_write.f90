@@ -103,7 +103,7 @@ contains
       call h5dcreate_f(file%id, name, kind, space, data_set, status, dcpl_id=plan)
       call h5pclose_f(plan, ignored)
       call file%settle("write", name, status)
-      if (file%works()) then
+      if (file%works() .and. rows%total > 0) then
          call write_pieces(file, data_set, space, rows, extent(:dimensions), kind, address, status)
          call file%settle("write", name, status)
       end if

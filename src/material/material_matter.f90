@@ -65,9 +65,13 @@ contains
    end subroutine matter_walk
 
    !> Make room for a number of particles. What was there is lost.
+   !!
+   !! The columns are not as long as the particles are many: a length that is a power of two would
+   !! put all of them into the same few places of the cache.
    pure subroutine deformation_reserve(self, particles)
       class(deformation_t), intent(inout) :: self    !! The scratch space
       integer, intent(in) :: particles               !! Most particles in a tile
+      integer :: n
 
       if (allocated(self%dilatation)) then
          if (size(self%dilatation) >= particles) return
@@ -75,9 +79,9 @@ contains
             self%pressure_floor, self%homologous, self%plastic_increment, self%wave_speed, &
             self%plastic_work, self%viscous_work)
       end if
-      allocate (self%gradient(particles, 9), self%old_volume(particles), &
-         self%dilatation(particles), self%pressure(particles), self%pressure_floor(particles), &
-         self%homologous(particles), self%plastic_increment(particles), &
-         self%wave_speed(particles), self%plastic_work(particles), self%viscous_work(particles))
+      n = 64*((particles + 63)/64) + 8
+      allocate (self%gradient(n, 9), self%old_volume(n), self%dilatation(n), self%pressure(n), &
+         self%pressure_floor(n), self%homologous(n), self%plastic_increment(n), &
+         self%wave_speed(n), self%plastic_work(n), self%viscous_work(n))
    end subroutine deformation_reserve
 end module material_matter

@@ -26,7 +26,6 @@ module particle_fill
       real(wp) :: density = 0.0_wp                    !! [kg/m3]
       real(wp) :: velocity(3) = 0.0_wp                !! [m/s]
       real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
-      real(wp) :: centre(3) = 0.0_wp                  !! Centre of mass, for the spin [m]
       real(wp) :: temperature = 293.0_wp              !! [K]
       integer(int64) :: first_identity = 1            !! Identity of the first site of the box
    contains
@@ -235,7 +234,7 @@ contains
       type(store_t), intent(inout) :: store           !! Gets particles
       integer :: sites(3), x, y, z, p, cell(3)
       integer(int64) :: number(3), all_sites(3)
-      real(wp) :: position(3), arm(3)
+      real(wp) :: position(3)
 
       associate (it => bodies(body))
          sites = tile_sites(grid, it, coordinate)
@@ -257,10 +256,8 @@ contains
                      + all_sites(2)*number(3))
                   if (allocated(store%body)) store%body(p) = body
                   store%home(p) = cell(1) + grid%width(1)*(cell(2) + grid%width(2)*cell(3))
-                  arm = position - it%centre
                   store%position(p, :) = position
-                  store%velocity(p, :) = it%velocity + [it%spin(2)*arm(3) - it%spin(3)*arm(2), &
-                     it%spin(3)*arm(1) - it%spin(1)*arm(3), it%spin(1)*arm(2) - it%spin(2)*arm(1)]
+                  store%velocity(p, :) = it%velocity
                   store%matter%volume(p) = site_volume(grid, it, position)
                   store%matter%mass(p) = it%density*store%matter%volume(p)
                end do

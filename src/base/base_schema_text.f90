@@ -1,0 +1,222 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What a deck may hold, as text for people: one key explained, or all of them as a template.
+module base_schema_text
+   use base_error, only: error_t, exit_input, fail
+   use base_kinds, only: wp
+   use base_schema, only: group_rule_t, key_t, kind_integer, kind_logical, kind_real, kind_text, &
+      schema_t
+   use base_text, only: append, buffer_t, closest, join, lower, number, split, text_t
+   implicit none
+   private
+
+   public :: explain, template
+
+   character(len=*), parameter :: newline = new_line("a")
+   integer, parameter :: comment_column = 40             !! Where comments begin if there is room
+
+contains
+
+   !> Explain a key, written as KEY or GROUP.KEY, or a group.
+   subroutine explain(schema, name, text, error)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      character(len=*), intent(in) :: name               !! As the user wrote it
+      character(len=:), allocatable, intent(out) :: text !! The explanation
+      type(error_t), allocatable, intent(out) :: error   !! There is no such key
+      type(text_t), allocatable :: names(:)
+      type(buffer_t) :: buffer
+      character(len=:), allocatable :: near, wanted
+      integer :: i, k
+
+      wanted = lower(trim(adjustl(name)))
+      if (wanted /= "") then
+         if (wanted(1:1) == "&") wanted = wanted(2:)
+      end if
+      allocate (names(0))
+      do i = 1, size(schema%groups)
+         associate (rule => schema%groups(i))
+            call append(names, rule%name)
+            if (wanted == rule%name) call explain_group(rule, buffer)
+            do k = 1, size(rule%keys)
+               associate (key => rule%keys(k))
+                  call append(names, key%name)
+                  if (wanted == key%name .or. wanted == rule%name//"."//key%name) &
+                     call explain_key(key, buffer)
+               end associate
+            end do
+         end associate
+      end do
+      text = buffer%content()
+      if (text /= "") return
+      near = closest(wanted(index(wanted, ".") + 1:), names)
+      if (near /= "") near = "; did you mean '"//near//"'?"
+      call fail(error, exit_input, "no key '"//name//"'"//near//newline// &
+         "groups: "//join(schema%names(), " "))
+   end subroutine explain
+
+   !> A group: its meaning and its keys.
+   subroutine explain_group(rule, buffer)
+      type(group_rule_t), intent(in) :: rule             !! The group
+      type(buffer_t), intent(inout) :: buffer            !! Gets the text
+
+      call buffer%add("&"//rule%name//"  "//rule%doc)
+      if (rule%many) call buffer%add("; may be repeated")
+      call buffer%line("")
+      call buffer%line("   keys: "//join(rule%names(), " "))
+   end subroutine explain_group
+
+   !> A key: kind, unit, range, default, words, conditions.
+   subroutine explain_key(key, buffer)
+      type(key_t), intent(in) :: key                     !! The key
+      type(buffer_t), intent(inout) :: buffer            !! Gets the text
+      integer :: i
+
+      call buffer%line(key%group//"."//key%name//"  "//key%doc)
+      call buffer%line("   kind: "//kind_of(key))
+      if (key%unit_text /= "") call buffer%line("   unit: "//key%unit_text//unit_note(key))
+      if (key%range /= "") call buffer%line("   range: "//key%range)
+      if (size(key%words) > 0) call buffer%line("   one of: "//join(key%words, " "))
+      if (key%target /= "") call buffer%line("   refers to: name of &"//key%target)
+      if (allocated(key%default)) then
+         call buffer%line("   default: "//literal(key))
+      else if (key%required) then
+         call buffer%line("   must be given")
+      else
+         call buffer%line("   default: none")
+      end if
+      do i = 1, size(key%owners)
+         associate (owner => key%owners(i))
+            if (size(owner%words) == 0) then
+               call buffer%line("   needs: &"//owner%group//" "//owner%key//" = .true.")
+            else
+               call buffer%line("   needs: &"//owner%group//" "//owner%key//" = '"// &
+                  join(owner%words, "' or '")//"'")
+            end if
+         end associate
+      end do
+   end subroutine explain_key
+
+   !> What is to be known about the unit of a key.
+   pure function unit_note(key) result(note)
+      type(key_t), intent(in) :: key                     !! The key
+      character(len=:), allocatable :: note
+
+      note = ""
+      if (any(abs(key%unit%power(:3)) > 0.0_wp)) note = ", or that of &units system"
+   end function unit_note
+
+   !> Kind and number of values of a key.
+   pure function kind_of(key) result(text)
+      type(key_t), intent(in) :: key                     !! The key
+      character(len=:), allocatable :: text
+      character(len=14) :: one
+
+      select case (key%kind)
+      case (kind_real)
+         one = "number"
+      case (kind_integer)
+         one = "whole number"
+      case (kind_logical)
+         one = ".true./.false."
+      case default
+         one = "text"
+      end select
+      text = trim(one)
+      if (key%places > 1 .and. key%exact) text = number(key%places)//" "//text//"s"
+      if (.not. key%exact) text = "up to "//number(key%places)//" "//text//"s"
+   end function kind_of
+
+   !> Default of a key as it would stand in a deck.
+   function literal(key) result(text)
+      type(key_t), intent(in) :: key                     !! The key, with a default
+      character(len=:), allocatable :: text
+      type(text_t), allocatable :: words(:)
+
+      text = key%default
+      if (key%kind /= kind_text) return
+      allocate (words(0))
+      if (key%places > 1) call split(key%default, words)
+      if (key%places > 1) text = join(words, "', '")
+      text = "'"//text//"'"
+   end function literal
+
+   !> A deck with all keys: defaults as they are, all else as comments.
+   function template(schema) result(text)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      character(len=:), allocatable :: text
+      type(buffer_t) :: buffer
+      integer :: i, k
+
+      call buffer%line("! All groups and keys. Numbers are in SI; see &units. Lines with ! in front "// &
+         "have no default")
+      call buffer%line("! or belong to a choice that is not the default; those marked * must be given.")
+      do i = 1, size(schema%groups)
+         associate (rule => schema%groups(i))
+            if (rule%name == "include") then
+               call buffer%line("! &include file = 'name.nml' /    "//rule%doc)
+               cycle
+            end if
+            call buffer%line("")
+            call buffer%line("! "//rule%doc)
+            if (rule%many) then
+               call buffer%line("! &"//rule%name//"               may be repeated")
+            else
+               call buffer%line("&"//rule%name)
+            end if
+            do k = 1, size(rule%keys)
+               call buffer%line(template_line(schema, rule, rule%keys(k)))
+            end do
+            if (rule%many) call buffer%add("! ")
+            call buffer%line("/")
+         end associate
+      end do
+      text = buffer%content()
+   end function template
+
+   !> One key of the template.
+   function template_line(schema, rule, key) result(line)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(group_rule_t), intent(in) :: rule             !! Its group
+      type(key_t), intent(in) :: key                     !! The key
+      character(len=:), allocatable :: line
+      logical :: active
+
+      active = allocated(key%default) .and. .not. rule%many
+      if (active) active = holds_by_default(schema, key)
+      line = "!  "
+      if (active) line = "   "
+      line = line//key%name//" ="
+      if (allocated(key%default)) line = line//" "//literal(key)
+      line = line//repeat(" ", max(comment_column - len(line), 1))//"! "
+      if (key%required) line = line//"* "
+      line = line//kind_of(key)
+      if (key%unit_text /= "") line = line//" ["//key%unit_text//"]"
+      if (key%range /= "") line = line//" "//key%range
+      line = line//": "//key%doc
+      if (size(key%words) > 0) line = line//" {"//join(key%words, "|")//"}"
+   end function template_line
+
+   !> True if the conditions of a key hold in a deck of defaults.
+   logical function holds_by_default(schema, key) result(holds)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(key_t), intent(in) :: key                     !! The key
+      character(len=:), allocatable :: default
+      integer :: i, k, owner, rule
+      logical :: found
+
+      holds = .true.
+      do i = 1, size(key%owners)
+         associate (condition => key%owners(i))
+            rule = schema%find(condition%group)
+            owner = schema%groups(rule)%find(condition%key)
+            default = ""
+            if (allocated(schema%groups(rule)%keys(owner)%default)) &
+               default = schema%groups(rule)%keys(owner)%default
+            found = size(condition%words) == 0 .and. default == ".true."
+            do k = 1, size(condition%words)
+               found = found .or. condition%words(k)%text == default
+            end do
+            holds = holds .and. found
+         end associate
+      end do
+   end function holds_by_default
+end module base_schema_text

@@ -1,0 +1,214 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What a run will cost, said before it starts.
+module driver_check
+   use base_kinds, only: int64, wp
+   use driver_run, only: limits_t
+   use driver_simulation, only: simulation_t
+   use material_wishes, only: wishes_t
+   use mesh_tiles, only: neighbors
+   use particle_fill, only: body_t, survey_bodies
+   use transfer_scatter, only: dual_columns, motion_columns
+   implicit none
+   private
+
+   public :: cost_text, survey_t, take_survey
+
+   real(wp), parameter :: snapshot_bytes = 60.0_wp   !! A particle with default fields, compressed
+
+   !> Counts that need no particles.
+   type :: survey_t
+      integer(int64) :: particles = 0                !! In all bodies
+      integer(int64) :: tiles = 0                    !! That hold some
+      integer(int64), allocatable :: body(:)         !! (body) Particles
+   end type survey_t
+
+contains
+
+   !> Count particles and tiles.
+   subroutine take_survey(simulation, bodies, survey)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(survey_t), intent(out) :: survey          !! The counts
+      integer(int64), allocatable :: key(:), particles(:)
+
+      allocate (survey%body(size(bodies)))
+      call survey_bodies(simulation%grid, bodies, key, particles, survey%body)
+      survey%particles = sum(particles)
+      survey%tiles = size(key)
+   end subroutine take_survey
+
+   !> The table of costs.
+   function cost_text(simulation, bodies, survey, limits, snapshots) result(text)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(survey_t), intent(in) :: survey           !! The counts
+      type(limits_t), intent(in) :: limits           !! End of the run
+      integer(int64), intent(in) :: snapshots        !! Snapshots that will be written
+      character(len=:), allocatable :: text
+      real(wp) :: dt, steps, bytes
+
+      dt = least_step(simulation, bodies)
+      if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
+      dt = min(dt, limits%dt_max)
+      steps = 0.0_wp
+      if (dt > 0.0_wp .and. dt < huge(dt)) steps = limits%time_end/dt
+      if (limits%max_steps < huge(1_int64)) steps = min(steps, real(limits%max_steps, wp))
+      bytes = memory(simulation, survey)
+      text = grid_line(simulation, survey)//new_line("a")//points_text(bodies, survey) &
+         //fields_text(simulation, survey) &
+         //"step       first dt "//short(dt)//" s; about "//whole(nint(steps, int64))//" steps"// &
+         new_line("a")// &
+         "memory     "//megabytes(bytes)//" for particle and node fields, on all ranks together"// &
+         new_line("a")// &
+         "output     "//whole(snapshots)//" snapshots, about "//megabytes(real(snapshots, wp) &
+         *real(survey%particles, wp)*snapshot_bytes)//"; a checkpoint "// &
+         megabytes(real(survey%particles, wp)*carried(simulation, survey))//new_line("a")
+   end function cost_text
+
+   !> The grid in one line.
+   function grid_line(simulation, survey) result(text)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(survey_t), intent(in) :: survey           !! The counts
+      character(len=:), allocatable :: text
+
+      associate (grid => simulation%grid)
+         text = "grid       "//whole(int(grid%cells(1), int64))//" x "//whole(int(grid%cells(2), int64)) &
+            //" x "//whole(int(grid%cells(3), int64))//" = "//whole(grid%cell_count())//" cells of "// &
+            short(grid%spacing)//" m; tiles of "//whole(int(grid%tile_cells, int64))//" cells, "// &
+            whole(survey%tiles)//" of "//whole(product(int(grid%tiles, int64)))//" hold particles"
+      end associate
+   end function grid_line
+
+   !> The particles, a line a body.
+   function points_text(bodies, survey) result(text)
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(survey_t), intent(in) :: survey           !! The counts
+      character(len=:), allocatable :: text
+      integer :: n
+
+      text = "points     "//whole(survey%particles)//" in "//whole(int(size(bodies), int64))//" bodies"
+      do n = 1, size(bodies)
+         text = text//merge(": ", ", ", n == 1)//bodies(n)%name//" "//whole(survey%body(n))
+      end do
+      text = text//new_line("a")
+   end function points_text
+
+   !> The fields that particles carry, a block a material.
+   function fields_text(simulation, survey) result(text)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(survey_t), intent(in) :: survey           !! The counts
+      character(len=:), allocatable :: text, lines
+      type(wishes_t) :: wishes
+      integer :: n, first, last
+
+      text = "fields     "//whole(int(base_bytes(simulation), int64))// &
+         " bytes a particle for identity, position, velocity, cell"
+      if (allocated(simulation%stores(1)%body)) text = text//", body (there are several)"
+      text = text//new_line("a")
+      do n = 1, size(simulation%materials)
+         text = text//"  "//simulation%materials(n)%name//new_line("a")
+         wishes = simulation%materials(n)%wishes()
+         lines = wishes%report()
+         first = 1
+         do while (first <= len(lines))
+            last = index(lines(first:), new_line("a")) + first - 1
+            if (last < first) last = len(lines)
+            text = text//"    "//lines(first:last)
+            first = last + 1
+         end do
+      end do
+      text = text//"           "//whole(nint(carried(simulation, survey), int64))// &
+         " bytes a particle carried, "//whole(nint(memory(simulation, survey) &
+         /real(max(survey%particles, 1_int64), wp), int64))//" with node fields and room to move"// &
+         new_line("a")
+   end function fields_text
+
+   !> Bytes of what every particle carries beside its matter.
+   pure integer function base_bytes(simulation) result(bytes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      bytes = 8*7 + 4
+      if (allocated(simulation%stores(1)%body)) bytes = bytes + 8
+   end function base_bytes
+
+   !> Bytes a particle, of the material that carries most.
+   real(wp) function carried(simulation, survey) result(bytes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(survey_t), intent(in) :: survey           !! The counts
+      type(wishes_t) :: wishes
+      integer :: n
+
+      bytes = 0.0_wp
+      if (survey%particles == 0) return
+      do n = 1, size(simulation%materials)
+         wishes = simulation%materials(n)%wishes()
+         bytes = max(bytes, real(base_bytes(simulation) + wishes%bytes(), wp))
+      end do
+   end function carried
+
+   !> Bytes of particle and node fields of the whole run at its start.
+   real(wp) function memory(simulation, survey) result(bytes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(survey_t), intent(in) :: survey           !! The counts
+      real(wp), parameter :: room = 1.27_wp          ! ranges and arrays have an eighth to spare, each
+      real(wp) :: columns
+
+      columns = real(2*motion_columns + 9, wp)
+      if (simulation%method%dual) columns = real(2*dual_columns + 9 + 1 + 1 + 3 + 9, wp)
+      if (simulation%method%dual .and. simulation%carries_energy) columns = columns + 9.0_wp
+      bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
+         + real(survey%tiles, wp)*(9.0_wp/8.0_wp*8.0_wp*columns*real(simulation%grid%tile_nodes, wp) &
+         + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
+   end function memory
+
+   !> Stable time step for materials at rest and bodies at their speeds [s].
+   pure real(wp) function least_step(simulation, bodies) result(dt)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      real(wp) :: fastest
+      integer :: n
+
+      fastest = 0.0_wp
+      do n = 1, size(bodies)
+         fastest = max(fastest, simulation%materials(bodies(n)%store)%reference_speed() &
+            + norm2(bodies(n)%velocity))
+      end do
+      dt = huge(dt)
+      if (fastest > 0.0_wp) dt = simulation%method%cfl*simulation%grid%spacing/fastest
+   end function least_step
+
+   !> A whole number as text.
+   pure function whole(number) result(text)
+      integer(int64), intent(in) :: number           !! Any
+      character(len=:), allocatable :: text
+      character(len=24) :: line
+
+      write (line, "(i0)") number
+      text = trim(line)
+   end function whole
+
+   !> A number as short text.
+   pure function short(number) result(text)
+      real(wp), intent(in) :: number                 !! Any
+      character(len=:), allocatable :: text
+      character(len=24) :: line
+
+      write (line, "(es10.3)") number
+      text = trim(adjustl(line))
+   end function short
+
+   !> A size as text.
+   pure function megabytes(bytes) result(text)
+      real(wp), intent(in) :: bytes                  !! Any
+      character(len=:), allocatable :: text
+      character(len=24) :: line
+
+      if (bytes < 1.0e9_wp) then
+         write (line, "(f12.1)") bytes*1.0e-6_wp
+         text = trim(adjustl(line))//" MB"
+      else
+         write (line, "(f12.2)") bytes*1.0e-9_wp
+         text = trim(adjustl(line))//" GB"
+      end if
+   end function megabytes
+end module driver_check

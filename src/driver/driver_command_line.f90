@@ -1,0 +1,314 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The command line: what the user asks the program to do.
+module driver_command_line
+   use base_error, only: error_t, exit_input, fail
+   use base_text, only: append, closest, text_t
+   implicit none
+   private
+
+   public :: command_t, help_text, parse, program_arguments
+
+   !> What the command line says. Texts that were not given are not allocated.
+   type :: command_t
+      character(len=:), allocatable :: deck              !! Name of the deck
+      logical :: check = .false.                         !! Read and check, compute nothing
+      logical :: restart = .false.                       !! Go on from a checkpoint
+      character(len=:), allocatable :: checkpoint        !! Which; without it the newest valid one
+      type(text_t), allocatable :: overrides(:)          !! GROUP.KEY=VALUE in the order given
+      character(len=:), allocatable :: case_name         !! In place of the case of the deck
+      character(len=:), allocatable :: output_folder     !! In place of out/CASE
+      logical :: quiet = .false.                         !! Only warnings and errors on the screen
+      logical :: verbose = .false.                       !! Details too
+      character(len=:), allocatable :: digest            !! Checkpoint whose digest is wanted
+      logical :: template = .false.                      !! Print all keys
+      character(len=:), allocatable :: explain           !! Key to be explained
+      character(len=:), allocatable :: list              !! What is to be listed
+      logical :: help = .false.                          !! Print the help
+      logical :: version = .false.                       !! Print the version
+   end type command_t
+
+   !> One option.
+   type :: option_t
+      character(len=8) :: name                           !! After the two dashes
+      character(len=1) :: letter                         !! After one dash, or blank
+      integer :: takes                                   !! One of the constants below
+   end type option_t
+
+   integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
+   type(option_t), parameter :: options(13) = [ &
+      option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
+      option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
+      option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
+      option_t("outdir  ", "o", a_value), option_t("quiet   ", "q", nothing), &
+      option_t("verbose ", "v", nothing), option_t("digest  ", " ", a_value), &
+      option_t("template", " ", nothing), option_t("explain ", " ", a_value), &
+      option_t("list    ", " ", a_value)]
+   character(len=9), parameter :: lists(3) = [character(len=9) :: "materials", "fields", "shapes"]
+
+contains
+
+   !> The arguments of the program.
+   function program_arguments() result(arguments)
+      type(text_t), allocatable :: arguments(:)
+      character(len=:), allocatable :: argument
+      integer :: i, length
+
+      allocate (arguments(command_argument_count()))
+      do i = 1, size(arguments)
+         call get_command_argument(i, length=length)
+         allocate (character(len=length) :: argument)
+         if (length > 0) call get_command_argument(i, argument)
+         call move_alloc(argument, arguments(i)%text)
+      end do
+   end function program_arguments
+
+   !> Understand the arguments.
+   subroutine parse(arguments, command, error)
+      type(text_t), intent(in) :: arguments(:)           !! From `program_arguments`
+      type(command_t), intent(out) :: command            !! What they say
+      type(error_t), allocatable, intent(out) :: error   !! They cannot be understood
+      logical :: options_end
+      integer :: next
+
+      allocate (command%overrides(0))
+      options_end = .false.
+      next = 1
+      do while (next <= size(arguments))
+         associate (argument => arguments(next)%text)
+            if (argument == "--" .and. .not. options_end) then
+               options_end = .true.
+               next = next + 1
+            else if (index(argument, "-") == 1 .and. len(argument) > 1 .and. .not. options_end) then
+               if (index(argument, "--") == 1) then
+                  call parse_long(arguments, next, command, error)
+               else
+                  call parse_short(arguments, next, command, error)
+               end if
+            else
+               call take_deck(argument, command, error)
+               next = next + 1
+            end if
+         end associate
+         if (allocated(error)) return
+      end do
+      call check_command(command, error)
+   end subroutine parse
+
+   !> The one argument that is no option.
+   subroutine take_deck(argument, command, error)
+      character(len=*), intent(in) :: argument           !! The argument
+      type(command_t), intent(inout) :: command          !! Gets the deck
+      type(error_t), allocatable, intent(out) :: error   !! There is one already
+
+      if (argument == "") then
+         call complain(error, "the name of the deck is empty")
+      else if (allocated(command%deck)) then
+         call complain(error, "one deck at a time, not '"//command%deck//"' and '"//argument//"'")
+      else
+         command%deck = argument
+      end if
+   end subroutine take_deck
+
+   !> An option with two dashes: --name, --name=value, --name value.
+   subroutine parse_long(arguments, next, command, error)
+      type(text_t), intent(in) :: arguments(:)           !! All arguments
+      integer, intent(inout) :: next                     !! Index of this one, then of the next
+      type(command_t), intent(inout) :: command          !! Gets what it says
+      type(error_t), allocatable, intent(out) :: error   !! It cannot be understood
+      character(len=:), allocatable :: name, near, value
+      type(text_t), allocatable :: names(:)
+      integer :: equals, i, which
+
+      associate (argument => arguments(next)%text)
+         equals = index(argument//"=", "=")
+         name = argument(3:equals - 1)
+         if (equals <= len(argument)) value = argument(equals + 1:)
+      end associate
+      allocate (names(0))
+      which = 0
+      do i = 1, size(options)
+         call append(names, trim(options(i)%name))
+         if (options(i)%name == name) which = i
+      end do
+      next = next + 1
+      if (which == 0) then
+         near = closest(name, names)
+         if (near /= "") near = "; did you mean --"//near//"?"
+         call complain(error, "unknown option --"//name//near)
+      else if (options(which)%takes == nothing .and. allocated(value)) then
+         call complain(error, "--"//name//" takes no value")
+      else
+         call find_value(arguments, next, options(which), value)
+         call apply_option(options(which), value, command, error)
+      end if
+   end subroutine parse_long
+
+   !> Options with one dash: -x, -xvalue, -x value, -xyz.
+   subroutine parse_short(arguments, next, command, error)
+      type(text_t), intent(in) :: arguments(:)           !! All arguments
+      integer, intent(inout) :: next                     !! Index of this one, then of the next
+      type(command_t), intent(inout) :: command          !! Gets what they say
+      type(error_t), allocatable, intent(out) :: error   !! One cannot be understood
+      character(len=:), allocatable :: letters, value
+      integer :: at, which
+
+      letters = arguments(next)%text
+      next = next + 1
+      at = 2
+      do while (at <= len(letters))
+         do which = 1, size(options)
+            if (options(which)%letter == letters(at:at) .and. letters(at:at) /= " ") exit
+         end do
+         if (which > size(options)) then
+            call complain(error, "unknown option -"//letters(at:at)//" in '"//letters//"'")
+            return
+         end if
+         at = at + 1
+         if (allocated(value)) deallocate (value)
+         if (options(which)%takes == a_value .and. at <= len(letters)) then
+            value = letters(at:)
+            if (value(1:1) == "=") value = value(2:)
+            at = len(letters) + 1
+         else if (at > len(letters)) then
+            call find_value(arguments, next, options(which), value)
+         end if
+         call apply_option(options(which), value, command, error)
+         if (allocated(error)) return
+      end do
+   end subroutine parse_short
+
+   !> Take the next argument as value where the option wants one. The file of --restart is optional:
+   !! it must end in .h5, since what follows may be the deck.
+   subroutine find_value(arguments, next, option, value)
+      type(text_t), intent(in) :: arguments(:)           !! All arguments
+      integer, intent(inout) :: next                     !! Index of the one after the option
+      type(option_t), intent(in) :: option               !! The option
+      character(len=:), allocatable, intent(inout) :: value !! Its value
+      integer :: last
+
+      if (allocated(value) .or. option%takes == nothing .or. next > size(arguments)) return
+      last = len(arguments(next)%text)
+      if (option%takes == perhaps_a_value) then
+         if (last < 3) return
+         if (arguments(next)%text(last - 2:) /= ".h5") return
+      end if
+      value = arguments(next)%text
+      next = next + 1
+   end subroutine find_value
+
+   !> Do what an option says.
+   subroutine apply_option(option, value, command, error)
+      type(option_t), intent(in) :: option               !! The option
+      character(len=:), allocatable, intent(in) :: value !! Its value
+      type(command_t), intent(inout) :: command          !! Gets what it says
+      type(error_t), allocatable, intent(out) :: error   !! The value is missing
+
+      if (option%takes == a_value) then
+         if (.not. allocated(value)) then
+            call complain(error, "--"//trim(option%name)//" needs a value")
+            return
+         else if (value == "") then
+            call complain(error, "the value of --"//trim(option%name)//" is empty")
+            return
+         end if
+      end if
+      select case (option%name)
+      case ("help")
+         command%help = .true.
+      case ("version")
+         command%version = .true.
+      case ("check")
+         command%check = .true.
+      case ("restart")
+         command%restart = .true.
+         if (allocated(value)) command%checkpoint = value
+      case ("set")
+         call append(command%overrides, value)
+      case ("case")
+         command%case_name = value
+      case ("outdir")
+         command%output_folder = value
+      case ("quiet")
+         command%quiet = .true.
+      case ("verbose")
+         command%verbose = .true.
+      case ("digest")
+         command%digest = value
+      case ("template")
+         command%template = .true.
+      case ("explain")
+         command%explain = value
+      case default
+         command%list = value
+      end select
+   end subroutine apply_option
+
+   !> The parts must fit each other.
+   subroutine check_command(command, error)
+      type(command_t), intent(inout) :: command          !! What the command line says
+      type(error_t), allocatable, intent(out) :: error   !! Something is missing or too much
+      type(text_t), allocatable :: names(:)
+      character(len=:), allocatable :: near
+      integer :: i
+
+      if (command%help .or. command%version) return
+      if (allocated(command%list)) then
+         if (any(lists == command%list)) return
+         allocate (names(0))
+         do i = 1, size(lists)
+            call append(names, trim(lists(i)))
+         end do
+         near = closest(command%list, names)
+         if (near /= "") near = "; did you mean "//near//"?"
+         call complain(error, "--list knows materials, fields and shapes, not '"//command%list// &
+            "'"//near)
+         return
+      end if
+      if (allocated(command%explain) .or. command%template .or. allocated(command%digest)) return
+      if (command%quiet .and. command%verbose) then
+         call complain(error, "--quiet and --verbose exclude each other")
+      else if (command%check .and. command%restart) then
+         call complain(error, "--check and --restart exclude each other")
+      else if (.not. allocated(command%deck)) then
+         call complain(error, "no deck; usage: scree [options] DECK.nml, and scree --help for more")
+      else if (allocated(command%case_name)) then
+         call append(command%overrides, "run.case="//command%case_name)
+      end if
+   end subroutine check_command
+
+   !> Make an error of the command line.
+   subroutine complain(error, message)
+      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
+      character(len=*), intent(in) :: message            !! What is wrong
+
+      call fail(error, exit_input, "command line: error: "//message)
+   end subroutine complain
+
+   !> One screen of help.
+   function help_text() result(text)
+      character(len=:), allocatable :: text
+      character(len=*), parameter :: newline = new_line("a")
+
+      text = "usage: scree [options] DECK.nml"//newline//newline// &
+         "  -n, --check            read and check the deck, say what a run will cost"//newline// &
+         "  -s, --set G.K=VALUE    put a value in place of the deck's; may be repeated"//newline// &
+         "  -c, --case NAME        prefix of all output files"//newline// &
+         "  -o, --outdir DIR       folder of all output files, default out/CASE"//newline// &
+         "  -r, --restart [FILE]   go on from FILE.h5, or from the newest valid checkpoint"//newline// &
+         "  -q, --quiet            only warnings and errors on the screen"//newline// &
+         "  -v, --verbose          details too"//newline// &
+         "      --template         print a deck with all keys and defaults"//newline// &
+         "      --explain KEY      what a key or group of the deck means"//newline// &
+         "      --list WHAT        materials, fields or shapes"//newline// &
+         "      --digest FILE      digest of the state in a checkpoint"//newline// &
+         "  -h, --help             this text"//newline// &
+         "  -V, --version          version, compiler and libraries"//newline//newline
+      text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem,"//newline// &
+         "  4 physics gave up, 5 internal error, 75 stopped with a checkpoint: submit again"//newline// &
+         newline//"examples:"//newline// &
+         "  scree --check input/debris_cloud/scene.nml"//newline// &
+         "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
+         "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline//newline// &
+         "The README and doc/guide explain the rest."
+   end function help_text
+end module driver_command_line

@@ -1,0 +1,42 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What the program can list: materials, fields, shapes.
+module driver_lists
+   use io_fields, only: field_names
+   use material_catalogue, only: damage_names, eos_names, law_names
+   implicit none
+   private
+
+   public :: list_text
+
+contains
+
+   !> The list of a name that the command line allows.
+   function list_text(name) result(text)
+      character(len=*), intent(in) :: name           !! materials, fields or shapes
+      character(len=:), allocatable :: text
+
+      select case (name)
+      case ("fields")
+         text = joined(field_names)
+      case ("shapes")
+         text = joined([character(len=12) :: "box", "sphere", "cylinder", "union", "difference", &
+            "intersection"])
+      case default
+         text = "strength_model: "//joined(law_names)//new_line("a")//"eos_model: " &
+            //joined(eos_names)//new_line("a")//"damage_model: "//joined(damage_names)
+      end select
+   end function list_text
+
+   !> Words with blanks between them.
+   pure function joined(words) result(text)
+      character(len=*), intent(in) :: words(:)       !! The words
+      character(len=:), allocatable :: text
+      integer :: n
+
+      text = ""
+      do n = 1, size(words)
+         if (n > 1) text = text//" "
+         text = text//trim(words(n))
+      end do
+   end function joined
+end module driver_lists

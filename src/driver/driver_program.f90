@@ -1,0 +1,290 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The program: from the command line to the exit code. The only place that prints errors.
+module driver_program
+   use base_agreement, only: agree
+   use base_communicator, only: communicator_t, message_passing_version
+   use base_deck, only: deck_t
+   use base_error, only: error_t, exit_file, exit_input, exit_success, fail
+   use base_kinds, only: int64, wp
+   use base_log, only: log_debug, log_info, log_t
+   use base_schema, only: schema_t
+   use base_schema_text, only: explain, template
+   use base_text, only: append, text_t
+   use base_timer, only: wall_seconds
+   use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
+      git_commit, version_text
+   use driver_check, only: cost_text, survey_t, take_survey
+   use driver_command_line, only: command_t, help_text, parse, program_arguments
+   use driver_lists, only: list_text
+   use driver_output, only: outputs_t
+   use driver_restart, only: resume
+   use driver_run, only: limits_t, read_limits, run_to_end
+   use driver_scene, only: build_scene, describe_run
+   use driver_simulation, only: simulation_t
+   use driver_start, only: fill_simulation, first_step, spin_bodies
+   use driver_summary, only: count_particles, summarise
+   use io_checkpoint, only: checkpoint_place_t
+   use io_deck_check, only: check_deck
+   use io_deck_file, only: read_deck_file
+   use io_deck_schema, only: declare_deck
+   use io_digest, only: file_digest
+   use io_file, only: make_folder, write_file
+   use material_type, only: declare_material_keys
+   use omp_lib, only: omp_get_max_threads
+   use particle_fill, only: body_t
+   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+   implicit none
+   private
+
+   public :: run_program
+
+   !> All that one call of the program holds.
+   type :: session_t
+      type(command_t) :: command                     !! What the user asked for
+      type(schema_t) :: schema                       !! What a deck may hold
+      type(deck_t) :: deck                           !! The deck
+      character(len=:), allocatable :: deck_text     !! As written, for files
+      type(simulation_t) :: simulation               !! The run
+      type(body_t), allocatable :: bodies(:)         !! What fills it
+      type(survey_t) :: survey                       !! Counts of it
+      type(limits_t) :: limits                       !! When it ends
+      type(outputs_t) :: outputs                     !! Files
+      type(checkpoint_place_t) :: place              !! Checkpoints
+      type(log_t) :: log                             !! Screen and log file
+   end type session_t
+
+contains
+
+   !> Do what the command line says.
+   subroutine run_program(code)
+      integer, intent(out) :: code                   !! Exit code
+      type(session_t) :: session
+      type(error_t), allocatable :: error
+
+      code = exit_success
+      call parse(program_arguments(), session%command, error)
+      if (.not. allocated(error)) then
+         if (only_talks(session%command)) then
+            call talk(session, error)
+         else
+            call compute(session, code, error)
+         end if
+      end if
+      if (.not. allocated(error)) return
+      code = error%code
+      if (session%simulation%communicator%rank == 0) call session%log%error(error%message)
+   end subroutine run_program
+
+   !> Is nothing asked for but text?
+   pure logical function only_talks(command)
+      type(command_t), intent(in) :: command         !! The command line
+
+      only_talks = command%help .or. command%version .or. command%template .or. &
+         allocated(command%explain) .or. allocated(command%list) .or. allocated(command%digest)
+   end function only_talks
+
+   !> Print what was asked for. Needs no message passing.
+   subroutine talk(session, error)
+      type(session_t), intent(inout) :: session      !! The command line
+      type(error_t), allocatable, intent(out) :: error !! Nothing to say
+      character(len=:), allocatable :: text
+      character(len=16) :: digest
+
+      call declare_all(session%schema)
+      associate (command => session%command)
+         if (command%help) then
+            text = help_text()
+         else if (command%version) then
+            text = version_line()
+         else if (command%template) then
+            text = template(session%schema)
+         else if (allocated(command%explain)) then
+            call explain(session%schema, command%explain, text, error)
+         else if (allocated(command%list)) then
+            text = list_text(command%list)
+         else
+            call file_digest(session%simulation%communicator, command%digest, digest, error)
+            text = digest
+         end if
+      end associate
+      if (allocated(error)) return
+      if (text(max(len(text), 1):) == new_line("a")) text = text(:len(text) - 1)
+      write (output_unit, "(a)") text
+   end subroutine talk
+
+   !> Version of everything that decides the numbers.
+   function version_line() result(text)
+      character(len=:), allocatable :: text
+
+      text = "scree "//version_text//" (git "//git_commit//")  "//compiler_name//" " &
+         //compiler_version_text//" "//build_type//" "//compiler_flags//"  "//message_passing_version()
+   end function version_line
+
+   !> All keys of a deck.
+   subroutine declare_all(schema)
+      type(schema_t), intent(inout) :: schema        !! Gets the keys
+
+      call declare_deck(schema)
+      call declare_material_keys(schema)
+   end subroutine declare_all
+
+   !> Read the deck, build the run, and run or check it.
+   subroutine compute(session, code, error)
+      type(session_t), intent(inout) :: session      !! The command line is known
+      integer, intent(out) :: code                   !! Exit code
+      type(error_t), allocatable, intent(out) :: error !! What stopped it
+
+      code = exit_success
+      if (.not. session%command%check) call session%simulation%communicator%start()
+      call read_deck(session, error)
+      if (allocated(error)) return
+      call build_scene(session%deck, session%simulation, session%bodies)
+      call session%deck%verdict(error)
+      if (allocated(error)) return
+      call take_survey(session%simulation, session%bodies, session%survey)
+      call check_bodies(session)
+      call session%deck%verdict(error)
+      if (allocated(error)) return
+      call read_limits(session%deck, session%limits)
+      call describe_run(session%deck, session%simulation, session%bodies, session%deck_text, &
+         session%command%output_folder, session%outputs, session%place)
+      call session%outputs%plan(session%deck, session%limits%time_end)
+      if (session%command%check) then
+         write (output_unit, "(a)") session%deck%report()
+         write (output_unit, "(a)", advance="no") cost_text(session%simulation, session%bodies, &
+            session%survey, session%limits, session%outputs%expected(session%limits%time_end))
+         return
+      end if
+      call perform(session, code, error)
+   end subroutine compute
+
+   !> Read the deck on rank 0 and parse it on all ranks.
+   subroutine read_deck(session, error)
+      type(session_t), intent(inout) :: session      !! Gets the deck
+      type(error_t), allocatable, intent(out) :: error !! It cannot be read
+      type(text_t), allocatable :: overrides(:)
+
+      associate (communicator => session%simulation%communicator, command => session%command)
+         if (communicator%rank == 0) call read_deck_file(command%deck, session%deck_text, error)
+         call agree(communicator, error)
+         if (allocated(error)) return
+         call communicator%broadcast(session%deck_text)
+         call declare_all(session%schema)
+         overrides = command%overrides
+         if (allocated(command%case_name)) call append(overrides, "run.case='"//command%case_name//"'")
+         call session%deck%read(session%schema, session%deck_text, command%deck, overrides, error)
+         if (allocated(error)) return
+         call check_deck(session%deck)
+      end associate
+   end subroutine read_deck
+
+   !> Every body must hold particles.
+   subroutine check_bodies(session)
+      type(session_t), intent(inout) :: session      !! Survey and deck
+      character(len=:), allocatable :: name
+      real(wp) :: low(3), high(3)
+      integer :: n
+
+      do n = 1, size(session%bodies)
+         if (session%survey%body(n) > 0) cycle
+         name = "'"//session%bodies(n)%name//"'"
+         call session%bodies(n)%shape%bounds(low, high)
+         associate (grid => session%simulation%grid)
+            if (any(grid%active .and. (high <= grid%lower .or. low >= grid%upper))) then
+               call session%deck%complain("body", n, "body "//name//" lies outside of the grid; "// &
+                  "move its region or widen &grid", "region")
+            else
+               call session%deck%complain("body", n, "body "//name//" holds no particle: its region "// &
+                  "is thinner than the lattice of "//"dx/ppc, empty, or covered by later bodies", &
+                  "region")
+            end if
+         end associate
+      end do
+   end subroutine check_bodies
+
+   !> Make or read the particles, run, and sum up.
+   subroutine perform(session, code, error)
+      type(session_t), intent(inout) :: session      !! Everything but particles
+      integer, intent(out) :: code                   !! Exit code
+      type(error_t), allocatable, intent(out) :: error !! What stopped it
+      character(len=:), allocatable :: reason
+      type(error_t), allocatable :: late
+      real(wp) :: begin
+
+      begin = wall_seconds()
+      code = exit_success
+      call open_files(session, error)
+      if (allocated(error)) return
+      call fill(session, error)
+      if (allocated(error)) return
+      call session%outputs%open(session%simulation, session%command%restart, error)
+      if (allocated(error)) return
+      call run_to_end(session%simulation, session%outputs, session%place, session%limits, &
+         session%log, code, reason, error)
+      if (allocated(error)) then
+         code = error%code
+         reason = error%message
+      end if
+      call session%outputs%close()
+      call summarise(session%simulation, session%outputs, session%log, wall_seconds() - begin, code, &
+         reason, late)
+      call agree(session%simulation%communicator, late)
+      if (.not. allocated(error)) then
+         call session%log%info("ended     "//reason)
+         call move_alloc(late, error)
+      end if
+   end subroutine perform
+
+   !> Folder, log and echo. Nothing is written before the deck is known to be right.
+   subroutine open_files(session, error)
+      type(session_t), intent(inout) :: session      !! Gets a log
+      type(error_t), allocatable, intent(out) :: error !! Folder or file cannot be written
+      character(len=:), allocatable :: stem
+      character(len=16) :: ranks, threads
+
+      associate (communicator => session%simulation%communicator, outputs => session%outputs)
+         if (communicator%rank == 0) call make_folder(outputs%folder, error)
+         call agree(communicator, error)
+         if (allocated(error)) return
+         stem = outputs%folder//"/"//outputs%case
+         call session%log%open(communicator%rank, stem//".log", &
+            merge(log_debug, log_info, session%command%verbose), session%command%quiet, error)
+         call agree(communicator, error)
+         if (allocated(error)) return
+         write (ranks, "(i0)") communicator%size
+         write (threads, "(i0)") omp_get_max_threads()
+         call session%log%info(version_line())
+         call session%log%info("deck      "//session%command%deck//"  case "//outputs%case//"  "// &
+            trim(ranks)//" ranks x "//trim(threads)//" threads  results "//outputs%folder)
+         if (session%deck%warnings() > 0) call session%log%warn(session%deck%report())
+         call session%log%info(cost_text(session%simulation, session%bodies, session%survey, &
+            session%limits, outputs%expected(session%limits%time_end)))
+         if (communicator%rank == 0) call write_file(stem//".echo.nml", session%deck%echo(), error)
+         call agree(communicator, error)
+      end associate
+   end subroutine open_files
+
+   !> Particles from the bodies or from a checkpoint.
+   subroutine fill(session, error)
+      type(session_t), intent(inout) :: session      !! Gets particles
+      type(error_t), allocatable, intent(out) :: error !! No checkpoint can be read
+      character(len=:), allocatable :: note, file
+      integer(int64) :: counts(size(session%bodies))
+
+      if (session%command%restart) then
+         file = ""
+         if (allocated(session%command%checkpoint)) file = session%command%checkpoint
+         call resume(session%simulation, session%outputs, session%place, file, note, error)
+         if (allocated(error)) return
+         call session%log%info(note)
+      else
+         call fill_simulation(session%simulation, session%bodies, counts)
+         call spin_bodies(session%simulation, session%bodies)
+         call first_step(session%simulation)
+         associate (simulation => session%simulation)
+            call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+               simulation%stores, simulation%materials, simulation%ledger%start)
+         end associate
+      end if
+   end subroutine fill
+end module driver_program
