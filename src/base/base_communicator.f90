@@ -60,13 +60,15 @@ contains
       call mpi_comm_size(self%handle, self%size)
    end subroutine communicator_adopt
 
-   !> Leave the run.
+   !> Leave the run, if it was ever joined.
    subroutine communicator_finish(self)
       class(communicator_t), intent(inout) :: self    !! The group
+      logical :: started
 
       self%rank = 0
       self%size = 1
-      call mpi_finalize()
+      call mpi_initialized(started)
+      if (started) call mpi_finalize()
    end subroutine communicator_finish
 
    !> The handle of the group and an empty hint object, as whole numbers, for parallel HDF5.

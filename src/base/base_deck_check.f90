@@ -99,7 +99,8 @@ contains
          call weigh(schema, key, groups, which, reason, sure)
          if (.not. sure) return
          if (value%given .and. reason /= "") then
-            call problems%error(value%file, value%line, label_of(group)//": "//key%name//" "//reason)
+            call problems%error(value%file, value%line, label_of(group)//": "//key%name//" "// &
+               reason)
          else if (key%required .and. reason == "" .and. value%count() == 0) then
             if (.not. group%broken) call problems%error(group%path, group%first_line, &
                label_of(group)//": "//key%name//" must be given ("//key%doc//")")
@@ -158,7 +159,7 @@ contains
       type(key_t), intent(in) :: owner                   !! The key of the condition
       type(condition_t), intent(in) :: condition         !! What it should be
       type(value_t), intent(in) :: value                 !! What it is
-      logical, intent(in) :: same_group                  !! It stands in the group of the key in question
+      logical, intent(in) :: same_group                  !! It stands in the group of the key
       character(len=:), allocatable, intent(inout) :: reason !! Why the condition does not hold
       character(len=:), allocatable :: place, word
       integer :: i

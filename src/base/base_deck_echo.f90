@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A deck written out again: all values that were used, in SI, in a form that reads back bit for bit.
+!> A deck written out again: all values that were used, in SI, to the last bit.
 module base_deck_echo
    use base_deck_check, only: applies
    use base_deck_group, only: group_t

@@ -114,7 +114,8 @@ contains
       character(len=*), intent(in) :: key                !! As written
       character(len=:), allocatable :: text
 
-      text = "&"//rule%name//": unknown key '"//key//"'"//meant("'", closest(key, rule%names()), "'")
+      text = "&"//rule%name//": unknown key '"//key//"'"//meant("'", closest(key, rule%names()), &
+         "'")
    end function unknown_key
 
    !> Convert a piece and keep its value.

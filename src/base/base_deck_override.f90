@@ -41,7 +41,8 @@ contains
          return
       end if
       call choose(schema%groups(rule), choice, problems, groups, filled, which)
-      if (which > 0) call put(schema%groups(rule), place, key, value, system, problems, groups(which))
+      if (which > 0) call put(schema%groups(rule), place, key, value, system, problems, &
+         groups(which))
    end subroutine override
 
    !> Say that there is no such group.
@@ -113,7 +114,8 @@ contains
       end do
       if (rule%many .and. choice == "" .and. total > 1) then
          which = 0
-         call problems%error(command_line, 0, "&"//rule%name//": write which one is meant, such as "// &
+         call problems%error(command_line, 0, "&"//rule%name// &
+            ": write which one is meant, such as "// &
             rule%name//"["//names(1)%text//"]; there are: "//join(names, ", "))
       else if (which == 0 .and. rule%many) then
          call problems%error(command_line, 0, "no &"//rule%name//" '"//choice//"'; there are: "// &

@@ -35,7 +35,7 @@ module base_deck_value
    end type item_t
 
    integer, parameter :: longest_text = 240              !! Fits into a line with its quotes doubled
-   character(len=*), parameter :: points_at = "  <- "    !! Between what is written and what is wrong
+   character(len=*), parameter :: points_at = "  <- "    !! Between value and complaint
 
 contains
 
@@ -126,7 +126,8 @@ contains
       if (subscript > 0) complaint = expectation(key)//"; there is no place "// &
          number(key%places + 1)
       do i = 1, size(tokens)
-         if (.not. tokens(i)%quoted .and. index(tokens(i)%raw, "*") > 0) complaint = expectation(key)
+         if (.not. tokens(i)%quoted .and. index(tokens(i)%raw, "*") > 0) &
+            complaint = expectation(key)
       end do
       do i = 1, size(items)
          if (key%kind == kind_text .and. items(i)%quoted) cycle
@@ -252,7 +253,8 @@ contains
       end if
       select case (key%kind)
       case (kind_real)
-         call read_number(item%text, nint(key%unit%exponent(system)), value%numbers(place), complaint)
+         call read_number(item%text, nint(key%unit%exponent(system)), value%numbers(place), &
+            complaint)
          if (complaint == "?") complaint = expectation(key)
          if (complaint == "") call finish_number(key, system, value%numbers(place), complaint)
       case (kind_integer)

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Cuts namelist text into groups and pieces `key = value`, each with its file and line.
 !!
-!! Compilers report a fault in a namelist by the wrong name, without a line, or not at all. Here every
-!! fault is found, belongs to one line, and does not hide the next one. Quoted texts end in the line
+!! Compilers report a fault in a namelist by the wrong name, without a line, or not at all. Here
+!! every fault is found, belongs to one line, and does not hide the next one. Quoted texts end in the line
 !! in which they begin. The text may hold marks that say from which file and line the next line is,
 !! so that included files travel in one text.
 module base_namelist
@@ -89,7 +89,7 @@ contains
    subroutine report_stray(scanner, found, after_slash, problems)
       type(scanner_t), intent(in) :: scanner             !! The text
       type(lexeme_t), intent(in) :: found                !! First word outside
-      logical, intent(in) :: after_slash                 !! It stands in the line where a group ended
+      logical, intent(in) :: after_slash                 !! A group ended in its line
       type(problems_t), intent(inout) :: problems        !! Gets the error
 
       if (after_slash) then
@@ -226,7 +226,7 @@ contains
       end do
    end subroutine cut_pieces
 
-   !> Index of the first word of the key before an equals sign; the index of the sign if there is none.
+   !> Index of the first word of the key before an equals sign; that of the sign if there is none.
    integer function key_before(scanner, words, equals, last) result(first)
       type(scanner_t), intent(in) :: scanner             !! The text
       type(lexeme_t), intent(in) :: words(:)             !! All words of the group

@@ -5,7 +5,8 @@ module base_text
    implicit none
    private
 
-   public :: append, brief, buffer_t, closest, distance, is_letter, join, lower, number, shortened, &
+   public :: append, brief, buffer_t, closest, distance, is_letter, join, lower, number, &
+      shortened, &
       split, text_t
 
    !> A text of any length, so that arrays of texts can be made.
@@ -157,7 +158,7 @@ contains
       row = buffer%content()
    end function join
 
-   !> Number of letters to insert, drop, change, or swap with a neighbour to make one word of another.
+   !> Number of letters to insert, drop, change, or swap to make one word of another.
    !!
    !! Levenshtein's distance with swaps (optimal string alignment).
    pure integer function distance(from, to) result(changes)

@@ -33,7 +33,8 @@ module base_units
    end type unit_t
 
    !> Symbols that a unit may be made of, and the powers of length, time, mass, temperature.
-   character(len=3), parameter :: symbols(10) = [character(len=3) :: "m", "s", "kg", "K", "N", "J", &
+   character(len=3), parameter :: symbols(10) = [character(len=3) :: "m", "s", "kg", "K", "N", &
+      "J", &
       "W", "Pa", "deg", "1"]
    integer, parameter :: symbol_powers(4, 10) = reshape([ &
       1, 0, 0, 0, &

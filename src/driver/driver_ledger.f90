@@ -9,8 +9,7 @@ module driver_ledger
    use io_state, only: state_t
    use material_type, only: material_t
    use mesh_grid, only: grid_t
-   use particle_place, only: moved_out
-   use particle_store, only: store_t
+   use particle_store, only: moved_out, store_t
    implicit none
    private
 

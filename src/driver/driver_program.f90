@@ -22,7 +22,7 @@ module driver_program
    use driver_scene, only: build_scene, describe_run
    use driver_simulation, only: simulation_t
    use driver_start, only: fill_simulation, first_step, spin_bodies
-   use driver_summary, only: count_particles, summarise
+   use driver_summary, only: summarise
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_check, only: check_deck
    use io_deck_file, only: read_deck_file
@@ -70,9 +70,12 @@ contains
             call compute(session, code, error)
          end if
       end if
-      if (.not. allocated(error)) return
-      code = error%code
-      if (session%simulation%communicator%rank == 0) call session%log%error(error%message)
+      if (allocated(error)) then
+         code = error%code
+         if (session%simulation%communicator%rank == 0) call session%log%error(error%message)
+      end if
+      call session%log%close()
+      call session%simulation%communicator%finish()
    end subroutine run_program
 
    !> Is nothing asked for but text?

@@ -3,12 +3,14 @@
 module driver_start
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
+   use base_sort, only: sort_order
    use driver_simulation, only: simulation_t
-   use driver_step, only: sort_particles
+   use driver_step, only: count_particles, sort_particles
+   use mesh_curve, only: curve_key
    use mesh_tiles, only: partition_keys
    use omp_lib, only: omp_get_max_threads
    use particle_fill, only: body_t, fill_bodies, survey_bodies
-   use particle_place, only: moved_away
+   use particle_place, only: find_place
    implicit none
    private
 
@@ -155,22 +157,75 @@ contains
    end function temperature_of
 
    !> Share the particles out among the ranks anew and bring each to its tile; what tiles there were
-   !! is forgotten. For particles that were just read.
+   !! is forgotten. For particles that were just read, each store in one range.
    subroutine distribute(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run; particles in any tiles
-      integer :: index, tile
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer(int64), allocatable :: own(:), whole(:), key(:), weight(:)
+      integer, allocatable :: order(:)
+      integer :: n, tiles
 
-      do index = 1, size(simulation%stores)
-         associate (store => simulation%stores(index))
-            store%home = moved_away
-            store%leaving = store%count
-            do tile = 1, size(store%count)
-               store%restless(tile) = .true.
-            end do
-         end associate
+      call count_tiles(simulation, own)
+      call simulation%communicator%gather(own, whole)
+      ! pairs of key and particles, a tile perhaps several times
+      order = sort_order(whole(1::2))
+      allocate (key(size(order)), weight(size(order)))
+      tiles = 0
+      do n = 1, size(order)
+         if (tiles > 0) then
+            if (key(tiles) == whole(2*order(n) - 1)) then
+               weight(tiles) = weight(tiles) + whole(2*order(n))
+               cycle
+            end if
+         end if
+         tiles = tiles + 1
+         key(tiles) = whole(2*order(n) - 1)
+         weight(tiles) = whole(2*order(n))
+      end do
+      call partition_keys(key(:tiles), weight(:tiles), simulation%communicator%size, &
+         simulation%tiles%border)
+      do n = 1, size(simulation%stores)
+         call simulation%stores(n)%unsettle(simulation%grid%tile_cells)
       end do
       call sort_particles(simulation)
    end subroutine distribute
+
+   !> Pairs of tile and number of particles on this rank.
+   subroutine count_tiles(simulation, pairs)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer(int64), allocatable, intent(out) :: pairs(:) !! Key, particles, key, particles, ...
+      integer(int64), allocatable :: key(:)
+      integer, allocatable :: order(:)
+      integer :: index, n, filled, owner(3), cells(3)
+      logical :: lost
+
+      allocate (key(count_particles(simulation)))
+      filled = 0
+      do index = 1, size(simulation%stores)
+         associate (position => simulation%stores(index)%position)
+            do n = 1, simulation%stores(index)%particles()
+               call find_place(simulation%grid, simulation%boundary, [position(n, 1), &
+                  position(n, 2), position(n, 3)], owner, cells, lost)
+               filled = filled + 1
+               key(filled) = curve_key(owner, simulation%grid%dimensions)
+            end do
+         end associate
+      end do
+      order = sort_order(key)
+      allocate (pairs(2*size(key)))
+      filled = 0
+      do n = 1, size(order)
+         if (filled > 0) then
+            if (pairs(2*filled - 1) == key(order(n))) then
+               pairs(2*filled) = pairs(2*filled) + 1
+               cycle
+            end if
+         end if
+         filled = filled + 1
+         pairs(2*filled - 1) = key(order(n))
+         pairs(2*filled) = 1
+      end do
+      pairs = pairs(:2*filled)
+   end subroutine count_tiles
 
    !> Stable time step for the initial state [s].
    subroutine first_step(simulation)

@@ -12,7 +12,7 @@ module driver_step
    implicit none
    private
 
-   public :: advance, sort_particles
+   public :: advance, count_particles, sort_particles
 
 contains
 

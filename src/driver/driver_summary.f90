@@ -9,6 +9,7 @@ module driver_summary
    use driver_output, only: outputs_t
    use driver_restart, only: describe_state
    use driver_simulation, only: simulation_t
+   use driver_step, only: count_particles
    use io_digest, only: state_digest
    use io_state, only: state_t
    use io_summary, only: json_t
@@ -16,7 +17,7 @@ module driver_summary
    implicit none
    private
 
-   public :: count_particles, summarise
+   public :: summarise
 
 contains
 
@@ -70,17 +71,6 @@ contains
       call add_files(json, outputs)
       call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
    end subroutine summarise
-
-   !> Particles of this rank.
-   pure integer(int64) function count_particles(simulation) result(particles)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer :: index
-
-      particles = 0
-      do index = 1, size(simulation%stores)
-         particles = particles + simulation%stores(index)%particles()
-      end do
-   end function count_particles
 
    !> Particle updates a second of wall time in the steps, without output and checkpoints.
    pure real(wp) function step_rate(simulation, updates, seconds) result(rate)

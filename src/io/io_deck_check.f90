@@ -30,7 +30,8 @@ contains
          call check_material(deck, deck%group("material", i))
       end do
       call check_regions(deck)
-      if (deck%count("body") == 0) call deck%complain("body", 1, "there is none, so nothing to compute")
+      if (deck%count("body") == 0) call deck%complain("body", 1, &
+         "there is none, so nothing to compute")
       do i = 1, deck%count("body")
          call check_plane(deck, deck%group("body", i), "velocity")
          call check_spin(deck, deck%group("body", i))
@@ -135,7 +136,8 @@ contains
       if (dimension == "3d" .or. .not. (body%given("spin") .and. body%known("spin"))) return
       call body%get("spin", spin)
       if (dimension == "plane_strain") spin(2) = 0.0_wp
-      if (any(abs(spin) > 0.0_wp)) call deck%complain(body, "spin leaves the plane of dimension = '"// &
+      if (any(abs(spin) > 0.0_wp)) call deck%complain(body, &
+         "spin leaves the plane of dimension = '"// &
          dimension//"'; only plane_strain can turn, about y", "spin")
    end subroutine check_spin
 

@@ -36,7 +36,8 @@ contains
          if (active(k)) then
             call deck%complain(grid, "hi must be above lo in "//axis_names(k), "hi")
          else
-            call deck%complain(grid, "hi must be above lo in "//axis_names(k)//" too; in "//dimension// &
+            call deck%complain(grid, "hi must be above lo in "//axis_names(k)//" too; in "// &
+               dimension// &
                " the difference is the thickness", "hi")
          end if
          return
@@ -85,8 +86,10 @@ contains
             return
          end if
          if (abs(cells - anint(cells)) <= whole*max(cells, 1.0_wp) .and. cells > 0.5_wp) cycle
-         call deck%complain(grid, "(hi-lo)/dx = "//brief(cells)//" is not whole in "//axis_names(k)// &
-            "; nearest: hi = "//deck%shown(lo(k) + max(anint(cells), 1.0_wp)*dx, "m")//" or dx = "// &
+         call deck%complain(grid, "(hi-lo)/dx = "//brief(cells)//" is not whole in "// &
+            axis_names(k)// &
+            "; nearest: hi = "//deck%shown(lo(k) + max(anint(cells), 1.0_wp)*dx, "m")// &
+            " or dx = "// &
             deck%shown((hi(k) - lo(k))/max(anint(cells), 1.0_wp), "m"), "dx")
       end do
    end subroutine check_whole
@@ -112,7 +115,8 @@ contains
       do k = 2, 3
          if (.not. active(k)) cycle
          if (abs(edge(k) - edge(1)) <= whole*edge(1)) cycle
-         call deck%complain(grid, "cells must be cubes, but these are "//deck%shown(edge(1), "m")// &
+         call deck%complain(grid, "cells must be cubes, but these are "//deck%shown(edge(1), &
+            "m")// &
             " in x and "//deck%shown(edge(k), "m")//" in "//axis_names(k), "cells")
          return
       end do

@@ -80,7 +80,8 @@ contains
          if (state(next) == 0) then
             call follow(deck, next, state)
          else if (state(next) == 1) then
-            call deck%complain(region, "'"//operands(i)%text//"' is made of this region itself", "of")
+            call deck%complain(region, "'"//operands(i)%text//"' is made of this region itself", &
+               "of")
          end if
       end do
       state(place) = 2
@@ -111,7 +112,8 @@ contains
          end if
          do k = 1, 6
             if (face_names(k) /= face) cycle
-            if (owner(k) > 0) call deck%complain(boundary, "face = '"//face//"' is given twice", "face")
+            if (owner(k) > 0) call deck%complain(boundary, "face = '"//face//"' is given twice", &
+               "face")
             owner(k) = i
             periodic(k) = kind == "periodic"
             call check_face(deck, boundary, dimension, k, kind)
@@ -142,7 +144,8 @@ contains
          call deck%complain(boundary, "the radius cannot be periodic", "type")
       else if (face == 1 .and. dimension == "axisymmetric" .and. kind /= "symmetry" .and. &
          kind /= "") then
-         call deck%complain(boundary, "the axis of axisymmetric can only be type = 'symmetry'", "type")
+         call deck%complain(boundary, "the axis of axisymmetric can only be type = 'symmetry'", &
+            "type")
       end if
    end subroutine check_face
 

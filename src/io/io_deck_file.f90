@@ -16,7 +16,7 @@ module io_deck_file
    public :: read_deck_file
 
    integer(int64), parameter :: largest_file = 64_int64*1024_int64**2 !! [byte]
-   character(len=*), parameter :: own_error = ": error: " !! Between a file and what is wrong with it
+   character(len=*), parameter :: own_error = ": error: " !! Between file and message
    character(len=3), parameter :: byte_order_mark = char(239)//char(187)//char(191)
    character(len=1), parameter :: newline = achar(10), carriage_return = achar(13)
 
@@ -34,7 +34,8 @@ contains
       call splice(path, chain, buffer, error)
       text = buffer%content()
       if (allocated(error)) return
-      if (scan(text, "&") == 0) call fail(error, exit_input, path//own_error//"the deck is empty; "// &
+      if (scan(text, "&") == 0) call fail(error, exit_input, path//own_error// &
+         "the deck is empty; "// &
          "scree --template prints one with all keys")
    end subroutine read_deck_file
 
@@ -152,7 +153,8 @@ contains
       lines = 1
       do i = start, len(raw)
          if (raw(i:i) == newline) lines = lines + 1
-         if (iachar(raw(i:i)) >= 32 .or. scan(raw(i:i), newline//carriage_return//achar(9)) == 1) cycle
+         if (iachar(raw(i:i)) >= 32 .or. scan(raw(i:i), newline//carriage_return//achar(9)) == 1) &
+            cycle
          call fail(error, exit_input, path//":"//number(lines)//": error: character number "// &
             number(iachar(raw(i:i)))//" is not allowed; a deck is plain text")
          return

@@ -39,13 +39,15 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("checkpoint", "restart files")
-      call schema%real("checkpoint", "wall_minutes", "minutes of wall time between two; 0 = never", &
+      call schema%real("checkpoint", "wall_minutes", &
+         "minutes of wall time between two; 0 = never", &
          default="30.0", range=">= 0")
       call schema%real("checkpoint", "dt", "simulated time between two", unit="s", range="> 0")
       call schema%integer("checkpoint", "keep", "number of files kept; 0 = all", default="2", &
          range=">= 0")
       call schema%logical("checkpoint", "at_end", "write one at the end", default=".true.")
-      call schema%text("checkpoint", "on_signal(:4)", "signals that ask for a checkpoint and exit "// &
+      call schema%text("checkpoint", "on_signal(:4)", &
+         "signals that ask for a checkpoint and exit "// &
          "code 75", default="TERM USR1 INT", words="TERM USR1 USR2 INT HUP none")
    end subroutine declare_checkpoint
 

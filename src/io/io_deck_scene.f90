@@ -30,7 +30,8 @@ contains
          owner="shape = cylinder")
       call schema%real("region", "height", "length along the axis", unit="m", range="> 0", &
          owner="shape = cylinder")
-      call schema%text("region", "of(:8)", "regions that the set operation takes; difference: the "// &
+      call schema%text("region", "of(:8)", &
+         "regions that the set operation takes; difference: the "// &
          "first without the others", owner=sets)
       call schema%real("region", "scale", "factor, applied first", default="1.0", range="> 0")
       call schema%real("region", "rotate(3)", "angles about x, then y, then z, applied second", &
@@ -51,12 +52,14 @@ contains
       call schema%text("body", "material", "what it is made of")
       call schema%integer("body", "ppc(3)", "points per cell along x, y, z", default="2 2 2", &
          range="> 0 <= 16")
-      call schema%text("body", "packing", "places of the points", default="lattice", words="lattice")
+      call schema%text("body", "packing", "places of the points", default="lattice", &
+         words="lattice")
       call schema%real("body", "velocity(3)", "velocity of its centre of mass", unit="m/s", &
          default="0 0 0")
       call schema%real("body", "spin(3)", "angular velocity about its centre of mass", unit="1/s", &
          default="0 0 0")
-      call schema%real("body", "temperature", "temperature at the start", unit="K", default="293.0", &
+      call schema%real("body", "temperature", "temperature at the start", unit="K", &
+         default="293.0", &
          range=">= 0", owner="effects.thermal")
       call schema%require("body", "name region material")
       call schema%refer("body", "region", "region")
@@ -67,7 +70,8 @@ contains
    subroutine declare_boundary(schema)
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
-      call schema%group("boundary", "what holds on a face of the grid; faces without one are open", &
+      call schema%group("boundary", &
+         "what holds on a face of the grid; faces without one are open", &
          many=.true.)
       call schema%text("boundary", "face", "one face or all that have no other", words="all")
       call schema%words("boundary", "face", face_names)

@@ -42,12 +42,14 @@ contains
       call schema%group("run", "identity and problem class")
       call schema%text("run", "title", "one line, goes into every output", default="untitled")
       call schema%text("run", "case", "prefix of all output files; default: name of the deck")
-      call schema%text("run", "dimension", "problem class; plane_strain and axisymmetric use x and z", &
+      call schema%text("run", "dimension", &
+         "problem class; plane_strain and axisymmetric use x and z", &
          default="3d", words="3d plane_strain axisymmetric 1d")
       call schema%text("run", "method", "gradient of the node functions", default="ddmp", &
          words="ddmp mpm")
       call schema%integer("run", "seed", "all random numbers derive from it", default="12345")
-      call schema%integer("run", "deck_version", "format of this deck", default="1", range="> 0 <= 1")
+      call schema%integer("run", "deck_version", "format of this deck", default="1", &
+         range="> 0 <= 1")
    end subroutine declare_run
 
    !> Declare &units.
@@ -55,7 +57,8 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("units", "units of the numbers in this deck; output is in SI")
-      call schema%text("units", "system", "length-time-mass; temperature in K and angles in degrees "// &
+      call schema%text("units", "system", &
+         "length-time-mass; temperature in K and angles in degrees "// &
          "always", default="si")
       call schema%words("units", "system", system_names)
    end subroutine declare_units
@@ -67,7 +70,8 @@ contains
       call schema%group("grid", "background grid")
       call schema%real("grid", "lo(3)", "lower corner", unit="m")
       call schema%real("grid", "hi(3)", "upper corner", unit="m")
-      call schema%real("grid", "dx", "edge of a cell; (hi-lo)/dx must be whole", unit="m", range="> 0")
+      call schema%real("grid", "dx", "edge of a cell; (hi-lo)/dx must be whole", unit="m", &
+         range="> 0")
       call schema%integer("grid", "cells(3)", "cells along x, y, z instead of dx", range="> 0")
       call schema%integer("grid", "block", "cells along the edge of a tile, 0 = automatic", &
          default="0", range=">= 0 <= 64")
@@ -80,7 +84,8 @@ contains
 
       call schema%group("time", "time stepping")
       call schema%real("time", "t_end", "end of simulated time", unit="s", range="> 0")
-      call schema%real("time", "cfl", "fraction of the stable step", default="0.4", range="> 0 <= 1")
+      call schema%real("time", "cfl", "fraction of the stable step", default="0.4", &
+         range="> 0 <= 1")
       call schema%real("time", "dt_max", "upper bound of the step", unit="s", range="> 0")
       call schema%real("time", "dt_min", "a smaller step ends the run with exit code 4", unit="s", &
          range="> 0")
@@ -90,7 +95,8 @@ contains
          "code 75", default="none")
       call schema%text("time", "stop_when", "early end", default="never", &
          words="never kinetic_below at_rest")
-      call schema%real("time", "stop_value", "kinetic_below: energy in J; at_rest: fraction of the "// &
+      call schema%real("time", "stop_value", &
+         "kinetic_below: energy in J; at_rest: fraction of the "// &
          "greatest kinetic energy", range="> 0", owner="stop_when = kinetic_below at_rest")
       call schema%require("time", "t_end stop_value")
    end subroutine declare_time
@@ -112,11 +118,13 @@ contains
          owner="run.method = ddmp")
       call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
          range=">= 0 <= 1", owner="run.method = ddmp")
-      call schema%text("method", "free_surface", "cell weights of the dual gradient", default="fill", &
+      call schema%text("method", "free_surface", "cell weights of the dual gradient", &
+         default="fill", &
          words="fill", owner="run.method = ddmp")
       call schema%text("method", "quadrature", "where gradients are taken", default="point", &
          words="point")
-      call schema%text("method", "stress_update", "after the step, before it, or after mapping the "// &
+      call schema%text("method", "stress_update", &
+         "after the step, before it, or after mapping the "// &
          "new velocities", default="usl", words="usl usf musl")
    end subroutine declare_method
 
@@ -124,7 +132,8 @@ contains
    subroutine declare_effects(schema)
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
-      call schema%group("effects", "physics switches; a switched-off effect costs nothing and its "// &
+      call schema%group("effects", &
+         "physics switches; a switched-off effect costs nothing and its "// &
          "keys are refused")
       call schema%logical("effects", "gravity", "constant acceleration", default=".false.")
       call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &

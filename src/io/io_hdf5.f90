@@ -14,19 +14,35 @@ module io_hdf5
    use base_kinds, only: int32, int64, wp
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5close_f, h5dont_atexit_f, &
       h5eset_auto_f, h5f_acc_trunc_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5f_scope_global_f, &
-      h5gclose_f, h5gcreate_f, h5oclose_f, h5oopen_f, h5open_f, h5p_file_access_f, h5pclose_f, &
-      h5pcreate_f, h5pset_all_coll_metadata_ops_f, h5pset_coll_metadata_write_f, &
+      h5gclose_f, h5gcreate_f, h5oclose_f, h5oopen_f, h5open_f, h5p_file_access_f, &
+      h5p_file_create_f, h5pclose_f, h5pcreate_f, h5pset_all_coll_metadata_ops_f, h5pset_coll_metadata_write_f, &
       h5pset_fapl_mpio_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
       h5t_fortran_s1, h5t_native_double, h5t_std_i32le, h5t_std_i64le, h5tclose_f, &
       h5tcopy_f, h5tset_size_f, hid_t, hsize_t, size_t
    use io_file, only: folder_of, remove_file, rename_file, reserve_file, sync_file, sync_folder, &
       truncate_file
    use io_libc, only: clear_failure, failure_number, failure_text
-   use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_int64_t, c_loc, c_ptr
    implicit none
    private
 
    public :: hdf5_file_t, start_library, text_type
+
+   integer(c_int), parameter :: never_again = 3          !! H5F_FSPACE_STRATEGY_NONE
+
+   interface
+      !> Part of the C library that the Fortran library of HDF5 1.10 lacks.
+      function c_file_space_strategy(plan, strategy, persist, threshold) &
+         bind(c, name="H5Pset_file_space_strategy") result(status)
+         import :: c_bool, c_int, c_int64_t
+         implicit none
+         integer(c_int64_t), value :: plan                !! How the file will be made
+         integer(c_int), value :: strategy                !! 3: space is never used again
+         logical(c_bool), value :: persist                !! Keep a list of free space
+         integer(c_int64_t), value :: threshold           !! Least size in that list
+         integer(c_int) :: status
+      end function c_file_space_strategy
+   end interface
 
    !> A file that all ranks write.
    type :: hdf5_file_t
@@ -65,7 +81,7 @@ contains
       character(len=*), intent(in) :: path                !! Name when complete
       integer(int64), intent(in) :: bytes                 !! Greatest length it may get [byte]
       type(error_t), allocatable, intent(out) :: error    !! It cannot be written; nothing is left
-      integer(hid_t) :: access_list
+      integer(hid_t) :: access_list, plan
       integer :: status
 
       self%path = path
@@ -82,9 +98,14 @@ contains
       call start_library(status)
       call h5pcreate_f(h5p_file_access_f, access_list, status)
       if (communicator%size > 1) call set_parallel(communicator, access_list)
-      call h5fcreate_f(part_of(self), h5f_acc_trunc_f, self%id, status, access_prp=access_list)
+      call h5pcreate_f(h5p_file_create_f, plan, status)
+      ! Where HDF5 puts a chunk that it moves depends on the ranks if it fills gaps of the file.
+      status = c_file_space_strategy(plan, never_again, .false._c_bool, 1_hsize_t)
+      call h5fcreate_f(part_of(self), h5f_acc_trunc_f, self%id, status, creation_prp=plan, &
+         access_prp=access_list)
       call self%settle("create", "", status)
       call h5pclose_f(access_list, status)
+      call h5pclose_f(plan, status)
       if (self%works() .and. communicator%size > 1) then
          ! The library has emptied the file, so its space is taken once more.
          if (communicator%rank == 0) call reserve_file(part_of(self), bytes, error)

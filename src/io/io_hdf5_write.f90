@@ -19,7 +19,7 @@ module io_hdf5_write
 
    public :: data_bytes, even_rows, rows_of_root, rows_t, write_bytes, write_data, write_names
 
-   integer(int64), parameter :: chunk_rows = 65536       !! Rows that are compressed together
+   integer(int64), parameter, public :: chunk_rows = 65536 !! Rows that are compressed together
 
    !> The rows of a data set and which of them this rank holds.
    type :: rows_t
@@ -72,14 +72,15 @@ contains
       type(rows_t), intent(in) :: rows                   !! Rows and compression
       integer(int64), intent(in) :: bytes_per_row        !! Bytes of a row before compression
       integer(int64) :: bytes
-      integer(int64), parameter :: heading = 8192, chunk_heading = 512
+      ! Before it is written a chunk takes the space of its compressed zeros, which is lost.
+      integer(int64), parameter :: heading = 8192, chunk_heading = 1024, zeros_ratio = 200
       integer(int64) :: chunks, length
 
       bytes = rows%total*bytes_per_row + heading
       if (rows%compress == 0 .or. rows%total == 0) return
       length = min(rows%total, chunk_rows)
       chunks = (rows%total + length - 1)/length
-      bytes = chunks*(length*bytes_per_row + chunk_heading) + heading
+      bytes = chunks*(length*bytes_per_row*(zeros_ratio + 1)/zeros_ratio + chunk_heading) + heading
    end function data_bytes
 
    !> Write one data set of any type. Collective.

@@ -9,8 +9,9 @@ module io_snapshot
    use base_kinds, only: int32, int64, wp
    use io_fields, only: choose_columns, column_t, fill_reals, fill_wholes, picks_t
    use io_hdf5, only: hdf5_file_t
-   use io_hdf5_write, only: data_bytes, even_rows, rows_of_root, rows_t, write_bytes, write_data, &
+   use io_hdf5_write, only: data_bytes, rows_of_root, rows_t, write_bytes, write_data, &
       write_names
+   use io_level, only: even_chunks, level_reals, level_rows, level_wholes
    use io_order, only: store_rows, tile_order
    use particle_store, only: store_t
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
@@ -164,16 +165,14 @@ contains
       call write_data(file, root//"/NumberOfPoints", one, count)
       call write_data(file, root//"/NumberOfCells", one, count)
       call write_data(file, root//"/NumberOfConnectivityIds", one, count)
-      rows = even_rows(file%communicator, points%total + 1_int64)
-      rows%compress = points%compress
+      rows = even_chunks(file%communicator, points%total + 1_int64, points%compress)
       allocate (numbers(rows%count(1)))
       do index = 1, rows%count(1)
          numbers(index) = rows%before(1) + index - 1_int64
       end do
       call write_data(file, root//"/Offsets", rows, numbers)
       deallocate (numbers)
-      rows = even_rows(file%communicator, points%total)
-      rows%compress = points%compress
+      rows = even_chunks(file%communicator, points%total, points%compress)
       allocate (numbers(rows%count(1)))
       do index = 1, rows%count(1)
          numbers(index) = rows%before(1) + index - 1_int64
@@ -189,6 +188,7 @@ contains
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       type(rows_t), intent(in) :: rows                   !! Their rows
       logical, intent(in) :: axisymmetric                !! Points are (radius, 0, height)
+      type(rows_t) :: even
       real(wp), allocatable :: points(:, :)
       integer :: filled, row, store
 
@@ -201,7 +201,9 @@ contains
          filled = filled + size(picks(store)%order)
       end do
       if (axisymmetric) points(2, :) = 0.0_wp
-      call write_data(file, root//"/Points", rows, points)
+      even = level_rows(file%communicator, rows)
+      call level_reals(file%communicator, rows, even, points)
+      call write_data(file, root//"/Points", even, points)
       call write_units(file, root//"/Points", "position", "m")
    end subroutine write_points
 
@@ -213,33 +215,37 @@ contains
       type(rows_t), intent(in) :: rows                   !! Their rows
       type(column_t), intent(in) :: column               !! The field
       logical, intent(in) :: single                      !! In single precision
+      type(rows_t) :: even
       character(len=:), allocatable :: name
       integer(int32), allocatable :: shorts(:)
       integer(int64), allocatable :: wholes(:)
       real(wp), allocatable :: numbers(:), reals(:, :)
 
       name = root//"/PointData/"//trim(column%name)
+      even = level_rows(file%communicator, rows)
       if (.not. column%is_real) then
          allocate (wholes(sum(rows%count)))
          call fill_wholes(stores, picks, column, wholes)
+         call level_wholes(file%communicator, rows, even, wholes)
          if (column%name == "identity") then
-            call write_data(file, name, rows, wholes)
+            call write_data(file, name, even, wholes)
          else
             allocate (shorts(size(wholes)))
             shorts(:) = int(wholes, int32)
-            call write_data(file, name, rows, shorts)
+            call write_data(file, name, even, shorts)
          end if
       else
          allocate (reals(column%components, sum(rows%count)))
          call fill_reals(stores, picks, column, reals)
+         call level_reals(file%communicator, rows, even, reals)
          if (single) then
-            call write_single(file, name, rows, reals)
+            call write_single(file, name, even, reals)
          else if (column%components == 1) then
             allocate (numbers(size(reals, 2)))
             numbers(:) = reals(1, :)
-            call write_data(file, name, rows, numbers)
+            call write_data(file, name, even, numbers)
          else
-            call write_data(file, name, rows, reals)
+            call write_data(file, name, even, reals)
          end if
       end if
       call write_units(file, name, trim(column%name), trim(column%unit))

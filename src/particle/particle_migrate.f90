@@ -8,9 +8,9 @@ module particle_migrate
    use mesh_curve, only: curve_key
    use mesh_grid, only: grid_t
    use mesh_tiles, only: tiles_t
-   use particle_place, only: find_place, moved_away
+   use particle_place, only: find_place
    use particle_settle, only: row_packer_t, settle_tile, settler_t
-   use particle_store, only: store_t
+   use particle_store, only: moved_away, store_t
    implicit none
    private
 
@@ -265,7 +265,8 @@ contains
             end if
          end do
       end do
-      if (number == 0 .and. all(kept)) return
+      ! particles that were just read lie in a range that is no tile
+      if (number == 0 .and. all(kept) .and. size(stores(1)%count) == tiles%own) return
       ghost = tiles%key(tiles%own + 1:tiles%all)
       call merge_keys(pack(tiles%key(:tiles%own), kept), pack([(tile, tile=1, tiles%own)], kept), &
          key(:number), old)

@@ -4,14 +4,11 @@ module particle_place
    use base_kinds, only: wp
    use mesh_boundary, only: boundary_t, face_outflow
    use mesh_grid, only: grid_t
-   use particle_store, only: store_t
+   use particle_store, only: moved_away, moved_out, store_t
    implicit none
    private
 
    public :: find_place, place_tile
-
-   integer, parameter, public :: moved_away = -1     !! Home of a particle that left its tile
-   integer, parameter, public :: moved_out = -2      !! Home of a particle that left the box
 
 contains
 

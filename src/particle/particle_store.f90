@@ -14,6 +14,9 @@ module particle_store
 
    public :: store_t
 
+   integer, parameter, public :: moved_away = -1      !! Home of a particle that left its tile
+   integer, parameter, public :: moved_out = -2       !! Home of a particle that left the box
+
    !> Particles of one material.
    type :: store_t
       character(len=:), allocatable :: name           !! Name of the material
@@ -35,6 +38,7 @@ module particle_store
    contains
       procedure :: start => store_start               !! An empty store
       procedure :: clear => store_clear               !! Forget all tiles
+      procedure :: unsettle => store_unsettle         !! Let all particles look for their tiles
       procedure :: walk => store_walk                 !! Shows each allocated field to a worker
       procedure :: particles => store_particles       !! Number of particles on this rank
       procedure :: words => store_words               !! Numbers that a particle carries
@@ -90,6 +94,22 @@ contains
       allocate (self%cell_start(0:cells, 0))
       self%used = 0
    end subroutine store_clear
+
+   !> Particles that were just read lie in one range: let all of them look for their tiles.
+   pure subroutine store_unsettle(self, cells)
+      class(store_t), intent(inout) :: self           !! The store
+      integer, intent(in) :: cells                    !! Cells of a tile
+
+      if (allocated(self%home)) deallocate (self%home)
+      if (allocated(self%leaving)) deallocate (self%leaving, self%restless)
+      if (allocated(self%cell_start)) deallocate (self%cell_start)
+      allocate (self%home(size(self%identity)), self%leaving(size(self%count)))
+      allocate (self%restless(size(self%count)), self%cell_start(0:cells, size(self%count)))
+      self%home = moved_away
+      self%leaving = self%count
+      self%restless = .true.
+      self%cell_start = 0
+   end subroutine store_unsettle
 
    !> Show every allocated field to a worker, always in the same order.
    subroutine store_walk(self, worker)

@@ -1,0 +1,204 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Shares the rows of a data set out evenly before they are compressed.
+!!
+!! Where HDF5 puts compressed chunks depends on which ranks write to them, unless every rank writes
+!! one range of rows, in the order of the ranks; and a chunk that belongs to one rank is compressed
+!! without further messages.
+module io_level
+   use base_communicator, only: communicator_t
+   use base_kinds, only: int64, wp
+   use io_hdf5_write, only: chunk_rows, rows_t
+   implicit none
+   private
+
+   public :: even_chunks, level_reals, level_rows, level_wholes
+
+   integer, parameter :: heading = 2                     !! Words before the rows of a message
+
+contains
+
+   !> Rows shared out by whole chunks; the same rows if they are not compressed.
+   pure function level_rows(communicator, rows) result(even)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(rows_t), intent(in) :: rows                   !! As the particles are
+      type(rows_t) :: even
+
+      if (rows%compress == 0 .or. communicator%size == 1) then
+         even = rows
+         return
+      end if
+      even = even_chunks(communicator, rows%total, rows%compress)
+   end function level_rows
+
+   !> Rows shared out by whole chunks.
+   pure function even_chunks(communicator, total, compress) result(even)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      integer(int64), intent(in) :: total                !! Rows on all ranks
+      integer, intent(in) :: compress                    !! gzip level
+      type(rows_t) :: even
+
+      even%total = total
+      even%compress = compress
+      allocate (even%before(1), even%count(1))
+      even%before = first_row(communicator, total, communicator%rank)
+      even%count = first_row(communicator, total, communicator%rank + 1) - even%before
+   end function even_chunks
+
+   !> Rows before those of a rank.
+   pure function first_row(communicator, total, rank) result(row)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      integer(int64), intent(in) :: total                !! Rows on all ranks
+      integer, intent(in) :: rank                        !! From 0 to the number of ranks
+      integer(int64) :: row
+      integer(int64) :: chunks
+
+      chunks = (total + chunk_rows - 1_int64)/chunk_rows
+      row = min(total, chunk_rows*(chunks*rank/communicator%size))
+   end function first_row
+
+   !> The rank that gets a row.
+   pure integer function owner_of(communicator, total, row) result(rank)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      integer(int64), intent(in) :: total                !! Rows on all ranks
+      integer(int64), intent(in) :: row                  !! From 0
+      integer :: above, middle
+
+      rank = 0
+      above = communicator%size
+      do while (above - rank > 1)
+         middle = (rank + above)/2
+         if (first_row(communicator, total, middle) <= row) then
+            rank = middle
+         else
+            above = middle
+         end if
+      end do
+   end function owner_of
+
+   !> Share out real numbers. Collective.
+   subroutine level_reals(communicator, rows, even, values)
+      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(rows_t), intent(in) :: rows                   !! As the values are
+      type(rows_t), intent(in) :: even                   !! From `level_rows`
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (component, row)
+      integer(int64), allocatable :: words(:, :)
+      integer :: component, components, row
+
+      if (rows%compress == 0 .or. communicator%size == 1) return
+      components = size(values, 1)
+      allocate (words(components, size(values, 2)))
+      do row = 1, size(values, 2)
+         do component = 1, components
+            words(component, row) = transfer(values(component, row), 0_int64)
+         end do
+      end do
+      call level(communicator, rows, even, words)
+      deallocate (values)
+      allocate (values(components, size(words, 2)))
+      do row = 1, size(words, 2)
+         do component = 1, components
+            values(component, row) = transfer(words(component, row), 0.0_wp)
+         end do
+      end do
+   end subroutine level_reals
+
+   !> Share out whole numbers. Collective.
+   subroutine level_wholes(communicator, rows, even, values)
+      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(rows_t), intent(in) :: rows                   !! As the values are
+      type(rows_t), intent(in) :: even                   !! From `level_rows`
+      integer(int64), allocatable, intent(inout) :: values(:) !! (row)
+      integer(int64), allocatable :: words(:, :)
+
+      if (rows%compress == 0 .or. communicator%size == 1) return
+      allocate (words(1, size(values)))
+      words(1, :) = values
+      call level(communicator, rows, even, words)
+      deallocate (values)
+      allocate (values(size(words, 2)))
+      values(:) = words(1, :)
+   end subroutine level_wholes
+
+   !> Share out words. Collective.
+   subroutine level(communicator, rows, even, words)
+      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(rows_t), intent(in) :: rows                   !! As the words are
+      type(rows_t), intent(in) :: even                   !! As they shall be
+      integer(int64), allocatable, intent(inout) :: words(:, :) !! (component, row)
+      integer(int64), allocatable :: incoming(:), outgoing(:)
+      integer, allocatable :: destination(:), length(:)
+      integer :: at, component, components, row, size_of
+      integer(int64) :: place
+
+      components = size(words, 1)
+      call pack_messages(communicator, rows, words, destination, length, outgoing)
+      deallocate (words)
+      call communicator%exchange(destination, length, outgoing, incoming)
+      allocate (words(components, even%count(1)))
+      at = 0
+      do while (at < size(incoming))
+         place = incoming(at + 1) - even%before(1)
+         size_of = int(incoming(at + 2))
+         at = at + heading
+         do row = 1, size_of
+            do component = 1, components
+               words(component, place + row) = incoming(at + component)
+            end do
+            at = at + components
+         end do
+      end do
+   end subroutine level
+
+   !> Cut the rows of this rank into messages, one for each piece and rank that gets some of it.
+   subroutine pack_messages(communicator, rows, words, destination, length, outgoing)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(rows_t), intent(in) :: rows                   !! As the words are
+      integer(int64), contiguous, intent(in) :: words(:, :) !! (component, row)
+      integer, allocatable, intent(out) :: destination(:) !! (message) Rank
+      integer, allocatable, intent(out) :: length(:)     !! (message) Words
+      integer(int64), allocatable, intent(out) :: outgoing(:) !! All messages
+      integer :: at, component, count, messages, most, own, piece, row
+      integer(int64) :: last, place
+
+      most = size(rows%count)*communicator%size
+      allocate (destination(most), length(most), outgoing(size(words) + heading*most))
+      messages = 0
+      at = 0
+      own = 0
+      do piece = 1, size(rows%count)
+         place = rows%before(piece)
+         last = place + rows%count(piece)
+         do while (place < last)
+            messages = messages + 1
+            destination(messages) = owner_of(communicator, rows%total, place)
+            count = int(min(last, first_row(communicator, rows%total, &
+               destination(messages) + 1)) - place)
+            length(messages) = heading + count*size(words, 1)
+            outgoing(at + 1) = place
+            outgoing(at + 2) = count
+            at = at + heading
+            do row = own + 1, own + count
+               do component = 1, size(words, 1)
+                  outgoing(at + component) = words(component, row)
+               end do
+               at = at + size(words, 1)
+            end do
+            own = own + count
+            place = place + count
+         end do
+      end do
+      call shorten(destination, messages)
+      call shorten(length, messages)
+   end subroutine pack_messages
+
+   !> Keep the beginning of an array.
+   pure subroutine shorten(array, count)
+      integer, allocatable, intent(inout) :: array(:)    !! The array
+      integer, intent(in) :: count                       !! What remains
+      integer, allocatable :: shorter(:)
+
+      allocate (shorter(count))
+      shorter(:) = array(:count)
+      call move_alloc(shorter, array)
+   end subroutine shorten
+end module io_level
