@@ -214,7 +214,7 @@ contains
       filled = 0
       first = 1
       do message = 1, size(destination)
-         call mpi_issend(outgoing(first), length(message), mpi_integer8, destination(message), tag, &
+         call mpi_issend(outgoing(first:), length(message), mpi_integer8, destination(message), tag, &
             self%handle, sent(message))
          first = first + length(message)
       end do
@@ -254,7 +254,7 @@ contains
          larger(:filled) = buffer(:filled)
          call move_alloc(larger, buffer)
       end if
-      call mpi_recv(buffer(filled + 1), words, mpi_integer8, status%mpi_source, tag, handle, &
+      call mpi_recv(buffer(filled + 1:), words, mpi_integer8, status%mpi_source, tag, handle, &
          mpi_status_ignore)
       filled = filled + words
    end subroutine receive_one

@@ -2,9 +2,9 @@
 !> Cuts namelist text into groups and pieces `key = value`, each with its file and line.
 !!
 !! Compilers report a fault in a namelist by the wrong name, without a line, or not at all. Here
-!! every fault is found, belongs to one line, and does not hide the next one. Quoted texts end in the line
-!! in which they begin. The text may hold marks that say from which file and line the next line is,
-!! so that included files travel in one text.
+!! every fault is found, belongs to one line, and does not hide the next one. Quoted texts end in
+!! the line in which they begin. The text may hold marks that say from which file and line the next
+!! line is, so that included files travel in one text.
 module base_namelist
    use base_deck_problems, only: problems_t
    use base_namelist_words, only: lexeme_t, scanner_t, word_broken, word_comma, word_equals, &

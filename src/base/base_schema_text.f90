@@ -146,9 +146,10 @@ contains
       type(buffer_t) :: buffer
       integer :: i, k
 
-      call buffer%line("! All groups and keys. Numbers are in SI; see &units. Lines with ! in front "// &
-         "have no default")
-      call buffer%line("! or belong to a choice that is not the default; those marked * must be given.")
+      call buffer%line("! All groups and keys. Numbers are in SI; see &units. Lines with ! in "// &
+         "front have no default")
+      call buffer%line("! or belong to a choice that is not the default; those marked * must "// &
+         "be given.")
       do i = 1, size(schema%groups)
          associate (rule => schema%groups(i))
             if (rule%name == "include") then
@@ -158,7 +159,7 @@ contains
             call buffer%line("")
             call buffer%line("! "//rule%doc)
             if (rule%many) then
-               call buffer%line("! &"//rule%name//"               may be repeated")
+               call buffer%line("! &"//rule%name//"               ! may be repeated")
             else
                call buffer%line("&"//rule%name)
             end if

@@ -127,36 +127,51 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
-      real(wp) :: force(lanes, 3), s(3)
-      integer :: cell, i, j, k, direction, node, base, column
+      real(wp) :: force(lanes, 3), s(9, lanes)
+      integer :: cell, i, j, k, node, base
 
       do cell = 0, grid%tile_cells - 1
          if (.not. weight(cell) > 0.0_wp) cycle
          base = grid%first_node(cell)
-         column = column_of(self, grid, coordinate, cell)
-         force = 0.0_wp
-         do direction = 1, 3
-            if (.not. grid%active(direction)) cycle
-            do j = 1, lanes
-               node = base + grid%lane_offset(j)
-               s(1) = weight(cell)*stress(3*direction - 2, node)
-               s(2) = weight(cell)*stress(3*direction - 1, node)
-               s(3) = weight(cell)*stress(3*direction, node)
-               do i = 1, lanes
-                  force(i, 1) = force(i, 1) - s(1)*self%force(i, j, direction, column)
-                  force(i, 2) = force(i, 2) - s(2)*self%force(i, j, direction, column)
-                  force(i, 3) = force(i, 3) - s(3)*self%force(i, j, direction, column)
-               end do
+         do j = 1, lanes
+            node = base + grid%lane_offset(j)
+            do k = 1, 9
+               s(k, j) = weight(cell)*stress(k, node)
             end do
          end do
+         call apply_force(self%force(:, :, :, column_of(self, grid, coordinate, cell)), s, force)
          do i = 1, lanes
             node = base + grid%lane_offset(i)
             do k = 1, 3
-               patch(k, node) = patch(k, node) + force(i, k)
+               patch(k, node) = patch(k, node) - force(i, k)
             end do
          end do
       end do
    end subroutine dual_add_force
+
+   !> Product of the integrals of a cell with the stress of its nodes; the nodes i are the lanes.
+   pure subroutine apply_force(d, s, force)
+      real(wp), intent(in) :: d(lanes, lanes, 3)     !! (i, j, direction) [m2]
+      real(wp), intent(in) :: s(9, lanes)            !! (component, j) [Pa]
+      real(wp), intent(out) :: force(lanes, 3)       !! (i, component) [N]
+      real(wp) :: f1, f2, f3
+      integer :: i, j
+
+      !$omp simd private(f1, f2, f3, j)
+      do i = 1, lanes
+         f1 = 0.0_wp
+         f2 = 0.0_wp
+         f3 = 0.0_wp
+         do j = 1, lanes
+            f1 = f1 + (s(1, j)*d(i, j, 1) + s(4, j)*d(i, j, 2) + s(7, j)*d(i, j, 3))
+            f2 = f2 + (s(2, j)*d(i, j, 1) + s(5, j)*d(i, j, 2) + s(8, j)*d(i, j, 3))
+            f3 = f3 + (s(3, j)*d(i, j, 1) + s(6, j)*d(i, j, 2) + s(9, j)*d(i, j, 3))
+         end do
+         force(i, 1) = f1
+         force(i, 2) = f2
+         force(i, 3) = f3
+      end do
+   end subroutine apply_force
 
    !> Add sum_i u_i D_ji of the cells of a tile to a patch.
    pure subroutine dual_add_gradient(self, grid, coordinate, weight, velocity, patch)
@@ -166,31 +181,19 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
-      real(wp) :: gradient(lanes, 9), u(3)
-      integer :: cell, i, j, k, direction, node, base, column
+      real(wp) :: gradient(lanes, 9), u(3, lanes)
+      integer :: cell, i, j, k, node, base
 
       do cell = 0, grid%tile_cells - 1
          if (.not. weight(cell) > 0.0_wp) cycle
          base = grid%first_node(cell)
-         column = column_of(self, grid, coordinate, cell)
-         gradient = 0.0_wp
          do i = 1, lanes
             node = base + grid%lane_offset(i)
-            u(1) = weight(cell)*velocity(1, node)
-            u(2) = weight(cell)*velocity(2, node)
-            u(3) = weight(cell)*velocity(3, node)
-            do direction = 1, 3
-               if (.not. grid%active(direction)) cycle
-               do j = 1, lanes
-                  gradient(j, 3*direction - 2) = gradient(j, 3*direction - 2) &
-                     + u(1)*self%strain(j, i, direction, column)
-                  gradient(j, 3*direction - 1) = gradient(j, 3*direction - 1) &
-                     + u(2)*self%strain(j, i, direction, column)
-                  gradient(j, 3*direction) = gradient(j, 3*direction) &
-                     + u(3)*self%strain(j, i, direction, column)
-               end do
+            do k = 1, 3
+               u(k, i) = weight(cell)*velocity(k, node)
             end do
          end do
+         call apply_strain(self%strain(:, :, :, column_of(self, grid, coordinate, cell)), u, gradient)
          do j = 1, lanes
             node = base + grid%lane_offset(j)
             do k = 1, 9
@@ -199,6 +202,42 @@ contains
          end do
       end do
    end subroutine dual_add_gradient
+
+   !> Product of the integrals of a cell with the velocities of its nodes; the nodes j are the lanes.
+   pure subroutine apply_strain(d, u, gradient)
+      real(wp), intent(in) :: d(lanes, lanes, 3)     !! (j, i, direction) [m2]
+      real(wp), intent(in) :: u(3, lanes)            !! (component, i) [m/s]
+      real(wp), intent(out) :: gradient(lanes, 9)    !! (j, component) [m3/s]
+      real(wp) :: g1, g2, g3, g4, g5, g6, g7, g8, g9
+      integer :: i, j
+
+      !$omp simd private(g1, g2, g3, g4, g5, g6, g7, g8, g9, i)
+      do j = 1, lanes
+         g1 = 0.0_wp; g2 = 0.0_wp; g3 = 0.0_wp
+         g4 = 0.0_wp; g5 = 0.0_wp; g6 = 0.0_wp
+         g7 = 0.0_wp; g8 = 0.0_wp; g9 = 0.0_wp
+         do i = 1, lanes
+            g1 = g1 + u(1, i)*d(j, i, 1)
+            g2 = g2 + u(2, i)*d(j, i, 1)
+            g3 = g3 + u(3, i)*d(j, i, 1)
+            g4 = g4 + u(1, i)*d(j, i, 2)
+            g5 = g5 + u(2, i)*d(j, i, 2)
+            g6 = g6 + u(3, i)*d(j, i, 2)
+            g7 = g7 + u(1, i)*d(j, i, 3)
+            g8 = g8 + u(2, i)*d(j, i, 3)
+            g9 = g9 + u(3, i)*d(j, i, 3)
+         end do
+         gradient(j, 1) = g1
+         gradient(j, 2) = g2
+         gradient(j, 3) = g3
+         gradient(j, 4) = g4
+         gradient(j, 5) = g5
+         gradient(j, 6) = g6
+         gradient(j, 7) = g7
+         gradient(j, 8) = g8
+         gradient(j, 9) = g9
+      end do
+   end subroutine apply_strain
 
    !> Which integrals a cell uses.
    pure integer function column_of(self, grid, coordinate, cell) result(column)

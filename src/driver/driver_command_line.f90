@@ -294,8 +294,7 @@ contains
          "  -s, --set G.K=VALUE    put a value in place of the deck's; may be repeated"//newline// &
          "  -c, --case NAME        prefix of all output files"//newline// &
          "  -o, --outdir DIR       folder of all output files, default out/CASE"//newline// &
-         "  -r, --restart [FILE]   go on from FILE.h5, or from the newest valid checkpoint"// &
-         newline// &
+         "  -r, --restart [FILE]   go on from FILE.h5 or the newest valid checkpoint"//newline// &
          "  -q, --quiet            only warnings and errors on the screen"//newline// &
          "  -v, --verbose          details too"//newline// &
          "      --template         print a deck with all keys and defaults"//newline// &
@@ -305,10 +304,8 @@ contains
          "  -h, --help             this text"//newline// &
          "  -V, --version          version, compiler and libraries"//newline//newline
       text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem,"// &
-         newline// &
-         "  4 physics gave up, 5 internal error, 75 stopped with a checkpoint: submit again"// &
-         newline// &
-         newline//"examples:"//newline// &
+         newline//"  4 physics gave up, 5 internal error, 75 stopped with a checkpoint: run "// &
+         "again"//newline//newline//"examples:"//newline// &
          "  scree --check input/debris_cloud/scene.nml"//newline// &
          "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
          "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline//newline// &

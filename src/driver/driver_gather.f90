@@ -12,7 +12,8 @@ module driver_gather
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_store, only: store_t
-   use transfer_gather, only: gather_dual_gradient, gather_gradient, gather_hoop, gather_vector
+   use transfer_gather, only: gather_dual_gradient, gather_gradient, gather_hoop, &
+      gather_motion, gather_vector
    implicit none
    private
 
@@ -71,12 +72,18 @@ contains
             if (parts%work .and. allocated(store%matter%energy)) &
                call add_work(simulation, scratch, store, tile, view, dt)
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
-            if (parts%velocity) call gather_vector(simulation%grid, store%cell_start(:, tile), &
-               store%first(tile), scratch%local, view%push, simulation%method%keep(), 1.0_wp, &
-               store%velocity)
-            if (parts%position) then
+            if (parts%velocity .and. parts%position) then
+               call gather_motion(simulation%grid, store%cell_start(:, tile), store%first(tile), &
+                  scratch%local, view%push, view%carry, simulation%method%keep(), dt, &
+                  store%velocity, store%position)
+            else if (parts%velocity) then
+               call gather_vector(simulation%grid, store%cell_start(:, tile), store%first(tile), &
+                  scratch%local, view%push, simulation%method%keep(), 1.0_wp, store%velocity)
+            else if (parts%position) then
                call gather_vector(simulation%grid, store%cell_start(:, tile), store%first(tile), &
                   scratch%local, view%carry, 1.0_wp, dt, store%position)
+            end if
+            if (parts%position) then
                call place_tile(simulation%grid, simulation%boundary, &
                   simulation%tiles%coordinate(:, tile), store, tile)
                call check_numbers(store, tile, scratch%sound)

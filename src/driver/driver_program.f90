@@ -3,10 +3,10 @@
 module driver_program
    use base_agreement, only: agree
    use base_communicator, only: communicator_t, message_passing_version
-   use base_deck, only: deck_t
+   use base_deck, only: deck_t, group_t
    use base_error, only: error_t, exit_file, exit_input, exit_success, fail
    use base_kinds, only: int64, wp
-   use base_log, only: log_debug, log_info, log_t
+   use base_log, only: log_debug, log_error, log_info, log_t, log_warn
    use base_schema, only: schema_t
    use base_schema_text, only: explain, template
    use base_text, only: append, text_t
@@ -212,6 +212,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! What stopped it
       character(len=:), allocatable :: reason
       type(error_t), allocatable :: late
+      type(group_t) :: group
+      logical :: timing
       real(wp) :: begin
 
       begin = wall_seconds()
@@ -229,8 +231,10 @@ contains
          reason = error%message
       end if
       call session%outputs%close()
-      call summarise(session%simulation, session%outputs, session%log, wall_seconds() - begin, code, &
-         reason, late)
+      group = session%deck%group("log")
+      call group%get("timing", timing)
+      call summarise(session%simulation, session%outputs, session%log, wall_seconds() - begin, &
+         timing, code, reason, late)
       call agree(session%simulation%communicator, late)
       if (.not. allocated(error)) then
          call session%log%info("ended     "//reason)
@@ -250,8 +254,8 @@ contains
          call agree(communicator, error)
          if (allocated(error)) return
          stem = outputs%folder//"/"//outputs%case
-         call session%log%open(communicator%rank, stem//".log", &
-            merge(log_debug, log_info, session%command%verbose), session%command%quiet, error)
+         call session%log%open(communicator%rank, stem//".log", log_level(session), &
+            session%command%quiet, error)
          call agree(communicator, error)
          if (allocated(error)) return
          write (ranks, "(i0)") communicator%size
@@ -266,6 +270,27 @@ contains
          call agree(communicator, error)
       end associate
    end subroutine open_files
+
+   !> Greatest level that the log keeps.
+   integer function log_level(session) result(level)
+      type(session_t), intent(in) :: session         !! Deck and command line
+      type(group_t) :: group
+      character(len=:), allocatable :: word
+
+      group = session%deck%group("log")
+      call group%get("level", word)
+      select case (word)
+      case ("error")
+         level = log_error
+      case ("warn")
+         level = log_warn
+      case ("debug")
+         level = log_debug
+      case default
+         level = log_info
+      end select
+      if (session%command%verbose) level = log_debug
+   end function log_level
 
    !> Particles from the bodies or from a checkpoint.
    subroutine fill(session, error)

@@ -8,6 +8,7 @@ module driver_run
    use base_kinds, only: int64, wp
    use base_log, only: log_t, progress_heading, progress_line, progress_t
    use base_timer, only: wall_seconds
+   use driver_balance, only: balance_ranks, balancing_t, read_balancing
    use driver_ledger, only: balance_t, kinetic
    use driver_output, only: outputs_t
    use driver_restart, only: write_checkpoint
@@ -34,6 +35,7 @@ module driver_run
       logical :: checkpoint_at_end = .true.          !! One more at the end
       character(len=:), allocatable :: signals(:)    !! Signals that ask for one
       real(wp) :: progress = 10.0_wp                 !! Wall time between lines of progress [s]
+      type(balancing_t) :: balancing                 !! When tiles move between ranks
    end type limits_t
 
    !> What a run remembers between steps.
@@ -81,6 +83,7 @@ contains
       call group%get("on_signal", limits%signals)
       group = deck%group("log", 1)
       call group%get("progress_seconds", limits%progress)
+      call read_balancing(deck, limits%balancing)
    end subroutine read_limits
 
    !> Seconds of a text hh:mm:ss; no limit for `none`.
@@ -125,6 +128,7 @@ contains
          if (allocated(error)) exit
          call advance(simulation, dt, error)
          if (allocated(error)) return
+         call balance_ranks(simulation, limits%balancing)
          call write_outputs(simulation, outputs, .false., log, error)
          if (allocated(error)) return
          call tell(simulation, limits, log, watch)

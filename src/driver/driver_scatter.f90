@@ -135,8 +135,7 @@ contains
       end if
       if (.not. allocated(scratch%local)) &
          allocate (scratch%local(n + n/4, 3), scratch%alpha(n + n/4, 3), scratch%vector(n + n/4, 3))
-      call locate(simulation%grid, store%cell_start(:, tile), store%first(tile), &
-         simulation%tiles%coordinate(:, tile), store%position, scratch%local)
+      call locate(simulation%grid, store%first(tile), n, store%position, scratch%local)
       if (simulation%method%dual) call find_alpha(simulation%grid, simulation%method%alpha, &
          simulation%method%alpha_centre, n, scratch%local, scratch%alpha)
    end subroutine find_local

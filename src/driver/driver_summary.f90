@@ -22,11 +22,12 @@ module driver_summary
 contains
 
    !> Write the tables and the summary. Collective.
-   subroutine summarise(simulation, outputs, log, wall, code, reason, error)
+   subroutine summarise(simulation, outputs, log, wall, timing, code, reason, error)
       type(simulation_t), intent(inout) :: simulation !! The run at its end
       type(outputs_t), intent(in) :: outputs         !! For names of files
       type(log_t), intent(inout) :: log              !! Gets the tables
       real(wp), intent(in) :: wall                   !! Wall time of the whole run [s]
+      logical, intent(in) :: timing                  !! Table of phases?
       integer, intent(in) :: code                    !! Exit code
       character(len=*), intent(in) :: reason         !! Why it ended
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
@@ -49,7 +50,7 @@ contains
       call simulation%timer%spread(simulation%communicator, wall, least, mean, greatest)
       rate = step_rate(simulation, counts(2), greatest)
       bytes = bytes_per_particle(simulation, counts(1))
-      call log%info(simulation%timer%table(simulation%communicator, wall))
+      if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
       call log%info(balance_text(now, rate, bytes))
       if (simulation%communicator%rank /= 0) return
       call json%add("version", version_text)

@@ -47,7 +47,6 @@ contains
          default="3d", words="3d plane_strain axisymmetric 1d")
       call schema%text("run", "method", "gradient of the node functions", default="ddmp", &
          words="ddmp mpm")
-      call schema%integer("run", "seed", "all random numbers derive from it", default="12345")
       call schema%integer("run", "deck_version", "format of this deck", default="1", &
          range="> 0 <= 1")
    end subroutine declare_run

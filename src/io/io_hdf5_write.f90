@@ -8,8 +8,8 @@ module io_hdf5_write
       h5pcreate_f, h5pset_alloc_time_f, h5pset_chunk_f, h5pset_deflate_f, h5pset_dxpl_mpio_f, &
       h5pset_fill_time_f, h5pset_obj_track_times_f, h5pset_shuffle_f, h5s_select_or_f, &
       h5s_select_set_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, h5sselect_none_f, &
-      h5t_ieee_f32le, h5t_ieee_f64le, h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, h5tclose_f, hid_t, &
-      hsize_t
+      h5t_ieee_f32le, h5t_ieee_f64le, h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, h5tclose_f, &
+      hid_t, hsize_t
    use io_hdf5, only: hdf5_file_t, text_type
    use io_libc, only: clear_failure
    use, intrinsic :: iso_c_binding, only: c_loc, c_null_ptr, c_ptr
@@ -25,8 +25,8 @@ module io_hdf5_write
    type :: rows_t
       integer(int64) :: total = 0                        !! Rows on all ranks
       integer(int64), allocatable :: before(:)           !! (piece) Rows in the file before it
-      integer(int64), allocatable :: count(:)            !! (piece) Its rows, in the order of the file
-      integer :: compress = 0                            !! gzip level, 0: not compressed, contiguous
+      integer(int64), allocatable :: count(:)            !! (piece) Its rows, in the file's order
+      integer :: compress = 0                            !! gzip level, 0: contiguous, as it is
    end type rows_t
 
    !> Write a data set: numbers (row) or vectors and tensors (component, row). Collective.

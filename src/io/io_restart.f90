@@ -75,8 +75,8 @@ contains
 
    !> Read a checkpoint. Collective.
    !!
-   !! The fields of the stores must be allocated, of any size, as the run wants them. Every rank gets
-   !! an even share of each store in one tile, whatever tile the particles belong to.
+   !! The fields of the stores must be allocated, of any size, as the run wants them. Every rank
+   !! gets an even share of each store in one tile, whatever tile the particles belong to.
    subroutine checkpoint_read(communicator, path, stores, state, error)
       type(communicator_t), intent(in) :: communicator    !! The ranks
       character(len=*), intent(in) :: path                !! The file

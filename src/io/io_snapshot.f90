@@ -405,7 +405,8 @@ contains
       do body = 1, size(colours)
          colours(body) = body
       end do
-      call write_data(file, "/bodies/colour", rows_of_root(file%communicator, size(colours)), colours)
+      call write_data(file, "/bodies/colour", rows_of_root(file%communicator, size(colours)), &
+         colours)
       if (allocated(header%body_materials)) call write_data(file, "/bodies/material", &
          rows_of_root(file%communicator, size(header%body_materials)), header%body_materials)
       if (allocated(header%material_names)) &

@@ -7,35 +7,32 @@ module transfer_gather
    implicit none
    private
 
-   public :: gather_gradient, gather_dual_gradient, gather_hoop, gather_vector, gather_local, locate
+   public :: gather_gradient, gather_dual_gradient, gather_hoop, gather_local, &
+      gather_motion, gather_vector, locate
 
 contains
 
-   !> Place of each particle in its cell, 0 to 1 along each active direction.
-   pure subroutine locate(grid, start, first, coordinate, position, local)
+   !> Place of each particle in its cell, 0 to 1 along each active direction. The same arithmetic as
+   !! that which found the cell, so that both agree to the last bit.
+   pure subroutine locate(grid, first, count, position, local)
       type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
+      integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) [m]
       real(wp), contiguous, intent(inout) :: local(:, :)     !! (particle of the tile, 3)
-      real(wp) :: corner, inverse
-      integer :: cell, p, direction
+      real(wp) :: inverse, lower, place
+      integer :: p, direction
 
       inverse = 1.0_wp/grid%spacing
       do direction = 1, 3
          if (.not. grid%active(direction)) then
-            local(:start(grid%tile_cells), direction) = 0.0_wp
+            local(:count, direction) = 0.0_wp
             cycle
          end if
-         do cell = 0, grid%tile_cells - 1
-            if (start(cell + 1) == start(cell)) cycle
-            corner = real(coordinate(direction)*grid%width(direction) &
-               + grid%cell_position(direction, cell), wp)
-            do p = start(cell) + 1, start(cell + 1)
-               local(p, direction) = (position(first + p - 1, direction) - grid%lower(direction)) &
-                  *inverse - corner
-            end do
+         lower = grid%lower(direction)
+         do p = 1, count
+            place = (position(first + p - 1, direction) - lower)*inverse
+            local(p, direction) = place - aint(place)
          end do
       end do
    end subroutine locate
@@ -107,38 +104,48 @@ contains
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (9, node) Node gradient [1/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 9), shape, share
-      real(wp) :: n1, n2, n3, x1, x2, x3
-      integer :: cell, p, lane, direction, k
+      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 9), shape, x1, x2, x3
+      real(wp) :: n1, n2, n3, n4, n5, n6, n7, n8, n9, a1, a2, a3
+      integer :: cell, p, lane
 
       a = grid%lane_constant
       b = grid%lane_slope
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
          call load_cell(grid, cell, nodes, scale, u)
-         do direction = 1, 3
-            if (.not. grid%active(direction)) cycle
-            k = 3*direction - 2
-            !$omp simd private(x1, x2, x3, shape, share, n1, n2, n3, lane)
-            do p = start(cell) + 1, start(cell + 1)
-               x1 = local(p, 1)
-               x2 = local(p, 2)
-               x3 = local(p, 3)
-               n1 = 0.0_wp
-               n2 = 0.0_wp
-               n3 = 0.0_wp
-               do lane = 1, lanes
-                  shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
-                     *(a(lane, 3) + b(lane, 3)*x3)
-                  n1 = n1 + shape*u(lane, k)
-                  n2 = n2 + shape*u(lane, k + 1)
-                  n3 = n3 + shape*u(lane, k + 2)
-               end do
-               share = alpha(p, direction)
-               gradient(p, k) = share*gradient(p, k) + (1.0_wp - share)*n1
-               gradient(p, k + 1) = share*gradient(p, k + 1) + (1.0_wp - share)*n2
-               gradient(p, k + 2) = share*gradient(p, k + 2) + (1.0_wp - share)*n3
+         !$omp simd private(x1, x2, x3, shape, n1, n2, n3, n4, n5, n6, n7, n8, n9, a1, a2, a3, lane)
+         do p = start(cell) + 1, start(cell + 1)
+            x1 = local(p, 1)
+            x2 = local(p, 2)
+            x3 = local(p, 3)
+            n1 = 0.0_wp; n2 = 0.0_wp; n3 = 0.0_wp
+            n4 = 0.0_wp; n5 = 0.0_wp; n6 = 0.0_wp
+            n7 = 0.0_wp; n8 = 0.0_wp; n9 = 0.0_wp
+            do lane = 1, lanes
+               shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
+                  *(a(lane, 3) + b(lane, 3)*x3)
+               n1 = n1 + shape*u(lane, 1)
+               n2 = n2 + shape*u(lane, 2)
+               n3 = n3 + shape*u(lane, 3)
+               n4 = n4 + shape*u(lane, 4)
+               n5 = n5 + shape*u(lane, 5)
+               n6 = n6 + shape*u(lane, 6)
+               n7 = n7 + shape*u(lane, 7)
+               n8 = n8 + shape*u(lane, 8)
+               n9 = n9 + shape*u(lane, 9)
             end do
+            a1 = alpha(p, 1)
+            a2 = alpha(p, 2)
+            a3 = alpha(p, 3)
+            gradient(p, 1) = a1*gradient(p, 1) + (1.0_wp - a1)*n1
+            gradient(p, 2) = a1*gradient(p, 2) + (1.0_wp - a1)*n2
+            gradient(p, 3) = a1*gradient(p, 3) + (1.0_wp - a1)*n3
+            gradient(p, 4) = a2*gradient(p, 4) + (1.0_wp - a2)*n4
+            gradient(p, 5) = a2*gradient(p, 5) + (1.0_wp - a2)*n5
+            gradient(p, 6) = a2*gradient(p, 6) + (1.0_wp - a2)*n6
+            gradient(p, 7) = a3*gradient(p, 7) + (1.0_wp - a3)*n7
+            gradient(p, 8) = a3*gradient(p, 8) + (1.0_wp - a3)*n8
+            gradient(p, 9) = a3*gradient(p, 9) + (1.0_wp - a3)*n9
          end do
       end do
    end subroutine gather_dual_gradient
@@ -172,6 +179,57 @@ contains
          end do
       end do
    end subroutine gather_hoop
+
+   !> Velocity and position at once: velocity = keep velocity + sum S_i push_i, position = position +
+   !! dt sum S_i carry_i.
+   pure subroutine gather_motion(grid, start, first, local, push, carry, keep, dt, velocity, position)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: push(:, :)         !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: carry(:, :)        !! (3, node) [m/s]
+      real(wp), intent(in) :: keep                           !! Share of the old velocity
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
+      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), c(lanes, 3), shape, x1, x2, x3
+      real(wp) :: v1, v2, v3, c1, c2, c3
+      integer :: cell, p, lane, q
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         call load_cell(grid, cell, push, 1.0_wp, u)
+         call load_cell(grid, cell, carry, dt, c)
+         !$omp simd private(x1, x2, x3, shape, v1, v2, v3, c1, c2, c3, lane, q)
+         do p = start(cell) + 1, start(cell + 1)
+            x1 = local(p, 1)
+            x2 = local(p, 2)
+            x3 = local(p, 3)
+            v1 = 0.0_wp; v2 = 0.0_wp; v3 = 0.0_wp
+            c1 = 0.0_wp; c2 = 0.0_wp; c3 = 0.0_wp
+            do lane = 1, lanes
+               shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
+                  *(a(lane, 3) + b(lane, 3)*x3)
+               v1 = v1 + shape*u(lane, 1)
+               v2 = v2 + shape*u(lane, 2)
+               v3 = v3 + shape*u(lane, 3)
+               c1 = c1 + shape*c(lane, 1)
+               c2 = c2 + shape*c(lane, 2)
+               c3 = c3 + shape*c(lane, 3)
+            end do
+            q = first + p - 1
+            velocity(q, 1) = keep*velocity(q, 1) + v1
+            velocity(q, 2) = keep*velocity(q, 2) + v2
+            velocity(q, 3) = keep*velocity(q, 3) + v3
+            position(q, 1) = position(q, 1) + c1
+            position(q, 2) = position(q, 2) + c2
+            position(q, 3) = position(q, 3) + c3
+         end do
+      end do
+   end subroutine gather_motion
 
    !> Particle vectors from node vectors: values = keep values + scale sum S_i nodes_i.
    pure subroutine gather_vector(grid, start, first, local, nodes, keep, scale, values)

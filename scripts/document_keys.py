@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Write doc/guide/keys.md, the table of all groups and keys of a deck, from what scree says of them.
+
+    python3 scripts/document_keys.py build/bin/scree             write the file
+    python3 scripts/document_keys.py build/bin/scree --check     exit code 1 if it is out of date
+
+Only the standard library is needed.
+"""
+import argparse
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+TARGET = Path(__file__).resolve().parents[1] / "doc" / "guide" / "keys.md"
+HEAD = """# Groups and keys
+
+This file is written by [scripts/document_keys.py](../../scripts/document_keys.py) from
+`scree --explain`; do not edit it. How a deck is written stands in [deck.md](deck.md).
+`scree --template` prints the same keys as a deck, `scree --explain GROUP.KEY` explains one.
+
+A unit is that of SI; with `&units system` the number is in the unit of that system. A default of
+**must** means that the key has to be given. *Needs* names what has to be set before a key is
+accepted; a key whose needs are not met is an error.
+"""
+
+
+def ask(program, *arguments):
+    """What the program prints."""
+    answer = subprocess.run([program, *arguments], capture_output=True, text=True, check=True)
+    return answer.stdout.strip("\n").split("\n")
+
+
+def cell(text):
+    """Text that does not break a table."""
+    return text.replace("|", "\\|")
+
+
+def code(text):
+    """Text as code, empty if there is none."""
+    return f"`{cell(text)}`" if text else ""
+
+
+def row(program, group, key):
+    """One line of a table."""
+    head, *rest = ask(program, "--explain", f"{group}.{key}")
+    meaning = head.split(None, 1)[1]
+    about, needs = {}, []
+    for line in rest:
+        name, _, value = line.strip().partition(": ")
+        if name == "needs":
+            needs.append(code(value))
+        else:
+            about[name] = value
+    kind = about["kind"]
+    unit = about.get("unit", "").replace(", or that of &units system", "")
+    if unit:
+        kind += f" [{unit}]"
+    if "range" in about:
+        kind += f" {about['range']}"
+    if "one of" in about:
+        meaning += "; one of " + ", ".join(code(word) for word in about["one of"].split())
+    if "refers to" in about:
+        meaning += f"; the {about['refers to']}"
+    if needs:
+        meaning += ". *Needs* " + " and ".join(needs)
+    default = "**must**" if "must be given" in about else code(
+        "" if about["default"] == "none" else about["default"])
+    return f"| `{key}` | {cell(kind)} | {default} | {meaning} |"
+
+
+def document(program):
+    """The whole file."""
+    groups = re.findall(r"^(?:! )?&(\w+)", "\n".join(ask(program, "--template")), re.M)
+    lines = [HEAD]
+    for group in groups:
+        head, keys = ask(program, "--explain", group)[:2]
+        lines += [f"## &{group}", "", head.split(None, 1)[1].capitalize() + ".", "",
+                  "| key | kind, range | default | meaning |", "|---|---|---|---|"]
+        lines += [row(program, group, key) for key in keys.split()[1:]]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def main():
+    """Write the file, or compare it."""
+    parser = argparse.ArgumentParser(prog="document_keys.py", description=__doc__.split("\n\n")[0])
+    parser.add_argument("program", metavar="SCREE", help="the program")
+    parser.add_argument("--check", action="store_true", help="only compare")
+    arguments = parser.parse_args()
+    text = document(arguments.program)
+    if not arguments.check:
+        TARGET.write_text(text, encoding="utf-8")
+        return 0
+    if TARGET.exists() and TARGET.read_text(encoding="utf-8") == text:
+        return 0
+    print(f"{TARGET.name} is out of date; run scripts/document_keys.py", file=sys.stderr)
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
