@@ -41,6 +41,11 @@ def code(text):
     return f"`{cell(text)}`" if text else ""
 
 
+def sentence(text):
+    """A capital in front and a stop behind."""
+    return text[0].upper() + text[1:] + "."
+
+
 def row(program, group, key):
     """One line of a table."""
     head, *rest = ask(program, "--explain", f"{group}.{key}")
@@ -74,8 +79,11 @@ def document(program):
     groups = re.findall(r"^(?:! )?&(\w+)", "\n".join(ask(program, "--template")), re.M)
     lines = [HEAD]
     for group in groups:
-        head, keys = ask(program, "--explain", group)[:2]
-        lines += [f"## &{group}", "", head.split(None, 1)[1].capitalize() + ".", "",
+        said = ask(program, "--explain", group)
+        # a key may have the name of a group: both are explained
+        place = next(n for n, line in enumerate(said) if line.startswith(f"&{group} "))
+        head, keys = said[place:place + 2]
+        lines += [f"## &{group}", "", sentence(head.split(None, 1)[1]), "",
                   "| key | kind, range | default | meaning |", "|---|---|---|---|"]
         lines += [row(program, group, key) for key in keys.split()[1:]]
         lines.append("")

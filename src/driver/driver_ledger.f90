@@ -13,7 +13,7 @@ module driver_ledger
    implicit none
    private
 
-   public :: balance_t, entry_names, entry_units, ledger_t
+   public :: balance_t, cross, entry_names, entry_units, ledger_t
 
    integer, parameter, public :: mass = 1            !! Mass in the box
    integer, parameter, public :: momentum = 2        !! First of three components of momentum
@@ -28,16 +28,21 @@ module driver_ledger
    integer, parameter, public :: impulse = 17        !! First of three components from walls and gravity
    integer, parameter, public :: external_work = 20  !! Work of walls and gravity
    integer, parameter, public :: failed_mass = 21    !! Mass of failed particles
-   integer, parameter, public :: entries = 21        !! Number of entries
+   integer, parameter, public :: lost_angular = 22   !! First of three components of what left
+   integer, parameter, public :: torque = 25         !! First of three components from walls and gravity
+   integer, parameter, public :: entries = 27        !! Number of entries
 
-   character(len=18), parameter :: entry_names(entries) = [character(len=18) :: "mass", &
+   character(len=23), parameter :: entry_names(entries) = [character(len=23) :: "mass", &
       "momentum_x", "momentum_y", "momentum_z", "angular_momentum_x", "angular_momentum_y", &
       "angular_momentum_z", "kinetic", "internal", "viscous", "plastic", "lost_mass", &
       "lost_momentum_x", "lost_momentum_y", "lost_momentum_z", "lost_energy", "impulse_x", &
-      "impulse_y", "impulse_z", "external_work", "failed_mass"]
+      "impulse_y", "impulse_z", "external_work", "failed_mass", "lost_angular_momentum_x", &
+      "lost_angular_momentum_y", "lost_angular_momentum_z", "torque_impulse_x", &
+      "torque_impulse_y", "torque_impulse_z"]
    character(len=7), parameter :: entry_units(entries) = [character(len=7) :: "kg", &
       "kg m/s", "kg m/s", "kg m/s", "kg m2/s", "kg m2/s", "kg m2/s", "J", "J", "J", "J", "kg", &
-      "kg m/s", "kg m/s", "kg m/s", "J", "N s", "N s", "N s", "J", "kg"]
+      "kg m/s", "kg m/s", "kg m/s", "J", "N s", "N s", "N s", "J", "kg", "kg m2/s", "kg m2/s", &
+      "kg m2/s", "N m s", "N m s", "N m s"]
 
    !> The entries at one time and the errors of the books.
    type :: balance_t
@@ -64,9 +69,9 @@ module driver_ledger
       procedure :: load => ledger_load               !! From a checkpoint
    end type ledger_t
 
-   integer, parameter :: accumulated(11) = [viscous, plastic, lost_mass, lost_momentum, &
+   integer, parameter :: accumulated(17) = [viscous, plastic, lost_mass, lost_momentum, &
       lost_momentum + 1, lost_momentum + 2, lost_energy, impulse, impulse + 1, impulse + 2, &
-      external_work]
+      external_work, lost_angular, lost_angular + 1, lost_angular + 2, torque, torque + 1, torque + 2]
 
 contains
 
@@ -75,7 +80,7 @@ contains
       class(ledger_t), intent(inout) :: self         !! The books
       type(store_t), intent(in) :: stores(:)         !! The particles
       type(material_t), intent(in) :: materials(:)   !! Their materials
-      real(wp) :: energy(1)
+      real(wp) :: energy(1), turn(3)
       integer :: index, tile, p, k
 
       do index = 1, size(stores)
@@ -92,6 +97,12 @@ contains
                      energy = energy + 0.5_wp*store%matter%mass(p)*store%velocity(p, k)**2
                   end do
                   call self%sums(lost_energy)%add(energy(1))
+                  turn = store%matter%mass(p)*cross([store%position(p, 1), store%position(p, 2), &
+                     store%position(p, 3)], [store%velocity(p, 1), store%velocity(p, 2), &
+                     store%velocity(p, 3)])
+                  do k = 1, 3
+                     call self%sums(lost_angular + k - 1)%add(turn(k))
+                  end do
                end do
             end do
          end associate
@@ -156,9 +167,11 @@ contains
          - now%entry(impulse:impulse + 2) - self%start%entry(momentum:momentum + 2)
       if (grid%axisymmetric) drift(1:2) = 0.0_wp
       now%momentum_error = ratio(norm2(drift), self%momentum_scale)
-      drift = now%entry(angular:angular + 2) - self%start%entry(angular:angular + 2)
+      drift = now%entry(angular:angular + 2) + now%entry(lost_angular:lost_angular + 2) &
+         - now%entry(torque:torque + 2) - self%start%entry(angular:angular + 2)
       if (grid%dimensions == 2) drift([1, 3]) = 0.0_wp
-      if (grid%axisymmetric .or. grid%dimensions == 1) drift = 0.0_wp
+      ! a ring has no angular momentum, and in a periodic box it has no meaning
+      if (grid%axisymmetric .or. grid%dimensions == 1 .or. any(grid%periodic)) drift = 0.0_wp
       now%angular_error = ratio(norm2(drift), self%angular_scale)
       now%energy_error = ratio(now%total - self%start%total - now%entry(external_work), &
          max(abs(self%start%total), abs(now%entry(external_work))))
@@ -186,8 +199,7 @@ contains
          speed = norm2(v)
          sums(mass) = sums(mass) + m
          sums(momentum:momentum + 2) = sums(momentum:momentum + 2) + m*v
-         sums(angular:angular + 2) = sums(angular:angular + 2) + m*[x(2)*v(3) - x(3)*v(2), &
-            x(3)*v(1) - x(1)*v(3), x(1)*v(2) - x(2)*v(1)]
+         sums(angular:angular + 2) = sums(angular:angular + 2) + m*cross(x, v)
          sums(kinetic) = sums(kinetic) + 0.5_wp*m*speed**2
          sums(internal) = sums(internal) + energy(p - first + 1)
          scales = scales + m*speed*[1.0_wp, norm2(x)]
@@ -197,6 +209,15 @@ contains
          if (store%matter%failed(p) > 0) sums(failed_mass) = sums(failed_mass) + store%matter%mass(p)
       end do
    end subroutine sum_tile
+
+   !> Vector product.
+   pure function cross(a, b) result(product)
+      real(wp), intent(in) :: a(3)                   !! Left factor
+      real(wp), intent(in) :: b(3)                   !! Right factor
+      real(wp) :: product(3)
+
+      product = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+   end function cross
 
    !> Quotient, 0 where there is nothing to compare with.
    pure real(wp) function ratio(part, whole)

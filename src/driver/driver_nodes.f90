@@ -3,7 +3,7 @@
 !! several tiles share get the same bits on each of them.
 module driver_nodes
    use base_kinds, only: wp
-   use driver_ledger, only: external_work, impulse
+   use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
    use driver_simulation, only: scratch_t, simulation_t
    use mesh_patch, only: assemble, ensure_patch
    use omp_lib, only: omp_get_thread_num
@@ -193,42 +193,60 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp) :: free_velocity(3, size(mass)), free_acceleration(3, size(mass))
-      real(wp) :: push(3), work, share, lost(3)
-      integer :: node
-      logical :: ruled, own
+      logical :: ruled
 
-      own = tile <= simulation%tiles%own .and. dt > 0.0_wp
       ruled = simulation%boundary%touches(simulation%grid, simulation%tiles%coordinate(:, tile))
       if (ruled) then
          free_velocity = velocity
          free_acceleration = acceleration
          call simulation%boundary%constrain(simulation%grid, simulation%tiles%coordinate(:, tile), &
             velocity, acceleration)
+         ! what the particles will gain in velocity through each node because of the faces
+         free_velocity = dt*(acceleration - free_acceleration) &
+            + (1.0_wp - simulation%method%keep())*(velocity - free_velocity)
+      else
+         free_velocity = 0.0_wp
       end if
-      if (.not. own) return
-      if (.not. ruled .and. .not. allocated(simulation%gravity)) return
-      push = 0.0_wp
-      work = 0.0_wp
-      do node = 1, size(mass)
-         share = simulation%nodes%motion(1, node, tile)
-         if (.not. share > 0.0_wp) cycle
-         if (ruled) then
-            lost = share*(dt*(acceleration(:, node) - free_acceleration(:, node)) &
-               + (1.0_wp - simulation%method%keep())*(velocity(:, node) - free_velocity(:, node)))
-            push = push + lost
-            work = work + dot_product(lost, velocity(:, node))
-         end if
-         if (allocated(simulation%gravity)) then
-            push = push + share*dt*simulation%gravity
-            work = work + share*dt*dot_product(simulation%gravity, velocity(:, node) &
-               + 0.5_wp*dt*acceleration(:, node))
-         end if
-      end do
-      do node = 1, 3
-         call scratch%ledger%sums(impulse + node - 1)%add(push(node))
-      end do
-      call scratch%ledger%sums(external_work)%add(work)
+      if (tile > simulation%tiles%own .or. .not. dt > 0.0_wp) return
+      if (allocated(simulation%gravity)) then
+         free_velocity(1, :) = free_velocity(1, :) + dt*simulation%gravity(1)
+         free_velocity(2, :) = free_velocity(2, :) + dt*simulation%gravity(2)
+         free_velocity(3, :) = free_velocity(3, :) + dt*simulation%gravity(3)
+      else if (.not. ruled) then
+         return
+      end if
+      call book_push(simulation, scratch%ledger, tile, free_velocity, &
+         velocity + 0.5_wp*dt*acceleration)
    end subroutine constrain_tile
+
+   !> Book impulse, its moment, and work of a push on the nodes of a tile.
+   subroutine book_push(simulation, ledger, tile, push, velocity)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: push(:, :)             !! (3, node) Gain of velocity [m/s]
+      real(wp), intent(in) :: velocity(:, :)         !! (3, node) In the middle of the step [m/s]
+      real(wp) :: total(3), turn(3), work, part(3), corner(3), place(3)
+      integer :: node, k
+
+      total = 0.0_wp
+      turn = 0.0_wp
+      work = 0.0_wp
+      corner = simulation%grid%tile_corner(simulation%tiles%coordinate(:, tile))
+      do node = 1, size(push, 2)
+         if (.not. simulation%nodes%motion(1, node, tile) > 0.0_wp) cycle
+         part = simulation%nodes%motion(1, node, tile)*push(:, node)
+         place = corner + simulation%grid%spacing*real(simulation%grid%node_position(node), wp)
+         total = total + part
+         turn = turn + cross(place, part)
+         work = work + dot_product(part, velocity(:, node))
+      end do
+      do k = 1, 3
+         call ledger%sums(impulse + k - 1)%add(total(k))
+         call ledger%sums(torque + k - 1)%add(turn(k))
+      end do
+      call ledger%sums(external_work)%add(work)
+   end subroutine book_push
 
    !> Node velocities from the momentum that was mapped a second time, as the velocity that strains
    !! the particles.

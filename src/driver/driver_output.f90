@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The streams of files that a run writes: snapshots of particles and histories.
 module driver_output
+   use base_communicator, only: communicator_t
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
@@ -8,10 +9,12 @@ module driver_output
    use driver_ledger, only: angular, balance_t, entries, entry_names, entry_units
    use driver_schedule, only: read_schedule, schedule_t
    use driver_simulation, only: simulation_t
+   use io_fields, only: choose_columns, column_t
    use io_history, only: history_t
    use io_snapshot, only: snapshot_format_t, snapshot_header_t, snapshot_write
    use io_state, only: state_t
    use io_xdmf, only: series_t
+   use particle_store, only: store_t
    implicit none
    private
 
@@ -58,9 +61,10 @@ module driver_output
 contains
 
    !> Read the streams. Without any, a run still keeps a history and its first and last state.
-   subroutine outputs_plan(self, deck, time_end)
+   subroutine outputs_plan(self, deck, stores, time_end)
       class(outputs_t), intent(inout) :: self        !! The streams; folder and case are set
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(store_t), intent(inout) :: stores(:)      !! With their fields, for the names
       real(wp), intent(in) :: time_end               !! End of the run [s]
       type(group_t) :: group
       character(len=:), allocatable :: kind, name
@@ -83,7 +87,7 @@ contains
          call group%get("name", name)
          if (kind == "particles") then
             snapshots = snapshots + 1
-            call plan_snapshots(group, deck, self%snapshots(snapshots))
+            call plan_snapshots(group, deck, stores, self%snapshots(snapshots))
             self%snapshots(snapshots)%prefix = self%case//"_p"
             if (snapshots > 1) self%snapshots(snapshots)%prefix = self%case//"_"//name//"_p"
             call read_schedule(group, time_end, self%snapshots(snapshots)%schedule)
@@ -106,12 +110,15 @@ contains
    end subroutine outputs_plan
 
    !> Fields and format of one stream of snapshots.
-   subroutine plan_snapshots(group, deck, stream)
+   subroutine plan_snapshots(group, deck, stores, stream)
       type(group_t), intent(in) :: group             !! The &output
-      type(deck_t), intent(in) :: deck               !! The deck, for the names of bodies
+      type(deck_t), intent(inout) :: deck            !! The deck, for bodies and complaints
+      type(store_t), intent(inout) :: stores(:)      !! With their fields, for the names
       type(snapshots_t), intent(inout) :: stream     !! The stream
       character(len=:), allocatable :: word
       type(text_t), allocatable :: names(:)
+      type(column_t), allocatable :: columns(:)
+      type(error_t), allocatable :: error
       integer :: n, place
 
       call group%list("fields", names)
@@ -120,6 +127,8 @@ contains
       do n = 1, size(names)
          stream%fields(n) = names(n)%text
       end do
+      call choose_columns(stores, stream%fields, columns, error)
+      if (allocated(error)) call deck%complain(group, error%message, "fields")
       call group%get("precision", word)
       stream%format%single = word == "single"
       call group%get("compress", stream%format%compress)
@@ -262,13 +271,19 @@ contains
    end function outputs_expected
 
    !> Close all files.
-   subroutine outputs_close(self)
+   subroutine outputs_close(self, communicator, error)
       class(outputs_t), intent(inout) :: self        !! The streams
+      type(communicator_t), intent(in) :: communicator !! The ranks
+      type(error_t), allocatable, intent(out) :: error !! An index cannot be written
       integer :: n
 
       if (.not. allocated(self%histories)) return
       do n = 1, size(self%histories)
          call self%histories(n)%file%close()
+      end do
+      do n = 1, size(self%snapshots)
+         call self%snapshots(n)%series%close(communicator, error)
+         if (allocated(error)) return
       end do
    end subroutine outputs_close
 

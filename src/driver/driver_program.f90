@@ -151,7 +151,9 @@ contains
       call read_limits(session%deck, session%limits)
       call describe_run(session%deck, session%simulation, session%bodies, session%deck_text, &
          session%command%output_folder, session%outputs, session%place)
-      call session%outputs%plan(session%deck, session%limits%time_end)
+      call session%outputs%plan(session%deck, session%simulation%stores, session%limits%time_end)
+      call session%deck%verdict(error)
+      if (allocated(error)) return
       if (session%command%check) then
          write (output_unit, "(a)") session%deck%report()
          write (output_unit, "(a)", advance="no") cost_text(session%simulation, session%bodies, &
@@ -230,7 +232,12 @@ contains
          code = error%code
          reason = error%message
       end if
-      call session%outputs%close()
+      call session%outputs%close(session%simulation%communicator, late)
+      if (allocated(late) .and. .not. allocated(error)) then
+         call move_alloc(late, error)
+         code = error%code
+         reason = error%message
+      end if
       group = session%deck%group("log")
       call group%get("timing", timing)
       call summarise(session%simulation, session%outputs, session%log, wall_seconds() - begin, &

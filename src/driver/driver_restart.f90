@@ -1,14 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Checkpoints of a run and the way back from them.
 module driver_restart
-   use base_error, only: error_t, exit_file, fail
+   use base_error, only: error_t
    use base_kinds, only: int64, wp
    use driver_output, only: outputs_t
    use driver_simulation, only: simulation_t
    use driver_start, only: distribute
-   use io_checkpoint, only: checkpoint_newest, checkpoint_place_t, checkpoint_write
-   use io_file, only: longest_path
-   use io_restart, only: checkpoint_read
+   use io_checkpoint, only: checkpoint_place_t, checkpoint_write
+   use io_restart, only: checkpoint_find, checkpoint_read
    use io_state, only: state_t
    implicit none
    private
@@ -54,32 +53,22 @@ contains
       character(len=*), intent(in) :: file           !! Empty = the newest
       character(len=:), allocatable, intent(out) :: note !! What the log should say
       type(error_t), allocatable, intent(out) :: error !! None can be read
-      character(len=longest_path), allocatable :: paths(:)
+      character(len=:), allocatable :: path, passed
       type(state_t) :: state
       integer(int64), allocatable :: number(:)
       real(wp), allocatable :: length(:)
-      integer :: n
 
       note = ""
       if (len(file) > 0) then
-         allocate (paths(1))
-         paths(1) = file
+         path = file
+         call checkpoint_read(simulation%communicator, path, simulation%stores, state, error)
       else
-         call checkpoint_newest(simulation%communicator, place%folder, place%case, paths, error)
-         if (allocated(error)) return
+         call checkpoint_find(simulation%communicator, place%folder, place%case, simulation%stores, &
+            state, path, passed, error)
+         if (len(passed) > 0) note = passed//new_line("a")
       end if
-      if (size(paths) == 0) then
-         call fail(error, exit_file, "no checkpoint "//place%case//"_chk_*.h5 in "//place%folder// &
-            "; start without --restart")
-         return
-      end if
-      do n = 1, size(paths)
-         call checkpoint_read(simulation%communicator, trim(paths(n)), simulation%stores, state, error)
-         if (.not. allocated(error)) exit
-         note = note//"warning: "//error%message//new_line("a")
-      end do
       if (allocated(error)) return
-      note = note//"restart from "//trim(paths(n))
+      note = note//"restart from "//path
       simulation%step = state%step
       simulation%time = state%time
       simulation%dt_next = state%dt_next

@@ -76,7 +76,7 @@ contains
       if (word == "kinetic_below") call group%get("stop_value", limits%kinetic_below)
       group = deck%group("checkpoint", 1)
       call group%get("wall_minutes", number)
-      if (number > unset) limits%checkpoint_wall = 60.0_wp*number
+      if (number > 0.0_wp) limits%checkpoint_wall = 60.0_wp*number
       call group%get("dt", number)
       if (number > unset) limits%checkpoint_time = number
       call group%get("at_end", limits%checkpoint_at_end)

@@ -41,6 +41,7 @@ module mesh_grid
       procedure :: start => grid_start               !! Derive everything from corners and spacing
       procedure :: tile_extent => grid_tile_extent   !! Cells of one tile along each direction
       procedure :: tile_corner => grid_tile_corner   !! Lower corner of a tile
+      procedure :: node_position => grid_node_position !! Place of a node in its tile
       procedure :: line_weight => grid_line_weight   !! Integrals of the two functions of a line
       procedure :: mass_weight => grid_mass_weight   !! Integrals of their products
       procedure :: node_volume => grid_node_volume   !! Volume around each node of a tile
@@ -150,6 +151,20 @@ contains
          grid%first_node(cell) = 1 + dot_product(grid%cell_position(:, cell), grid%stride)
       end do
    end subroutine number_cells
+
+   !> Place of a node in its tile along each direction, from 0.
+   pure function grid_node_position(self, node) result(position)
+      class(grid_t), intent(in) :: self              !! The grid
+      integer, intent(in) :: node                    !! Node of a tile, counted from 1
+      integer :: position(3)
+      integer :: direction
+
+      position = 0
+      do direction = 1, 3
+         if (self%active(direction)) position(direction) = &
+            mod((node - 1)/self%stride(direction), self%width(direction) + 1)
+      end do
+   end function grid_node_position
 
    !> Integrals over one cell of the lower and upper function of a direction [m], with the radius
    !! as weight along x in axisymmetry [m2]. A missing direction has one function, 1.
