@@ -16,7 +16,7 @@ from scree_post import PostError                         # noqa: E402
 ENERGY = {"total": "#111111", "kinetic": "#1f5a93", "internal": "#b3311b", "plastic": "#e08a1e",
           "viscous": "#2f7d3b", "lost_energy": "#8a8a8a", "external_work": "#6a4098"}
 ERRORS = {
-    "total_error": ("#111111", "total energy"),
+    "energy_error": ("#111111", "total energy"),
     "mass_error": ("#1f5a93", "mass"),
     "momentum_error": ("#b3311b", "momentum"),
     "angular_momentum_error": ("#2f7d3b", "angular momentum"),

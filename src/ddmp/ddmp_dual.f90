@@ -10,7 +10,7 @@
 !! a cell with an empty node takes no part and no force falls on a node without mass.
 module ddmp_dual
    use base_kinds, only: wp
-   use mesh_grid, only: grid_t, lanes
+   use mesh_grid, only: grid_t, lane_bit, lanes
    implicit none
    private
 
@@ -37,20 +37,22 @@ contains
       class(dual_t), intent(out) :: self             !! The integrals
       type(grid_t), intent(in) :: grid               !! The grid
       real(wp) :: line(0:1, 3), mass(0:1, 0:1, 3), value
-      integer :: column, i, j, direction, other, bit_i(3), bit_j(3)
+      integer :: column, cell, i, j, direction, other, bit_i(3), bit_j(3)
 
       self%columns = merge(grid%cells(1), 1, grid%axisymmetric)
       allocate (self%force(lanes, lanes, 3, self%columns), self%volume(lanes, self%columns))
       do column = 1, self%columns
          do direction = 1, 3
-            line(:, direction) = grid%line_weight(direction, merge(column - 1, 0, direction == 1))
-            mass(:, :, direction) = grid%mass_weight(direction, merge(column - 1, 0, direction == 1))
+            cell = merge(column - 1, 0, direction == 1)
+            line(:, direction) = grid%line_weight(direction, cell)
+            mass(:, :, direction) = grid%mass_weight(direction, cell)
          end do
          do j = 1, lanes
-            bit_j = [(ibits(j - 1, other - 1, 1), other=1, 3)]
-            self%volume(j, column) = grid%depth*line(bit_j(1), 1)*line(bit_j(2), 2)*line(bit_j(3), 3)
+            bit_j = [(ibits(j - 1, lane_bit(other), 1), other=1, 3)]
+            self%volume(j, column) = grid%depth*line(bit_j(1), 1)*line(bit_j(2), 2) &
+               *line(bit_j(3), 3)
             do i = 1, lanes
-               bit_i = [(ibits(i - 1, other - 1, 1), other=1, 3)]
+               bit_i = [(ibits(i - 1, lane_bit(other), 1), other=1, 3)]
                do direction = 1, 3
                   value = grid%depth*grid%lane_slope(i, direction)/grid%spacing
                   do other = 1, 3
@@ -193,7 +195,8 @@ contains
                u(k, i) = weight(cell)*velocity(k, node)
             end do
          end do
-         call apply_strain(self%strain(:, :, :, column_of(self, grid, coordinate, cell)), u, gradient)
+         call apply_strain(self%strain(:, :, :, column_of(self, grid, coordinate, cell)), u, &
+            gradient)
          do j = 1, lanes
             node = base + grid%lane_offset(j)
             do k = 1, 9
@@ -203,7 +206,7 @@ contains
       end do
    end subroutine dual_add_gradient
 
-   !> Product of the integrals of a cell with the velocities of its nodes; the nodes j are the lanes.
+   !> Product of the integrals of a cell with the velocities of its nodes; nodes j are the lanes.
    pure subroutine apply_strain(d, u, gradient)
       real(wp), intent(in) :: d(lanes, lanes, 3)     !! (j, i, direction) [m2]
       real(wp), intent(in) :: u(3, lanes)            !! (component, i) [m/s]

@@ -16,7 +16,7 @@ module driver_balance
    type :: balancing_t
       logical :: allowed = .true.                    !! May they move at all?
       integer(int64) :: every = 200                  !! Steps between two looks
-      real(wp) :: tolerance = 1.15_wp                !! Greatest load over mean load that is borne [1]
+      real(wp) :: tolerance = 1.15_wp !! Greatest load over mean load that is borne [1]
    end type balancing_t
 
 contains
@@ -45,7 +45,7 @@ contains
       integer(int64), allocatable :: pairs(:), whole(:)
       integer(int64) :: total(1)
       real(wp) :: greatest
-      integer :: tile, index
+      integer :: tile, index, owner
 
       if (simulation%communicator%size == 1 .or. .not. balancing%allowed) return
       if (mod(simulation%step, balancing%every) /= 0) return
@@ -68,7 +68,8 @@ contains
       call partition_keys(whole(1::2), whole(2::2), simulation%communicator%size, &
          simulation%tiles%border)
       do tile = 1, simulation%tiles%own
-         if (simulation%tiles%owner(simulation%tiles%key(tile)) == simulation%communicator%rank) cycle
+         owner = simulation%tiles%owner(simulation%tiles%key(tile))
+         if (owner == simulation%communicator%rank) cycle
          do index = 1, size(simulation%stores)
             call send_tile(simulation%stores(index), tile)
          end do

@@ -72,8 +72,10 @@ contains
       character(len=:), allocatable :: text
 
       associate (grid => simulation%grid)
-         text = "grid       "//whole(int(grid%cells(1), int64))//" x "//whole(int(grid%cells(2), int64)) &
-            //" x "//whole(int(grid%cells(3), int64))//" = "//whole(grid%cell_count())//" cells of "// &
+         text = "grid       "//whole(int(grid%cells(1), int64))//" x "//whole(int(grid%cells(2), &
+         int64)) &
+            //" x "//whole(int(grid%cells(3), &
+            int64))//" = "//whole(grid%cell_count())//" cells of "// &
             short(grid%spacing)//" m; tiles of "//whole(int(grid%tile_cells, int64))//" cells, "// &
             whole(survey%tiles)//" of "//whole(product(int(grid%tiles, int64)))//" hold particles"
       end associate
@@ -86,7 +88,8 @@ contains
       character(len=:), allocatable :: text
       integer :: n
 
-      text = "points     "//whole(survey%particles)//" in "//whole(int(size(bodies), int64))//" bodies"
+      text = "points     "//whole(survey%particles)//" in "//whole(int(size(bodies), int64)) &
+         //" bodies"
       do n = 1, size(bodies)
          text = text//merge(": ", ", ", n == 1)//bodies(n)%name//" "//whole(survey%body(n))
       end do
@@ -119,7 +122,8 @@ contains
       end do
       text = text//"           "//whole(nint(carried(simulation, survey), int64))// &
          " bytes a particle carried, "//whole(nint(memory(simulation, survey) &
-         /real(max(survey%particles, 1_int64), wp), int64))//" with node fields and room to move"// &
+         /real(max(survey%particles, 1_int64), wp), &
+         int64))//" with node fields and room to move"// &
          new_line("a")
    end function fields_text
 
@@ -150,14 +154,16 @@ contains
    real(wp) function memory(simulation, survey) result(bytes)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(survey_t), intent(in) :: survey           !! The counts
-      real(wp), parameter :: room = 1.27_wp          ! ranges and arrays have an eighth to spare, each
+      real(wp), &
+         parameter :: room = 1.27_wp          ! ranges and arrays have an eighth to spare, each
       real(wp) :: columns
 
       columns = real(2*motion_columns + 9, wp)
       if (simulation%method%dual) columns = real(2*dual_columns + 9 + 1 + 1 + 3 + 9, wp)
       if (simulation%method%dual .and. simulation%carries_energy) columns = columns + 9.0_wp
       bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
-         + real(survey%tiles, wp)*(9.0_wp/8.0_wp*8.0_wp*columns*real(simulation%grid%tile_nodes, wp) &
+         + real(survey%tiles, wp)*(9.0_wp/8.0_wp*8.0_wp*columns*real(simulation%grid%tile_nodes, &
+         wp) &
          + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
    end function memory
 

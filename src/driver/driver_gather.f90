@@ -29,7 +29,7 @@ module driver_gather
 
    !> Node fields of one tile that the particles see.
    type :: view_t
-      real(wp), allocatable :: push(:, :)            !! (3, node) Adds to what a particle keeps [m/s]
+      real(wp), allocatable :: push(:, :) !! (3, node) Adds to what a particle keeps [m/s]
       real(wp), allocatable :: carry(:, :)           !! (3, node) Moves the particles [m/s]
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
@@ -45,7 +45,8 @@ contains
       integer :: tile
 
       call simulation%timer%start(simulation%phase%gather)
-      !$omp parallel do default(none) shared(simulation, parts, dt) private(tile) schedule(dynamic, 1)
+      !$omp parallel do default(none) shared(simulation, parts, dt) private(tile) &
+      !$omp schedule(dynamic, 1)
       do tile = 1, simulation%tiles%own
          call gather_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, parts, dt)
       end do
@@ -112,15 +113,18 @@ contains
          end if
       end associate
       if (.not. simulation%method%dual) return
-      if (parts%strain) call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
+      if (parts%strain) call node_gradient(simulation, tile, simulation%nodes%gradient, &
+         view%gradient)
       if (parts%work .and. simulation%carries_energy) &
          call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
    end subroutine look
 
    !> What nodes add to particle velocities.
    !!
-   !! flip with a share of pic: v_p <- f v_p + sum S (a dt + (1 - f) v). xpic of order 2: C. Hammerquist,
-   !! J. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724: v_p <- sum S (2 v - v2 + a dt) where
+   !! flip with a share of pic: v_p <- f v_p + sum S (a dt + (1 - f) v). xpic of order 2: C.
+   !! Hammerquist,
+   !! J. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724: v_p <- sum S (2 v - v2 + a dt)
+   !! where
    !! v2 is v mapped to the particles and back.
    subroutine find_push(simulation, tile, dt, push)
       type(simulation_t), intent(in) :: simulation   !! The run
@@ -141,7 +145,8 @@ contains
             mass = simulation%nodes%total(1, :, tile)
             do component = 1, 3
                where (mass > empty_mass)
-                  push(component, :) = dt*acceleration(component, :) + 2.0_wp*velocity(component, :) &
+                  push(component, :) = dt*acceleration(component, &
+                  :) + 2.0_wp*velocity(component, :) &
                      - again(component, :)/mass
                elsewhere
                   push(component, :) = 0.0_wp
@@ -163,7 +168,8 @@ contains
       allocate (gradient(9, simulation%grid%tile_nodes))
       call assemble(simulation%grid, simulation%tiles, patch, tile, gradient)
       call divide(simulation%nodes%volume(:, :, tile), 1, gradient)
-      call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), gradient)
+      call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
+         gradient)
    end subroutine node_gradient
 
    !> Work of the stress that made the force on the velocity in the middle of the step, so that what
@@ -202,7 +208,8 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
 
       associate (grid => simulation%grid, start => store%cell_start(:, tile))
-         call gather_gradient(grid, start, scratch%local, velocity, dt, scratch%deformation%gradient)
+         call gather_gradient(grid, start, scratch%local, velocity, dt, &
+            scratch%deformation%gradient)
          if (simulation%method%dual) call gather_dual_gradient(grid, start, scratch%local, &
             scratch%alpha, gradient, dt, scratch%deformation%gradient)
          if (grid%axisymmetric) call gather_hoop(grid, start, store%first(tile), scratch%local, &
@@ -230,7 +237,8 @@ contains
             dt, simulation%grid%spacing)
          fastest = 0.0_wp
          do p = 1, n
-            fastest = max(fastest, deformation%wave_speed(p) + sqrt(store%velocity(first + p - 1, 1)**2 &
+            fastest = max(fastest, &
+            deformation%wave_speed(p) + sqrt(store%velocity(first + p - 1, 1)**2 &
                + store%velocity(first + p - 1, 2)**2 + store%velocity(first + p - 1, 3)**2))
          end do
          scratch%fastest = max(scratch%fastest, fastest)
@@ -253,7 +261,8 @@ contains
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
          if (.not. (abs(store%velocity(p, 1)) + abs(store%velocity(p, 2)) &
             + abs(store%velocity(p, 3)) <= bound .and. abs(store%matter%stress(p, 1)) &
-            + abs(store%matter%stress(p, 2)) + abs(store%matter%stress(p, 3)) <= bound)) bad = bad + 1
+            + abs(store%matter%stress(p, 2)) + abs(store%matter%stress(p, &
+               3)) <= bound)) bad = bad + 1
       end do
       sound = sound .and. bad == 0
    end subroutine check_numbers

@@ -17,19 +17,19 @@ module driver_ledger
 
    integer, parameter, public :: mass = 1            !! Mass in the box
    integer, parameter, public :: momentum = 2        !! First of three components of momentum
-   integer, parameter, public :: angular = 5         !! First of three components of angular momentum
+   integer, parameter, public :: angular = 5 !! First of three components of angular momentum
    integer, parameter, public :: kinetic = 8         !! Kinetic energy
    integer, parameter, public :: internal = 9        !! Internal energy
-   integer, parameter, public :: viscous = 10        !! Work into artificial viscosity since the start
+   integer, parameter, public :: viscous = 10 !! Work into artificial viscosity since the start
    integer, parameter, public :: plastic = 11        !! Work into plastic flow since the start
    integer, parameter, public :: lost_mass = 12      !! Mass that left the box
    integer, parameter, public :: lost_momentum = 13  !! First of three components of its momentum
    integer, parameter, public :: lost_energy = 16    !! Its energy
-   integer, parameter, public :: impulse = 17        !! First of three components from walls and gravity
+   integer, parameter, public :: impulse = 17 !! First of three components from walls and gravity
    integer, parameter, public :: external_work = 20  !! Work of walls and gravity
    integer, parameter, public :: failed_mass = 21    !! Mass of failed particles
    integer, parameter, public :: lost_angular = 22   !! First of three components of what left
-   integer, parameter, public :: torque = 25         !! First of three components from walls and gravity
+   integer, parameter, public :: torque = 25 !! First of three components from walls and gravity
    integer, parameter, public :: entries = 27        !! Number of entries
 
    character(len=23), parameter :: entry_names(entries) = [character(len=23) :: "mass", &
@@ -51,7 +51,7 @@ module driver_ledger
       real(wp) :: total = 0.0_wp                     !! Kinetic, internal and lost energy [J]
       real(wp) :: mass_error = 0.0_wp                !! Relative to the mass at the start
       real(wp) :: momentum_error = 0.0_wp            !! Relative to the greatest sum of m |v| so far
-      real(wp) :: angular_error = 0.0_wp             !! Relative to the greatest sum of m |x||v| so far
+      real(wp) :: angular_error = 0.0_wp !! Relative to the greatest sum of m |x||v| so far
       real(wp) :: energy_error = 0.0_wp              !! Relative to the energy at the start
    end type balance_t
 
@@ -60,7 +60,7 @@ module driver_ledger
       type(exact_sum_t) :: sums(entries)             !! Only entries that accumulate are used
       type(balance_t) :: start                       !! At the start of the run
       real(wp) :: momentum_scale = 0.0_wp            !! Greatest sum of mass times speed [kg m/s]
-      real(wp) :: angular_scale = 0.0_wp             !! Greatest sum of mass, arm and speed [kg m2/s]
+      real(wp) :: angular_scale = 0.0_wp !! Greatest sum of mass, arm and speed [kg m2/s]
    contains
       procedure :: book_lost => ledger_book_lost     !! Book the particles that left the box
       procedure :: merge => ledger_merge             !! Add the sums of another ledger
@@ -71,7 +71,8 @@ module driver_ledger
 
    integer, parameter :: accumulated(17) = [viscous, plastic, lost_mass, lost_momentum, &
       lost_momentum + 1, lost_momentum + 2, lost_energy, impulse, impulse + 1, impulse + 2, &
-      external_work, lost_angular, lost_angular + 1, lost_angular + 2, torque, torque + 1, torque + 2]
+      external_work, lost_angular, lost_angular + 1, lost_angular + 2, torque, torque + 1, &
+         torque + 2]
 
 contains
 
@@ -153,6 +154,7 @@ contains
          call sums(n)%over_ranks(communicator)
          now%entry(n) = sums(n)%value()
       end do
+      call clear_meaningless(grid, now%entry)
       call scales(1)%over_ranks(communicator)
       call scales(2)%over_ranks(communicator)
       call total%merge(sums(kinetic))
@@ -165,17 +167,36 @@ contains
          self%start%entry(mass))
       drift = now%entry(momentum:momentum + 2) + now%entry(lost_momentum:lost_momentum + 2) &
          - now%entry(impulse:impulse + 2) - self%start%entry(momentum:momentum + 2)
-      if (grid%axisymmetric) drift(1:2) = 0.0_wp
       now%momentum_error = ratio(norm2(drift), self%momentum_scale)
       drift = now%entry(angular:angular + 2) + now%entry(lost_angular:lost_angular + 2) &
          - now%entry(torque:torque + 2) - self%start%entry(angular:angular + 2)
-      if (grid%dimensions == 2) drift([1, 3]) = 0.0_wp
-      ! a ring has no angular momentum, and in a periodic box it has no meaning
-      if (grid%axisymmetric .or. grid%dimensions == 1 .or. any(grid%periodic)) drift = 0.0_wp
+      ! in a periodic box angular momentum has no meaning
+      if (any(grid%periodic)) drift = 0.0_wp
       now%angular_error = ratio(norm2(drift), self%angular_scale)
       now%energy_error = ratio(now%total - self%start%total - now%entry(external_work), &
          max(abs(self%start%total), abs(now%entry(external_work))))
    end subroutine ledger_balance
+
+   !> Components that the scene does not have. In axisymmetry particles are rings: only the axial
+   !! momentum has a meaning, and none of the angular momentum.
+   pure subroutine clear_meaningless(grid, entry)
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), intent(inout) :: entry(:)            !! Entries of the books
+      logical :: keep(3), turns(3)
+      integer, parameter :: vectors(3) = [momentum, lost_momentum, impulse]
+      integer, parameter :: moments(3) = [angular, lost_angular, torque]
+      integer :: n
+
+      keep = grid%active
+      if (grid%axisymmetric) keep(1) = .false.
+      turns = .true.
+      if (grid%dimensions == 2) turns = [.false., .true., .false.]
+      if (grid%axisymmetric .or. grid%dimensions == 1) turns = .false.
+      do n = 1, 3
+         where (.not. keep) entry(vectors(n):vectors(n) + 2) = 0.0_wp
+         where (.not. turns) entry(moments(n):moments(n) + 2) = 0.0_wp
+      end do
+   end subroutine clear_meaningless
 
    !> Sums over the particles of one tile in their order.
    subroutine sum_tile(store, material, tile, sums, scales)
@@ -206,7 +227,8 @@ contains
       end do
       if (.not. allocated(store%matter%failed)) return
       do p = first, last
-         if (store%matter%failed(p) > 0) sums(failed_mass) = sums(failed_mass) + store%matter%mass(p)
+         if (store%matter%failed(p) == 0) cycle
+         sums(failed_mass) = sums(failed_mass) + store%matter%mass(p)
       end do
    end subroutine sum_tile
 

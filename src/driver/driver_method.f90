@@ -26,7 +26,7 @@ module driver_method
       integer :: stress = stress_after               !! When the stress is updated
       integer :: transfer = transfer_flip            !! How velocities come back to particles
       real(wp) :: flip = 0.99_wp                     !! Share of increments in flip [1]
-      real(wp) :: cfl = 0.4_wp                       !! Share of the time a signal needs for a cell [1]
+      real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
    contains
       procedure :: keep => method_keep               !! Share of its velocity that a particle keeps

@@ -68,7 +68,8 @@ contains
          coordinate => simulation%tiles%coordinate(:, tile))
          call assemble(grid, simulation%tiles, nodes%motion, tile, nodes%total(:, :, tile))
          call grid%node_volume(coordinate, around)
-         call dual%cell_weights(grid, nodes%total(:, :, tile), filled, around, nodes%weight(:, tile))
+         call dual%cell_weights(grid, nodes%total(:, :, tile), filled, around, nodes%weight(:, &
+            tile))
          nodes%share(:, :, tile) = 0.0_wp
          call dual%add_volume(grid, coordinate, nodes%weight(:, tile), nodes%share(:, :, tile))
       end associate
@@ -111,7 +112,8 @@ contains
    end subroutine divide
 
    !> Velocity and acceleration of the nodes, the velocity that strains the particles, and its node
-   !! gradient. Without a time step the nodes stay as they were: the velocity before the step strains.
+   !! gradient. Without a time step the nodes stay as they were: the velocity before the step
+   !! strains.
    subroutine move_nodes(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(in) :: dt                     !! Time step, 0 = none [s]

@@ -6,7 +6,7 @@ module driver_output
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use base_text, only: text_t
-   use driver_ledger, only: angular, balance_t, entries, entry_names, entry_units
+   use driver_ledger, only: balance_t, entries, entry_names, entry_units
    use driver_schedule, only: read_schedule, schedule_t
    use driver_simulation, only: simulation_t
    use io_fields, only: choose_columns, column_t
@@ -158,7 +158,8 @@ contains
          if (allocated(error)) return
       end do
       do n = 1, size(self%histories)
-         call self%histories(n)%file%open(simulation%communicator, self%histories(n)%path, columns, &
+         call self%histories(n)%file%open(simulation%communicator, self%histories(n)%path, &
+            columns, &
             merge(simulation%step, -1_int64, restarted), error)
          if (allocated(error)) return
       end do
@@ -250,7 +251,6 @@ contains
 
       row(1:3) = [simulation%time, real(simulation%step, wp), simulation%dt]
       row(4:entries + 3) = now%entry
-      if (simulation%grid%axisymmetric) row(3 + angular:5 + angular) = 0.0_wp
       row(entries + 4:) = [now%total, now%mass_error, now%momentum_error, now%angular_error, &
          now%energy_error]
    end function row_of
@@ -264,7 +264,8 @@ contains
       number = 0
       do n = 1, size(self%snapshots)
          associate (schedule => self%snapshots(n)%schedule)
-            if (schedule%interval > 0.0_wp) number = number + 1 + int(time_end/schedule%interval, int64)
+            if (schedule%interval > 0.0_wp) &
+               number = number + 1 + int(time_end/schedule%interval, int64)
             if (allocated(schedule%times)) number = number + size(schedule%times)
          end associate
       end do

@@ -120,7 +120,8 @@ contains
       character(len=:), allocatable :: text
 
       text = "scree "//version_text//" (git "//git_commit//")  "//compiler_name//" " &
-         //compiler_version_text//" "//build_type//" "//compiler_flags//"  "//message_passing_version()
+         //compiler_version_text//" "//build_type//" "//compiler_flags//"  " &
+         //message_passing_version()
    end function version_line
 
    !> All keys of a deck.
@@ -176,7 +177,8 @@ contains
          call communicator%broadcast(session%deck_text)
          call declare_all(session%schema)
          overrides = command%overrides
-         if (allocated(command%case_name)) call append(overrides, "run.case='"//command%case_name//"'")
+         if (allocated(command%case_name)) &
+            call append(overrides, "run.case='"//command%case_name//"'")
          call session%deck%read(session%schema, session%deck_text, command%deck, overrides, error)
          if (allocated(error)) return
          call check_deck(session%deck)
@@ -196,10 +198,12 @@ contains
          call session%bodies(n)%shape%bounds(low, high)
          associate (grid => session%simulation%grid)
             if (any(grid%active .and. (high <= grid%lower .or. low >= grid%upper))) then
-               call session%deck%complain("body", n, "body "//name//" lies outside of the grid; "// &
+               call session%deck%complain("body", n, &
+                  "body "//name//" lies outside of the grid; "// &
                   "move its region or widen &grid", "region")
             else
-               call session%deck%complain("body", n, "body "//name//" holds no particle: its region "// &
+               call session%deck%complain("body", n, &
+                  "body "//name//" holds no particle: its region "// &
                   "is thinner than the lattice of "//"dx/ppc, empty, or covered by later bodies", &
                   "region")
             end if

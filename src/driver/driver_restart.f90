@@ -63,7 +63,8 @@ contains
          path = file
          call checkpoint_read(simulation%communicator, path, simulation%stores, state, error)
       else
-         call checkpoint_find(simulation%communicator, place%folder, place%case, simulation%stores, &
+         call checkpoint_find(simulation%communicator, place%folder, place%case, &
+            simulation%stores, &
             state, path, passed, error)
          if (len(passed) > 0) note = passed//new_line("a")
       end if

@@ -45,7 +45,7 @@ module driver_run
       real(wp) :: last_checkpoint = 0.0_wp           !! Of the last checkpoint [s]
       real(wp) :: checkpoint_cost = 0.0_wp           !! Wall time that one took [s]
       real(wp) :: time_begin = 0.0_wp                !! Simulated time at the start [s]
-      integer(int64) :: checkpoints = 0              !! Simulated intervals between them that are over
+      integer(int64) :: checkpoints = 0 !! Simulated intervals between them that are over
       integer :: signal = 0                          !! The signal that came
    end type watch_t
 
@@ -333,7 +333,8 @@ contains
       if (allocated(error)) return
       watch%checkpoint_cost = wall_seconds() - watch%last_checkpoint
       write (step, "(i0)") simulation%step
-      call log%info("  checkpoint "//path(index(path, "/", back=.true.) + 1:)//" at step "//trim(step))
+      call log%info("  checkpoint "//path(index(path, "/", back=.true.) + 1:)//" at step " &
+         //trim(step))
    end subroutine save
 
    !> After an error that left the state good: keep it if that is possible.

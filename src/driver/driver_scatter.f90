@@ -80,7 +80,8 @@ contains
       call simulation%timer%start(simulation%phase%scatter)
       call ensure_patch(simulation%nodes%extra, 3, simulation%grid%tile_nodes, &
          simulation%tiles%own)
-      !$omp parallel do default(none) shared(simulation, from_nodes) private(tile) schedule(dynamic, 1)
+      !$omp parallel do default(none) shared(simulation, from_nodes) private(tile) &
+      !$omp schedule(dynamic, 1)
       do tile = 1, simulation%tiles%own
          call scatter_second_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, &
             from_nodes, simulation%nodes%extra(:, :, tile))

@@ -21,7 +21,8 @@ module driver_scene
 
 contains
 
-   !> Build grid, faces, materials, method and bodies; particles come later. Faults go into the deck's
+   !> Build grid, faces, materials, method and bodies; particles come later. Faults go into the
+   !! deck's
    !! list of problems.
    subroutine build_scene(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
@@ -106,7 +107,8 @@ contains
          else
             call group%get("dx", grid%spacing)
          end if
-         ! a direction that the scene lacks counts with its full extent, or with a unit if it has none
+         ! a direction that the scene lacks counts with its full extent, or with a unit if it has
+         ! none
          if (grid%dimensions < 3 .and. .not. grid%upper(2) > grid%lower(2)) &
             grid%upper(2) = grid%lower(2) + merge(0.0_wp, 1.0_wp, grid%axisymmetric)
          if (grid%dimensions < 2 .and. .not. grid%upper(3) > grid%lower(3)) &

@@ -18,22 +18,23 @@ module driver_simulation
 
    public :: nodes_t, phases_t, scratch_t, simulation_t
 
-   !> Node fields, all as patches of tiles: (component, node, tile). What the method does not need is
+   !> Node fields, all as patches of tiles: (component, node, tile). What the method does not need
+   !! is
    !! not allocated.
    type :: nodes_t
-      real(wp), allocatable :: motion(:, :, :)       !! Patch: mass, momentum, force, and for the dual
+      real(wp), allocatable :: motion(:, :, :) !! Patch: mass, momentum, force, and for the dual
                                                      !! gradient volume and stress
       real(wp), allocatable :: total(:, :, :)        !! The sums of these
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
-      real(wp), allocatable :: extra(:, :, :)        !! Patch (3): momentum mapped a second time [kg m/s]
+      real(wp), allocatable :: extra(:, :, :) !! Patch (3): momentum mapped a second time [kg m/s]
       real(wp), allocatable :: strain(:, :, :)       !! (3) Velocity of the strain increment [m/s]
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
       real(wp), allocatable :: force(:, :, :)        !! Patch (3): force of the node stress [N]
       real(wp), allocatable :: gradient(:, :, :)     !! Patch (9): node gradient of strain [m3/s]
-      real(wp), allocatable :: middle(:, :, :)       !! Patch (9): that of the mid-step velocity [m3/s]
+      real(wp), allocatable :: middle(:, :, :) !! Patch (9): that of the mid-step velocity [m3/s]
    end type nodes_t
 
    !> Scratch space of one thread.
@@ -49,7 +50,8 @@ module driver_simulation
 
    !> Indices of the timed phases.
    type :: phases_t
-      integer :: sort = 0, scatter = 0, exchange = 0, grid = 0, gather = 0, ledger = 0, output = 0, &
+      integer :: sort = 0, scatter = 0, exchange = 0, grid = 0, gather = 0, ledger = 0, &
+      output = 0, &
          checkpoint = 0                               !! One each
    end type phases_t
 

@@ -14,7 +14,8 @@ module driver_start
    implicit none
    private
 
-   public :: carry_energy, distribute, fill_simulation, first_step, name_phases, prepare, spin_bodies
+   public :: carry_energy, distribute, fill_simulation, first_step, name_phases, prepare, &
+      spin_bodies
 
 contains
 
@@ -59,7 +60,8 @@ contains
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
             call simulation%materials(index)%request(store%matter)
-            call store%start(simulation%materials(index)%name, simulation%grid%tile_cells, with_body)
+            call store%start(simulation%materials(index)%name, simulation%grid%tile_cells, &
+               with_body)
             simulation%carries_energy = simulation%carries_energy .or. &
                allocated(store%matter%energy)
          end associate
@@ -239,7 +241,8 @@ contains
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   speed = simulation%materials(index)%reference_speed() &
-                     + sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 + store%velocity(p, 3)**2)
+                     + sqrt(store%velocity(p, 1)**2 + store%velocity(p, &
+                        2)**2 + store%velocity(p, 3)**2)
                   fastest = max(fastest, speed)
                end do
             end do

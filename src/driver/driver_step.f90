@@ -103,7 +103,8 @@ contains
 
       call simulation%timer%start(simulation%phase%sort)
       call simulation%ledger%book_lost(simulation%stores, simulation%materials)
-      call migrate(simulation%communicator, simulation%grid, simulation%boundary, simulation%tiles, &
+      call migrate(simulation%communicator, simulation%grid, simulation%boundary, &
+         simulation%tiles, &
          simulation%stores)
       call simulation%timer%stop(simulation%phase%sort)
    end subroutine sort_particles

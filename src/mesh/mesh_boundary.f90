@@ -122,7 +122,7 @@ contains
       integer, intent(in) :: face                    !! 1 to 6
       logical, intent(out) :: here                   !! Does the tile touch the face?
       integer, intent(out) :: first                  !! First node of the box
-      integer, intent(out) :: length(3)              !! Nodes of the box along each direction, less 1
+      integer, intent(out) :: length(3)              !! Nodes of the box along a direction, less 1
       integer :: normal
 
       normal = (face + 1)/2

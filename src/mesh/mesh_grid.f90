@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The uniform Cartesian grid: cells, tiles of cells, and the constants of a cell's nodes.
 !!
-!! One code serves one, two and three dimensions: a cell always has eight lanes, one a node, lane
-!! a - 1 holding one bit a direction. A direction that the scene lacks has one layer of cells and
-!! nodes; its upper lanes carry weight zero and fall on the lower ones.
+!! One code serves one, two and three dimensions: a cell always has eight lanes, one a node, the
+!! number of a lane less 1 holding one bit a direction. A direction that the scene lacks has one layer
+!! of cells and nodes; its upper lanes carry weight zero and fall on the lower ones.
 module mesh_grid
    use base_constants, only: pi
    use base_kinds, only: int64, wp
@@ -13,6 +13,9 @@ module mesh_grid
    public :: grid_t
 
    integer, parameter, public :: lanes = 8                     !! Nodes of a cell
+   !> Bit of a direction in the number of a lane: missing directions have the high bits, so that the
+   !! lanes that carry weight come first.
+   integer, parameter, public :: lane_bit(3) = [0, 2, 1]
    integer, parameter :: default_width(3) = [64, 8, 4]         !! Cells along a tile, by dimensions
 
    !> The grid. In two dimensions the active directions are x and z, in axisymmetry radius and axis.
@@ -24,7 +27,7 @@ module mesh_grid
       real(wp) :: lower(3) = 0.0_wp                  !! Lower corner [m]
       real(wp) :: upper(3) = 0.0_wp                  !! Upper corner [m]
       real(wp) :: spacing = 0.0_wp                   !! Edge of a cell [m]
-      real(wp) :: depth = 1.0_wp                     !! Extent of the missing directions [m, m2, rad]
+      real(wp) :: depth = 1.0_wp                     !! Extent of missing directions [m, m2, rad]
       integer :: cells(3) = 1                        !! Cells along each direction
       integer :: width(3) = 1                        !! Cells along a tile
       integer :: tiles(3) = 1                        !! Tiles along each direction
@@ -32,6 +35,7 @@ module mesh_grid
       integer :: tile_nodes = 1                      !! Nodes of a tile, those on its faces included
       integer :: stride(3) = 0                       !! Step in the node index of a tile
       integer :: lane_offset(lanes) = 0              !! Node index of a lane above the cell's first
+      integer :: used_lanes = lanes                  !! Lanes that carry weight, the first ones
       !> Weight of lane a at local coordinate xi of direction k: constant(a, k) + slope(a, k) xi.
       real(wp) :: lane_constant(lanes, 3) = 0.0_wp
       real(wp) :: lane_slope(lanes, 3) = 0.0_wp
@@ -84,10 +88,11 @@ contains
          end do
       end if
       self%lane_offset = 0
+      self%used_lanes = 2**self%dimensions
       self%lane_slope = 0.0_wp
       do direction = 1, 3
          do lane = 1, lanes
-            bit = ibits(lane - 1, direction - 1, 1)
+            bit = ibits(lane - 1, lane_bit(direction), 1)
             self%lane_constant(lane, direction) = 1 - bit
             if (.not. self%active(direction)) cycle
             self%lane_slope(lane, direction) = 2*bit - 1

@@ -73,7 +73,7 @@ contains
       integer, intent(in) :: components              !! Fields
       integer, intent(in) :: mine                    !! Nodes before the first one here
       integer, intent(in) :: theirs                  !! Nodes before the first one there
-      integer, intent(in) :: length(3)               !! Nodes of the box along each direction, less 1
+      integer, intent(in) :: length(3)               !! Nodes of the box along a direction, less 1
       integer, intent(in) :: stride(3)               !! Steps in the node index
       real(wp), intent(in) :: patch(*)               !! (component, node) of the other tile, flat
       real(wp), intent(inout) :: total(*)            !! (component, node) Sums, flat

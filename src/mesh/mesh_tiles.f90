@@ -21,7 +21,7 @@ module mesh_tiles
       integer(int64), allocatable :: key(:)          !! (tile) Place on the curve, own ones ascend
       integer, allocatable :: coordinate(:, :)       !! (3, tile) Place in the grid, from 0
       integer, allocatable :: neighbor(:, :)         !! (27, tile) Index of a neighbour, 0 = none
-      integer(int64), allocatable :: border(:)       !! (0:ranks) Rank r owns border(r) <= key < next
+      integer(int64), allocatable :: border(:)       !! (0:ranks) r owns border(r) <= key < next
       type(key_table_t) :: table                     !! From key to index
    contains
       procedure :: set => tiles_set                  !! Give the tiles and find their neighbours

@@ -44,8 +44,7 @@ contains
       where (grid%active) sites = int(grid%cells, int64)*self%per_cell
    end function body_sites
 
-   !> Count the particles of each tile that some body reaches. Mass and first moment of each body come
-   !! with it.
+   !> Count the particles of each tile that some body reaches, and those of each body.
    subroutine survey_bodies(grid, bodies, key, particles, body_count)
       type(grid_t), intent(in) :: grid                !! The grid
       type(body_t), intent(in) :: bodies(:)           !! The bodies
@@ -136,7 +135,7 @@ contains
       integer, intent(in) :: body                     !! Which body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer :: sites(3), x, y, z
-      real(wp) :: low(3), high(3), edge(3)
+      real(wp) :: low(3), high(3), edge(3), position(3)
 
       number = 0
       call bodies(body)%shape%bounds(low, high)
@@ -146,8 +145,8 @@ contains
       do z = 0, sites(3) - 1
          do y = 0, sites(2) - 1
             do x = 0, sites(1) - 1
-               if (belongs(bodies, body, site_position(grid, bodies(body), coordinate, [x, y, z]))) &
-                  number = number + 1
+               position = site_position(grid, bodies(body), coordinate, [x, y, z])
+               if (belongs(bodies, body, position)) number = number + 1
             end do
          end do
       end do

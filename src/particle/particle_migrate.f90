@@ -99,7 +99,8 @@ contains
                if (here(row)) cycle
                filled = filled + 1
                more(:, filled) = 0
-               more(:heading, filled) = [int(index, int64), come%key(row), int(come%cell(row), int64)]
+               more(:heading, filled) = [int(index, int64), come%key(row), &
+                  int(come%cell(row), int64)]
                more(heading + 1:heading + size(packer%rows, 1), filled) = packer%rows(:, row)
             end do
             call move_alloc(more, messages)
@@ -170,7 +171,7 @@ contains
       type(communicator_t), intent(inout) :: communicator !! The ranks
       type(tiles_t), intent(in) :: tiles             !! Who owns what
       integer(int64), intent(in) :: messages(:, :)   !! (word, row)
-      integer(int64), allocatable, intent(out) :: arrived(:) !! Rows for this rank, one after another
+      integer(int64), allocatable, intent(out) :: arrived(:) !! Rows for this rank, one by one
       integer, allocatable :: owner(:), ranks(:), length(:)
       integer(int64), allocatable :: outgoing(:)
       integer :: row, rank, at
@@ -270,7 +271,8 @@ contains
       ghost = tiles%key(tiles%own + 1:tiles%all)
       call merge_keys(pack(tiles%key(:tiles%own), kept), pack([(tile, tile=1, tiles%own)], kept), &
          key(:number), old)
-      call tiles%set(grid, renewed(tiles%key, key(:number), old), ghost_without(ghost, key(:number)))
+      call tiles%set(grid, renewed(tiles%key, key(:number), old), &
+         ghost_without(ghost, key(:number)))
       do index = 1, size(stores)
          call stores(index)%remap(old_index(old), grid%tile_cells)
       end do
@@ -291,7 +293,7 @@ contains
       integer(int64), intent(in) :: kept_key(:)      !! Ascending
       integer, intent(in) :: kept_tile(:)            !! Their indices
       integer(int64), intent(in) :: new_key(:)       !! In any order, with repetitions
-      integer, allocatable, intent(out) :: mark(:)   !! (tile) > 0 former tile, < 0 - index in new_key
+      integer, allocatable, intent(out) :: mark(:)   !! (tile) > 0 former tile, < 0 place in new_key
       integer :: order(size(new_key)), i, j, n
       integer(int64) :: before
 
@@ -323,7 +325,7 @@ contains
    pure function renewed(key, new_key, mark) result(merged)
       integer(int64), intent(in) :: key(:)           !! Former tiles
       integer(int64), intent(in) :: new_key(:)       !! New ones
-      integer, intent(in) :: mark(:)                 !! (tile) > 0 former tile, < 0 - index in new_key
+      integer, intent(in) :: mark(:)                 !! (tile) > 0 former tile, < 0 place in new_key
       integer(int64) :: merged(size(mark))
       integer :: tile
 

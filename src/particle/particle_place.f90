@@ -99,30 +99,34 @@ contains
    end subroutine find_place
 
    !> Bring a position back into the box: round a periodic direction, or just inside a closed face,
-   !! which rounding alone can make a particle cross.
+   !! which rounding alone can make a particle cross. A place that only rounds to the upper face
+   !! counts as on it, so that a particle never lies past the cell that holds it.
    pure subroutine wrap(grid, boundary, position, p)
       type(grid_t), intent(in) :: grid               !! The grid
       type(boundary_t), intent(in) :: boundary       !! The faces
       real(wp), contiguous, intent(inout) :: position(:, :) !! (particle, 3) [m]
       integer, intent(in) :: p                       !! Which particle
       real(wp), parameter :: inside = 1.0e-9_wp      ! of a cell, far above rounding
-      real(wp) :: length, lower, upper
+      real(wp) :: x, length, lower, upper
       integer :: direction
 
       do direction = 1, 3
          if (.not. grid%active(direction)) cycle
          lower = grid%lower(direction)
          upper = grid%upper(direction)
+         x = position(p, direction)
          if (grid%periodic(direction)) then
             length = upper - lower
-            if (position(p, direction) < lower) position(p, direction) = position(p, direction) + length
-            if (position(p, direction) >= upper) position(p, direction) = position(p, direction) - length
-         else
-            if (boundary%kind(2*direction - 1) /= face_outflow .and. position(p, direction) <= lower) &
-               position(p, direction) = lower + inside*grid%spacing
-            if (boundary%kind(2*direction) /= face_outflow .and. position(p, direction) >= upper) &
-               position(p, direction) = upper - inside*grid%spacing
+            if (x < lower) x = x + length
+            if (x >= upper) x = x - length
+         else if (boundary%kind(2*direction - 1) /= face_outflow .and. x <= lower) then
+            x = lower + inside*grid%spacing
          end if
+         if (boundary%kind(2*direction) /= face_outflow) then
+            if ((x - lower)*(1.0_wp/grid%spacing) >= real(grid%cells(direction), wp)) &
+               x = upper - inside*grid%spacing
+         end if
+         position(p, direction) = x
       end do
    end subroutine wrap
 end module particle_place

@@ -28,7 +28,7 @@ module particle_settle
       integer, allocatable :: source(:)               !! Particle > 0 or row < 0 for each new place
       integer, allocatable :: cell(:)                 !! Cell of each source
       integer, allocatable :: order(:)                !! Scratch
-      integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers of all tiles
+      integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers
       real(wp), allocatable :: buffer(:)              !! Scratch
       integer(int64), allocatable :: whole_buffer(:)  !! Scratch
    contains
@@ -49,7 +49,7 @@ contains
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
       integer, intent(in) :: home(:)                  !! (row) Cells of all rows
       integer, parameter :: identity_word = 1
-      integer :: cells, p, n, cell, place, row
+      integer :: cells, p, n, cell, row
 
       cells = ubound(store%cell_start, 1)
       call settler%make_room(store%count(tile) + size(newcomer))
@@ -65,26 +65,7 @@ contains
          settler%order(n) = -newcomer(row)
          settler%cell(n) = home(newcomer(row))
       end do
-      store%cell_start(:, tile) = 0
-      do p = 1, n
-         cell = settler%cell(p) + 1
-         store%cell_start(cell, tile) = store%cell_start(cell, tile) + 1
-      end do
-      do cell = 1, cells
-         store%cell_start(cell, tile) = store%cell_start(cell, tile) &
-            + store%cell_start(cell - 1, tile)
-      end do
-      do p = n, 1, -1
-         ! filled from behind, so that start() can serve as the cursor of each cell
-         cell = settler%cell(p)
-         place = store%cell_start(cell + 1, tile)
-         settler%source(place) = settler%order(p)
-         store%cell_start(cell + 1, tile) = place - 1
-      end do
-      do cell = 0, cells - 1
-         store%cell_start(cell, tile) = store%cell_start(cell + 1, tile)
-      end do
-      store%cell_start(cells, tile) = n
+      call order_by_cell(settler, n, store%cell_start(:, tile))
       do cell = 0, cells - 1
          call order_by_identity(store, settler, store%cell_start(cell, tile) + 1, &
             store%cell_start(cell + 1, tile), identity_word)
@@ -102,6 +83,34 @@ contains
       store%restless(tile) = .false.
       store%leaving(tile) = 0
    end subroutine settle_tile
+
+   !> Group the sources of a tile by cell, each cell in the order in which they are listed.
+   pure subroutine order_by_cell(settler, number, start)
+      class(settler_t), intent(inout) :: settler      !! Holds the list and gets the sources
+      integer, intent(in) :: number                   !! Particles on the list
+      integer, contiguous, intent(inout) :: start(0:) !! (0:cells) Particles before each cell
+      integer :: p, cell, place
+
+      start = 0
+      do p = 1, number
+         cell = settler%cell(p) + 1
+         start(cell) = start(cell) + 1
+      end do
+      do cell = 1, ubound(start, 1)
+         start(cell) = start(cell) + start(cell - 1)
+      end do
+      do p = number, 1, -1
+         ! filled from behind, so that start can serve as the cursor of each cell
+         cell = settler%cell(p)
+         place = start(cell + 1)
+         settler%source(place) = settler%order(p)
+         start(cell + 1) = place - 1
+      end do
+      do cell = 0, ubound(start, 1) - 1
+         start(cell) = start(cell + 1)
+      end do
+      start(ubound(start, 1)) = number
+   end subroutine order_by_cell
 
    !> Sort the sources of one cell by identity; they are few and nearly in order.
    pure subroutine order_by_identity(store, settler, first, last, identity_word)
@@ -154,21 +163,23 @@ contains
          self%whole_buffer(room))
    end subroutine settler_make_room
 
+   !> Bring a field of numbers into the new order.
    subroutine settler_scalar(self, name, unit, values)
-      class(settler_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:)
+      class(settler_t), intent(inout) :: self         !! Sources and scratch
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:) !! (particle)
 
       self%word = self%word + 1
       call reorder_reals(self, values)
    end subroutine settler_scalar
 
+   !> Bring a field of vectors or tensors into the new order.
    subroutine settler_vector(self, name, unit, values)
-      class(settler_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:, :)
+      class(settler_t), intent(inout) :: self         !! Sources and scratch
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
       integer :: component
 
       do component = 1, size(values, 2)
@@ -177,11 +188,12 @@ contains
       end do
    end subroutine settler_vector
 
+   !> Bring a field of whole numbers into the new order.
    subroutine settler_whole(self, name, unit, values)
-      class(settler_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      integer(int64), allocatable, intent(inout) :: values(:)
+      class(settler_t), intent(inout) :: self         !! Sources and scratch
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
       integer :: p
 
       self%word = self%word + 1
@@ -211,11 +223,12 @@ contains
       values(self%first:self%first + self%count - 1) = self%buffer(:self%count)
    end subroutine reorder_reals
 
+   !> Pack a field of numbers, one word a row.
    subroutine packer_scalar(self, name, unit, values)
-      class(row_packer_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:)
+      class(row_packer_t), intent(inout) :: self      !! Rows and particles
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:) !! (particle)
       integer :: row
 
       self%word = self%word + 1
@@ -224,11 +237,12 @@ contains
       end do
    end subroutine packer_scalar
 
+   !> Pack a field of vectors or tensors, one word a component.
    subroutine packer_vector(self, name, unit, values)
-      class(row_packer_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      real(wp), allocatable, intent(inout) :: values(:, :)
+      class(row_packer_t), intent(inout) :: self      !! Rows and particles
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
       integer :: row, component
 
       do component = 1, size(values, 2)
@@ -239,11 +253,12 @@ contains
       end do
    end subroutine packer_vector
 
+   !> Pack a field of whole numbers, one word a row.
    subroutine packer_whole(self, name, unit, values)
-      class(row_packer_t), intent(inout) :: self
-      character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: unit
-      integer(int64), allocatable, intent(inout) :: values(:)
+      class(row_packer_t), intent(inout) :: self      !! Rows and particles
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
       integer :: row
 
       self%word = self%word + 1

@@ -25,7 +25,7 @@ module particle_store
       real(wp), allocatable :: position(:, :)         !! (particle, 3) [m]
       real(wp), allocatable :: velocity(:, :)         !! (particle, 3) [m/s]
       type(matter_t) :: matter                        !! State that the laws see
-      integer, allocatable :: home(:)                 !! Cell after the last move, < 0 = left the tile
+      integer, allocatable :: home(:)                 !! Cell after the move, < 0 = left the tile
       integer, allocatable :: first(:)                !! (tile) First particle of the range
       integer, allocatable :: count(:)                !! (tile) Particles in the range
       integer, allocatable :: room(:)                 !! (tile) Particles that would fit
@@ -270,7 +270,8 @@ contains
       moved = 0.0_wp
       do tile = 1, size(self%count)
          n = self%count(tile)
-         moved(self%to(tile):self%to(tile) + n - 1) = values(self%from(tile):self%from(tile) + n - 1)
+         moved(self%to(tile):self%to(tile) + n - 1) = &
+            values(self%from(tile):self%from(tile) + n - 1)
       end do
       call move_alloc(moved, values)
    end subroutine mover_scalar
@@ -307,7 +308,8 @@ contains
       moved = 0
       do tile = 1, size(self%count)
          n = self%count(tile)
-         moved(self%to(tile):self%to(tile) + n - 1) = values(self%from(tile):self%from(tile) + n - 1)
+         moved(self%to(tile):self%to(tile) + n - 1) = &
+            values(self%from(tile):self%from(tile) + n - 1)
       end do
       call move_alloc(moved, values)
    end subroutine mover_whole

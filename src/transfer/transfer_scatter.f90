@@ -23,7 +23,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -38,7 +38,8 @@ contains
          do p = start(cell) + 1, start(cell + 1)
             q = first + p - 1
             do lane = 1, lanes
-               weight = (a(lane, 1) + b(lane, 1)*local(p, 1))*(a(lane, 2) + b(lane, 2)*local(p, 2)) &
+               weight = (a(lane, 1) + b(lane, 1)*local(p, 1)) &
+                  *(a(lane, 2) + b(lane, 2)*local(p, 2)) &
                   *(a(lane, 3) + b(lane, 3)*local(p, 3))*mass(q)
                sums(lane, 1) = sums(lane, 1) + weight
                sums(lane, 2) = sums(lane, 2) + weight*velocity(q, 1)
@@ -55,7 +56,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (3, node) [kg m/s]
@@ -69,7 +70,8 @@ contains
          sums = 0.0_wp
          do p = start(cell) + 1, start(cell + 1)
             do lane = 1, lanes
-               weight = (a(lane, 1) + b(lane, 1)*local(p, 1))*(a(lane, 2) + b(lane, 2)*local(p, 2)) &
+               weight = (a(lane, 1) + b(lane, 1)*local(p, 1)) &
+                  *(a(lane, 2) + b(lane, 2)*local(p, 2)) &
                   *(a(lane, 3) + b(lane, 3)*local(p, 3))*mass(first + p - 1)
                sums(lane, 1) = sums(lane, 1) + weight*vector(p, 1)
                sums(lane, 2) = sums(lane, 2) + weight*vector(p, 2)
@@ -85,7 +87,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -125,8 +127,8 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of the tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Share of cell
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -187,7 +189,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
@@ -217,7 +219,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
       real(wp), contiguous, intent(in) :: sums(:, :)         !! (lane, column)
-      integer, intent(in) :: before                          !! Columns of the patch before the first
+      integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: column, lane, node, base
 

@@ -288,7 +288,7 @@ def test_history(work):
     path = f"{work}/ball_history.csv"
     with open(path, "w", encoding="ascii") as handle:
         handle.write(
-            "time [s],step,momentum_z [kg m/s],kinetic [J],total [J],total_error [1],front_z [m]\n"
+            "time [s],step,momentum_z [kg m/s],kinetic [J],total [J],energy_error [1],front_z [m]\n"
         )
         for step in range(20):
             handle.write(
@@ -302,7 +302,7 @@ def test_history(work):
         "momentum_z",
         "kinetic",
         "total",
-        "total_error",
+        "energy_error",
         "front_z",
     ]
     assert (

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The documents agree with the program and with each other.
+
+Would catch a link or a file name that leads nowhere, a document that nobody reads to its end, a key, field or
+column that was added or renamed without a word, and printed examples that the program no longer prints.
+"""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+from sources import ROOT, lines_of, place, project_files
+
+LONGEST = 250
+DOCUMENTS = project_files(".md")
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+NAMED = re.compile(r"`((?:src|scripts|test|cmake|doc|input)/[a-z0-9_./]+)`")
+FIRST_STEPS = ROOT / "doc" / "guide" / "first_steps.md"
+DECK = ROOT / "doc" / "guide" / "deck.md"
+OUTPUT = ROOT / "doc" / "guide" / "output.md"
+SCENE = "input/two_discs/scene.nml"
+
+if "--scree" not in sys.argv:
+    sys.exit("usage: test_documents.py --scree BUILD/bin/scree [--work FOLDER]")
+SCREE = str(Path(sys.argv[sys.argv.index("--scree") + 1]).resolve())
+
+
+def scree(*arguments, folder=ROOT):
+    """Exit code and all that the program prints."""
+    answer = subprocess.run([SCREE, *map(str, arguments)], cwd=folder, capture_output=True, text=True)
+    return answer.returncode, answer.stdout + answer.stderr
+
+
+def blocks(path, language):
+    """Contents of the fenced blocks of a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", path.read_text(encoding="utf-8"), re.M | re.S)
+
+
+def first_cells(path, heading):
+    """Names in code in the first column of the tables of one section."""
+    section = re.split(r"^## ", path.read_text(encoding="utf-8"), flags=re.M)
+    chosen = next(part for part in section if part.startswith(heading))
+    cells = [line.split("|")[1] for line in chosen.split("\n") if line.startswith("| `")]
+    return [name for cell in cells for name in re.findall(r"`(\w+)`", cell)]
+
+
+class DocumentGate(unittest.TestCase):
+    """One rule a test; all offences are listed."""
+
+    maxDiff = None
+
+    def none(self, offences):
+        self.assertEqual(len(offences), 0, "\n" + "\n".join(offences))
+
+    def test_documents_are_found(self):
+        self.assertGreater(len(DOCUMENTS), 15)
+
+    def test_length(self):
+        self.none([f"{place(path, 1)} has {len(lines_of(path))} lines, limit {LONGEST}"
+                   for path in DOCUMENTS if len(lines_of(path)) > LONGEST])
+
+    def test_links(self):
+        offences, found = [], 0
+        for path in DOCUMENTS:
+            for number, line in enumerate(lines_of(path), 1):
+                for target in LINK.findall(line):
+                    if target.startswith(("http:", "https:", "#")):
+                        continue
+                    found += 1
+                    if not (path.parent / target.split("#")[0]).exists():
+                        offences.append(f"{place(path, number)} links to {target}, which is not there")
+        self.assertGreater(found, 30)
+        self.none(offences)
+
+    def test_named_files(self):
+        self.none([f"{place(path, number)} names {name}, which is not there" for path in DOCUMENTS
+                   for number, line in enumerate(lines_of(path), 1) for name in NAMED.findall(line)
+                   if not (ROOT / name).exists()])
+
+    def test_every_document_is_linked(self):
+        linked = {(path.parent / target.split("#")[0]).resolve() for path in DOCUMENTS
+                  for target in LINK.findall(path.read_text(encoding="utf-8"))}
+        self.none([f"{place(path, 1)} is linked from nowhere" for path in DOCUMENTS
+                   if path.parts[len(ROOT.parts)] in ("doc", "input") and path.resolve() not in linked])
+
+    def test_keys(self):
+        script = ROOT / "scripts" / "document_keys.py"
+        answer = subprocess.run([sys.executable, script, SCREE, "--check"], capture_output=True, text=True)
+        self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
+
+    def test_fields(self):
+        code, text = scree("--list", "fields")
+        self.assertEqual(code, 0, text)
+        self.assertEqual(first_cells(OUTPUT, "Snapshots"), text.split())
+
+    def test_columns(self):
+        with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
+            code, text = scree(SCENE, "--quiet", "--set", "time.max_steps=1", "--outdir", folder)
+            self.assertEqual(code, 0, text)
+            heading = lines_of(Path(folder) / "two_discs_history.csv")[0]
+        columns = [column.split(" [")[0] for column in heading.split(",")]
+        self.assertEqual(sorted(first_cells(OUTPUT, "History")), sorted(columns))
+
+    def test_printed_check(self):
+        code, text = scree("--check", SCENE)
+        self.assertEqual(code, 0, text)
+        command = f"$ build/bin/scree --check {SCENE}\n"
+        shown = [block for block in blocks(FIRST_STEPS, "console") if block.startswith(command)]
+        self.assertEqual(command + text, shown[0])
+
+    def test_printed_faults(self):
+        deck = next(block for block in blocks(DECK, "fortran") if "dimention" in block)
+        with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
+            (Path(folder) / "bad.nml").write_text(deck, encoding="utf-8")
+            code, text = scree("--check", "bad.nml", folder=folder)
+        self.assertEqual(code, 2, text)
+        self.assertIn("$ build/bin/scree --check bad.nml\n" + text, blocks(DECK, "console"))
+
+    def test_shown_deck(self):
+        scene = (ROOT / SCENE).read_text(encoding="utf-8")
+        lines = {re.sub(r"\s*!.*", "", line) for line in scene.split("\n")}
+        shown = [line for block in blocks(FIRST_STEPS, "fortran") for line in block.strip().split("\n")]
+        self.assertGreater(len(shown), 20)
+        self.none([f"{SCENE} does not hold: {line}" for line in shown if line not in lines])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

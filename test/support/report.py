@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Print what a test measured beside its limits, and end with exit code 1 if one was not met.
+
+    import report
+    sheet = report.Report()
+    sheet.below("momentum error", error, 1.0e-13)
+    sheet.require(steps > 100, "the run made more than 100 steps")
+    sheet.end()
+"""
+
+import math
+import sys
+import time
+
+
+class Report:
+    """A list of checks. Every check is printed, met or not, so that margins can be read."""
+
+    def __init__(self):
+        self.missed, self.checks, self.begin = [], 0, time.time()
+
+    def below(self, name, value, limit):
+        """The size of a number must not exceed its limit."""
+        self._line(name, value, f"<= {limit:.3g}", abs(value) <= limit)
+
+    def above(self, name, value, limit):
+        """A number must reach its limit."""
+        self._line(name, value, f">= {limit:.6g}", value >= limit)
+
+    def near(self, name, value, expected, share):
+        """A number must equal another one within a share of that."""
+        error = value / expected - 1.0
+        self._line(name, value, f"= {expected:.6g} within {share:.2g}, off by {error:+.2e}",
+                   abs(error) <= share)
+
+    def require(self, condition, text):
+        """Something must hold, such as a guard against an empty pass."""
+        self.checks += 1
+        if not condition:
+            self.missed.append(text)
+            print(f"FAILED   {text}", flush=True)
+
+    def note(self, name, value):
+        """A number that is reported only."""
+        print(f"         {name}: {value:.6g}" if isinstance(value, float)
+              else f"         {name}: {value}", flush=True)
+
+    def _line(self, name, value, limit, met):
+        met = met and math.isfinite(value)
+        self.checks += 1
+        if not met:
+            self.missed.append(name)
+        print(f"{'met     ' if met else 'FAILED  '} {name}: {value:.6g} ({limit})", flush=True)
+
+    def end(self):
+        """Leave; a test without a single check has failed."""
+        seconds = time.time() - self.begin
+        print(f"{self.checks - len(self.missed)} of {self.checks} checks met, {seconds:.1f} s")
+        sys.exit(1 if self.missed or not self.checks else 0)
