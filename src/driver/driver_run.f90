@@ -30,6 +30,7 @@ module driver_run
       integer(int64) :: max_steps = huge(1_int64)    !! Stop after so many
       real(wp) :: wall_limit = huge(1.0_wp)          !! Wall time to leave after [s]
       real(wp) :: kinetic_below = -1.0_wp            !! Stop when the kinetic energy falls below [J]
+      real(wp) :: rest_below = -1.0_wp               !! ... or below this share of its greatest [1]
       real(wp) :: checkpoint_wall = huge(1.0_wp)     !! Wall time between checkpoints [s]
       real(wp) :: checkpoint_time = 0.0_wp           !! Simulated time between them, 0 = none [s]
       logical :: checkpoint_at_end = .true.          !! One more at the end
@@ -45,8 +46,10 @@ module driver_run
       real(wp) :: last_checkpoint = 0.0_wp           !! Of the last checkpoint [s]
       real(wp) :: checkpoint_cost = 0.0_wp           !! Wall time that one took [s]
       real(wp) :: time_begin = 0.0_wp                !! Simulated time at the start [s]
+      integer(int64) :: step_begin = 0               !! Steps done at the start
       integer(int64) :: checkpoints = 0 !! Simulated intervals between them that are over
       integer :: signal = 0                          !! The signal that came
+      real(wp) :: greatest_kinetic = 0.0_wp          !! Kinetic energy so far [J]
    end type watch_t
 
 contains
@@ -74,6 +77,7 @@ contains
       limits%wall_limit = wall_limit_of(word)
       call group%get("stop_when", word)
       if (word == "kinetic_below") call group%get("stop_value", limits%kinetic_below)
+      if (word == "at_rest") call group%get("stop_value", limits%rest_below)
       group = deck%group("checkpoint", 1)
       call group%get("wall_minutes", number)
       if (number > 0.0_wp) limits%checkpoint_wall = 60.0_wp*number
@@ -160,6 +164,7 @@ contains
       watch%last_line = watch%begin
       watch%last_checkpoint = watch%begin
       watch%time_begin = simulation%time
+      watch%step_begin = simulation%step
       if (limits%checkpoint_time > 0.0_wp) &
          watch%checkpoints = int(simulation%time/limits%checkpoint_time, int64)
       do n = 1, size(limits%signals)
@@ -176,13 +181,14 @@ contains
       logical, intent(out) :: finished               !! Leave the loop?
       integer, intent(out) :: code                   !! Exit code
       character(len=:), allocatable, intent(out) :: reason !! Why
+      integer(int64), parameter :: look_every = 20
       type(balance_t) :: now
       real(wp) :: call_for_end
 
       finished = .true.
       code = exit_success
       call_for_end = real(signal_caught(), wp)
-      if (wall_seconds() - watch%begin + 2.0_wp*watch%checkpoint_cost > limits%wall_limit) &
+      if (wall_seconds() - watch%begin + reserve(simulation, watch) > limits%wall_limit) &
          call_for_end = max(call_for_end, 1000.0_wp)
       watch%signal = nint(simulation%communicator%maximum(call_for_end))
       reason = "t_end reached"
@@ -196,13 +202,26 @@ contains
       if (watch%signal > 0) return
       code = exit_success
       reason = "kinetic energy below stop_value"
-      if (limits%kinetic_below >= 0.0_wp .and. mod(simulation%step, 20_int64) == 0) then
+      if (max(limits%kinetic_below, limits%rest_below) >= 0.0_wp .and. &
+         mod(simulation%step, look_every) == 0) then
          call simulation%ledger%balance(simulation%communicator, simulation%grid, &
             simulation%stores, simulation%materials, now)
+         watch%greatest_kinetic = max(watch%greatest_kinetic, now%entry(kinetic))
          if (now%entry(kinetic) < limits%kinetic_below) return
+         if (now%entry(kinetic) < limits%rest_below*watch%greatest_kinetic) return
       end if
       finished = .false.
    end subroutine judge
+
+   !> Wall time that must be left for the last checkpoint: twice the last one and three steps [s].
+   real(wp) function reserve(simulation, watch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(watch_t), intent(in) :: watch             !! Clocks
+
+      reserve = 2.0_wp*watch%checkpoint_cost
+      if (simulation%step > watch%step_begin) reserve = reserve + 3.0_wp*(wall_seconds() &
+         - watch%begin)/real(simulation%step - watch%step_begin, wp)
+   end function reserve
 
    !> Name of a signal that is caught.
    pure function name_of(number) result(name)
@@ -212,8 +231,12 @@ contains
       select case (number)
       case (2)
          name = "INT"
+      case (1)
+         name = "HUP"
       case (10)
          name = "USR1"
+      case (12)
+         name = "USR2"
       case (15)
          name = "TERM"
       case default

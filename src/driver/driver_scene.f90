@@ -131,17 +131,21 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(group_t) :: group
       character(len=:), allocatable :: face, kind
-      integer :: index, side
+      integer :: index, side, pass
 
       if (simulation%grid%axisymmetric) simulation%boundary%kind(1) = face_symmetry
-      do index = 1, deck%count("boundary")
-         group = deck%group("boundary", index)
-         call group%get("face", face)
-         call group%get("type", kind)
-         do side = 1, 6
-            if (face /= face_names(side) .and. face /= "all") cycle
-            simulation%boundary%kind(side) = position_of(kind, face_types)
-            call group%get("velocity", simulation%boundary%velocity(:, side))
+      ! what is said of all faces gives way to what is said of one
+      do pass = 1, 2
+         do index = 1, deck%count("boundary")
+            group = deck%group("boundary", index)
+            call group%get("face", face)
+            call group%get("type", kind)
+            if ((face == "all") .neqv. (pass == 1)) cycle
+            do side = 1, 6
+               if (face /= face_names(side) .and. face /= "all") cycle
+               simulation%boundary%kind(side) = position_of(kind, face_types)
+               call group%get("velocity", simulation%boundary%velocity(:, side))
+            end do
          end do
       end do
       associate (sides => simulation%boundary%kind)

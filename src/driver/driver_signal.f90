@@ -23,7 +23,7 @@ module driver_signal
 
 contains
 
-   !> Catch a signal by name: TERM, USR1 or INT (Linux numbers). Unknown names are ignored.
+   !> Catch a signal by name: TERM, USR1, USR2, INT or HUP (Linux numbers).
    subroutine watch_signal(name)
       character(len=*), intent(in) :: name             !! Without SIG
       type(c_funptr) :: previous
@@ -35,6 +35,12 @@ contains
          previous = c_signal(10_c_int, c_funloc(handle))
       case ("INT")
          previous = c_signal(2_c_int, c_funloc(handle))
+      case ("USR2")
+         previous = c_signal(12_c_int, c_funloc(handle))
+      case ("HUP")
+         previous = c_signal(1_c_int, c_funloc(handle))
+      case default
+         ! `none` and whatever this system does not know
       end select
    end subroutine watch_signal
 

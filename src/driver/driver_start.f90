@@ -41,7 +41,7 @@ contains
          phase%scatter = timer%phase("points to nodes")
          phase%exchange = timer%phase("exchange")
          phase%grid = timer%phase("grid")
-         phase%gather = timer%phase("nodes to points, stress")
+         phase%gather = timer%phase("nodes to points, law")
          phase%ledger = timer%phase("ledger, history")
          phase%output = timer%phase("output")
          phase%checkpoint = timer%phase("checkpoint")

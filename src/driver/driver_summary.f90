@@ -19,6 +19,10 @@ module driver_summary
 
    public :: summarise
 
+   integer, parameter :: extremes = 5                !! Number of extremes
+   character(len=12), parameter :: extreme_names(extremes) = [character(len=12) :: "speed_max", &
+      "pressure_min", "pressure_max", "density_min", "density_max"]
+
 contains
 
    !> Write the tables and the summary. Collective.
@@ -38,6 +42,7 @@ contains
       integer(int64) :: counts(2)
       real(wp) :: rate, bytes
       real(wp), allocatable :: least(:), mean(:), greatest(:)
+      real(wp) :: range(extremes)
 
       call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
          simulation%materials, now)
@@ -52,6 +57,7 @@ contains
       bytes = bytes_per_particle(simulation, counts(1))
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
       call log%info(balance_text(now, rate, bytes))
+      call find_extremes(simulation, range)
       if (simulation%communicator%rank /= 0) return
       call json%add("version", version_text)
       call json%add("git", git_commit)
@@ -67,6 +73,7 @@ contains
       call json%add("ranks", simulation%communicator%size)
       call json%add("threads", omp_get_max_threads())
       call json%add("digest", digest)
+      call add_extremes(json, range)
       call add_timers(json, simulation, least, mean, greatest)
       call add_ledger(json, simulation, now)
       call add_files(json, outputs)
@@ -129,13 +136,54 @@ contains
       character(len=:), allocatable :: text
       character(len=200) :: line
 
-      write (line, "(4(a,es9.2))") "balance   error of mass", now%mass_error, ", momentum", &
+      write (line, "(4(a,es10.2))") "balance   error of mass", now%mass_error, ", momentum", &
          now%momentum_error, ", angular momentum", now%angular_error, ", energy", now%energy_error
       text = trim(line)//new_line("a")
-      write (line, "(a,f0.2,a,f0.0,a)") "speed     ", 1.0e-6_wp*rate, &
-         " million particle updates/s in the steps, ", bytes, " bytes/particle"
+      write (line, "(a,f8.2,a,i0,a)") "speed     ", 1.0e-6_wp*rate, &
+         " million particle updates/s in the steps, ", nint(bytes, int64), " bytes/particle"
       text = text//trim(line)
    end function balance_text
+
+   !> Greatest speed, and the ranges of pressure and density, over all particles and ranks.
+   subroutine find_extremes(simulation, range)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      real(wp), intent(out) :: range(extremes)       !! In the order of the names
+      real(wp) :: speed, pressure, density
+      integer :: index, tile, p
+
+      range = -huge(1.0_wp)
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  speed = sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 &
+                     + store%velocity(p, 3)**2)
+                  pressure = -(store%matter%stress(p, 1) + store%matter%stress(p, 2) &
+                     + store%matter%stress(p, 3))/3.0_wp
+                  density = store%matter%mass(p)/store%matter%volume(p)
+                  range = max(range, [speed, -pressure, pressure, -density, density])
+               end do
+            end do
+         end associate
+      end do
+      do p = 1, extremes
+         range(p) = simulation%communicator%maximum(range(p))
+      end do
+      range([2, 4]) = -range([2, 4])
+   end subroutine find_extremes
+
+   !> Extremes of the final state.
+   subroutine add_extremes(json, range)
+      type(json_t), intent(inout) :: json            !! The summary
+      real(wp), intent(in) :: range(extremes)        !! In the order of the names
+      integer :: n
+
+      call json%begin("extremes")
+      do n = 1, extremes
+         call json%add(trim(extreme_names(n)), range(n))
+      end do
+      call json%end()
+   end subroutine add_extremes
 
    !> Wall time by phase.
    subroutine add_timers(json, simulation, least, mean, greatest)
@@ -147,7 +195,7 @@ contains
       integer :: n
 
       call json%begin("timers")
-      do n = 1, size(least)
+      do n = 1, simulation%timer%count()
          call json%begin(trim(simulation%timer%name(n)))
          call json%add("min", least(n))
          call json%add("avg", mean(n))
