@@ -111,7 +111,7 @@ contains
    end subroutine check_key
 
    !> True if a key means something in its group.
-   logical function applies(schema, key, groups, which)
+   logical function applies(schema, key, groups, which) result(holds)
       type(schema_t), intent(in) :: schema               !! What is allowed
       type(key_t), intent(in) :: key                     !! The key
       type(group_t), intent(in) :: groups(:)             !! All groups
@@ -120,7 +120,7 @@ contains
       logical :: sure
 
       call weigh(schema, key, groups, which, reason, sure)
-      applies = reason == ""
+      holds = reason == ""
    end function applies
 
    !> Why a key means nothing in its group; empty if it does.

@@ -87,10 +87,10 @@ contains
    end subroutine append
 
    !> True for the letters of names, a to z of either case.
-   pure elemental logical function is_letter(letter)
+   pure elemental logical function is_letter(letter) result(yes)
       character(len=1), intent(in) :: letter             !! Any character
 
-      is_letter = ("a" <= letter .and. letter <= "z") .or. ("A" <= letter .and. letter <= "Z")
+      yes = ("a" <= letter .and. letter <= "z") .or. ("A" <= letter .and. letter <= "Z")
    end function is_letter
 
    !> Capital letters made small.

@@ -148,7 +148,7 @@ contains
                   push(component, :) = dt*acceleration(component, &
                   :) + 2.0_wp*velocity(component, :) &
                      - again(component, :)/mass
-               elsewhere
+               else where
                   push(component, :) = 0.0_wp
                end where
             end do

@@ -242,12 +242,12 @@ contains
    end function cross
 
    !> Quotient, 0 where there is nothing to compare with.
-   pure real(wp) function ratio(part, whole)
+   pure real(wp) function ratio(part, whole) result(quotient)
       real(wp), intent(in) :: part                   !! Difference
       real(wp), intent(in) :: whole                  !! Scale
 
-      ratio = 0.0_wp
-      if (abs(whole) > 0.0_wp) ratio = part/whole
+      quotient = 0.0_wp
+      if (abs(whole) > 0.0_wp) quotient = part/whole
    end function ratio
 
    !> Put the running sums of all ranks into the state of a checkpoint.

@@ -79,10 +79,10 @@ contains
    end subroutine run_program
 
    !> Is nothing asked for but text?
-   pure logical function only_talks(command)
+   pure logical function only_talks(command) result(talks)
       type(command_t), intent(in) :: command         !! The command line
 
-      only_talks = command%help .or. command%version .or. command%template .or. &
+      talks = command%help .or. command%version .or. command%template .or. &
          allocated(command%explain) .or. allocated(command%list) .or. allocated(command%digest)
    end function only_talks
 

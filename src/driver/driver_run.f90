@@ -214,12 +214,12 @@ contains
    end subroutine judge
 
    !> Wall time that must be left for the last checkpoint: twice the last one and three steps [s].
-   real(wp) function reserve(simulation, watch)
+   real(wp) function reserve(simulation, watch) result(seconds)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(watch_t), intent(in) :: watch             !! Clocks
 
-      reserve = 2.0_wp*watch%checkpoint_cost
-      if (simulation%step > watch%step_begin) reserve = reserve + 3.0_wp*(wall_seconds() &
+      seconds = 2.0_wp*watch%checkpoint_cost
+      if (simulation%step > watch%step_begin) seconds = seconds + 3.0_wp*(wall_seconds() &
          - watch%begin)/real(simulation%step - watch%step_begin, wp)
    end function reserve
 

@@ -121,11 +121,11 @@ contains
    end function bytes_per_particle
 
    !> Numbers in an array that may not exist.
-   pure integer(int64) function length(array)
+   pure integer(int64) function length(array) result(numbers)
       real(wp), allocatable, intent(in) :: array(:, :, :) !! Any
 
-      length = 0
-      if (allocated(array)) length = size(array, kind=int64)
+      numbers = 0
+      if (allocated(array)) numbers = size(array, kind=int64)
    end function length
 
    !> The books as two lines of text.

@@ -2,7 +2,8 @@
 !> Checkpoints: the whole state of a run in double precision, to go on from on any number of ranks.
 !!
 !! Layout: attributes of the root hold step and time; /particles/MATERIAL/FIELD one data set a
-!! field, in the order of particles of all files; /state the small numbers; /deck and /deck_echo texts.
+!! field, in the order of particles of all files; /state the small numbers; /deck and /deck_echo
+!! texts.
 !! Every data set carries an attribute `check`, a hash that reading compares.
 module io_checkpoint
    use base_agreement, only: agree

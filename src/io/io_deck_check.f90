@@ -94,15 +94,15 @@ contains
    end subroutine check_time
 
    !> True for hh:mm:ss.
-   pure logical function is_clock(text)
+   pure logical function is_clock(text) result(right)
       character(len=*), intent(in) :: text               !! Perhaps a time
       integer :: last
 
       last = len(text)
-      is_clock = .false.
+      right = .false.
       if (last < 7 .or. last > 9) return
       if (verify(text(:last - 6), "0123456789") > 0) return
-      is_clock = text(last - 5:last - 5) == ":" .and. text(last - 2:last - 2) == ":" .and. &
+      right = text(last - 5:last - 5) == ":" .and. text(last - 2:last - 2) == ":" .and. &
          verify(text(last - 4:last - 3)//text(last - 1:), "0123456789") == 0 .and. &
          scan(text(last - 4:last - 4)//text(last - 1:last - 1), "6789") == 0
    end function is_clock

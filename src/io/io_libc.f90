@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The few calls of the C library that files need. Constants and layouts are those of 64-bit Linux.
+! allow(C071, C072): the texts of C have no length of their own
 module io_libc
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int32_t, &
       c_int64_t, c_null_char, c_ptr, c_size_t

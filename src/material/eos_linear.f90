@@ -75,18 +75,18 @@ contains
    end function linear_stored
 
    !> x - ln(1 + x), by its series where the difference would lose digits.
-   pure real(wp) function excess(x)
+   pure real(wp) function excess(x) result(over)
       real(wp), intent(in) :: x                      !! Above -1 [1]
       integer :: power
 
       if (abs(x) > 0.01_wp) then
-         excess = x - log(1.0_wp + x)
+         over = x - log(1.0_wp + x)
          return
       end if
-      excess = 0.0_wp
+      over = 0.0_wp
       do power = 9, 2, -1
-         excess = 1.0_wp/real(power, wp) - x*excess
+         over = 1.0_wp/real(power, wp) - x*over
       end do
-      excess = x*x*excess
+      over = x*x*over
    end function excess
 end module eos_linear

@@ -46,13 +46,14 @@ module material_eos
 
       !> Energy [J] of one particle that carries none: work of the pressure from the reference
       !! state, where the material bears no pressure below a limit [Pa].
-      pure real(wp) function stored_i(self, mass, volume, limit)
+      pure function stored_i(self, mass, volume, limit) result(energy)
          import :: eos_t, wp
          implicit none
          class(eos_t), intent(in) :: self
          real(wp), intent(in) :: mass                          !! [kg]
          real(wp), intent(in) :: volume                        !! [m3]
          real(wp), intent(in) :: limit                         !! Least pressure [Pa]
+         real(wp) :: energy
       end function stored_i
    end interface
 

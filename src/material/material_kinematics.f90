@@ -11,10 +11,10 @@ contains
 
    !> Exponential function for the growth of a volume or a temperature in a step, by the Pade
    !! approximant of order (2, 2): relative error x**5/720, positive for every x, vectorises.
-   elemental real(wp) function growth(x)
+   elemental real(wp) function growth(x) result(factor)
       real(wp), intent(in) :: x                      !! Exponent [1]
 
-      growth = (1.0_wp + x*(0.5_wp + x/12.0_wp))/(1.0_wp - x*(0.5_wp - x/12.0_wp))
+      factor = (1.0_wp + x*(0.5_wp + x/12.0_wp))/(1.0_wp - x*(0.5_wp - x/12.0_wp))
    end function growth
 
    !> Volume after the step, for matter without a deviator of stress.

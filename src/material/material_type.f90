@@ -219,15 +219,15 @@ contains
    end subroutine check_models
 
    !> True if strength or damage follows the temperature up to melting.
-   logical function needs_melting(material, group)
+   logical function needs_melting(material, group) result(needed)
       class(material_t), intent(in) :: material      !! The material with its models chosen
       type(group_t), intent(in) :: group             !! Its &material
       real(wp) :: coefficient(5)
 
-      needs_melting = group%given("jc_m")
+      needed = group%given("jc_m")
       if (.not. allocated(material%damage) .or. group%count("jcd") < 5) return
       call group%get("jcd", coefficient)
-      needs_melting = needs_melting .or. abs(coefficient(5)) > 0.0_wp
+      needed = needed .or. abs(coefficient(5)) > 0.0_wp
    end function needs_melting
 
    !> Bulk and shear modulus from what is given.

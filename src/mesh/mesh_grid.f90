@@ -2,7 +2,8 @@
 !> The uniform Cartesian grid: cells, tiles of cells, and the constants of a cell's nodes.
 !!
 !! One code serves one, two and three dimensions: a cell always has eight lanes, one a node, the
-!! number of a lane less 1 holding one bit a direction. A direction that the scene lacks has one layer
+!! number of a lane less 1 holding one bit a direction. A direction that the scene lacks has one
+!! layer
 !! of cells and nodes; its upper lanes carry weight zero and fall on the lower ones.
 module mesh_grid
    use base_constants, only: pi

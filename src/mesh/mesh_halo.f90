@@ -131,11 +131,11 @@ contains
    end subroutine unpack_patches
 
    !> True if two lists of keys are equal.
-   pure logical function same(one, other)
+   pure logical function same(one, other) result(equal)
       integer(int64), intent(in) :: one(:)           !! Keys
       integer(int64), intent(in) :: other(:)         !! Keys
 
-      same = size(one) == size(other)
-      if (same) same = all(one == other)
+      equal = size(one) == size(other)
+      if (equal) equal = all(one == other)
    end function same
 end module mesh_halo

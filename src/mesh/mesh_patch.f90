@@ -52,7 +52,8 @@ contains
          mine = dot_product(merge(extent, 0, shift == 1), grid%stride)
          there = dot_product(merge(theirs, 0, shift == -1), grid%stride)
          length = merge(extent, 0, shift == 0)
-         call add_box(size(patch, 1), mine, there, length, grid%stride, patch(:, :, other), total)
+         call add_box(size(patch, 1), size(patch, 2), mine, there, length, grid%stride, &
+            patch(:, :, other), total)
       end do
 
    contains
@@ -69,14 +70,15 @@ contains
 
    !> Add a box of nodes of one tile to a box of nodes of another. Nodes of a line along x and their
    !! components are one piece of memory, so a line is added as one vector.
-   pure subroutine add_box(components, mine, theirs, length, stride, patch, total)
+   pure subroutine add_box(components, nodes, mine, theirs, length, stride, patch, total)
       integer, intent(in) :: components              !! Fields
+      integer, intent(in) :: nodes                   !! Nodes of a tile
       integer, intent(in) :: mine                    !! Nodes before the first one here
       integer, intent(in) :: theirs                  !! Nodes before the first one there
       integer, intent(in) :: length(3)               !! Nodes of the box along a direction, less 1
       integer, intent(in) :: stride(3)               !! Steps in the node index
-      real(wp), intent(in) :: patch(*)               !! (component, node) of the other tile, flat
-      real(wp), intent(inout) :: total(*)            !! (component, node) Sums, flat
+      real(wp), intent(in) :: patch(components*nodes) !! (component, node) of the other tile, flat
+      real(wp), intent(inout) :: total(components*nodes) !! (component, node) Sums, flat
       integer :: n, y, z, shift, here, there, line
 
       line = components*(length(1) + 1)

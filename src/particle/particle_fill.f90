@@ -178,16 +178,16 @@ contains
    end function site_position
 
    !> True if a place belongs to a body and to no later one.
-   pure logical function belongs(bodies, body, position)
+   pure logical function belongs(bodies, body, position) result(inside)
       type(body_t), intent(in) :: bodies(:)           !! The bodies
       integer, intent(in) :: body                     !! Which body
       real(wp), intent(in) :: position(3)             !! [m]
       integer :: later
 
-      belongs = bodies(body)%shape%contains(position)
+      inside = bodies(body)%shape%contains(position)
       do later = body + 1, size(bodies)
-         if (.not. belongs) return
-         belongs = .not. bodies(later)%shape%contains(position)
+         if (.not. inside) return
+         inside = .not. bodies(later)%shape%contains(position)
       end do
    end function belongs
 

@@ -137,13 +137,13 @@ contains
    contains
 
       !> Identity of a source.
-      pure integer(int64) function identity_of(source)
+      pure integer(int64) function identity_of(source) result(number)
          integer, intent(in) :: source                !! Particle > 0 or row < 0
 
          if (source > 0) then
-            identity_of = store%identity(source)
+            number = store%identity(source)
          else
-            identity_of = settler%rows(identity_word, -source)
+            number = settler%rows(identity_word, -source)
          end if
       end function identity_of
    end subroutine order_by_identity
