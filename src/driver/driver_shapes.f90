@@ -26,7 +26,7 @@ contains
    subroutine read_shapes(deck, grid, shapes)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
-      type(named_shape_t), allocatable, intent(out) :: shapes(:)
+      type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
       type(group_t) :: group
       integer :: index
 

@@ -4,6 +4,7 @@ module driver_start
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
+   use driver_ledger, only: cross
    use driver_simulation, only: simulation_t
    use driver_step, only: count_particles, sort_particles
    use mesh_curve, only: curve_key
@@ -137,9 +138,13 @@ contains
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   if (store%identity(p) < bodies(body)%first_identity) cycle
                   if (store%identity(p) > last) cycle
-                  arm = store%position(p, :) - centre
-                  store%velocity(p, :) = store%velocity(p, :) + [spin(2)*arm(3) - spin(3)*arm(2), &
-                     spin(3)*arm(1) - spin(1)*arm(3), spin(1)*arm(2) - spin(2)*arm(1)]
+                  do k = 1, 3
+                     arm(k) = store%position(p, k) - centre(k)
+                  end do
+                  arm = cross(spin, arm)
+                  do k = 1, 3
+                     store%velocity(p, k) = store%velocity(p, k) + arm(k)
+                  end do
                end do
             end do
          end associate

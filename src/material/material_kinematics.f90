@@ -91,6 +91,7 @@ contains
 
    !> Rotate a symmetric tensor by the rotation Q = I + (W + W W/2)/(1 + w w/4) that belongs to the
    !! spin increment W with axial vector w.
+   ! gate: long kernel because a tensor in registers is six numbers
    pure subroutine rotate(wx, wy, wz, sxx, syy, szz, sxy, syz, sxz)
       real(wp), intent(in) :: wx, wy, wz             !! Rotation vector of the step [1]
       real(wp), intent(inout) :: sxx, syy, szz       !! Diagonal of the tensor

@@ -196,7 +196,7 @@ contains
    subroutine fill_bodies(grid, bodies, coordinates, index, store)
       type(grid_t), intent(in) :: grid                !! The grid
       type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: coordinates(:, :)        !! (3, tile) Tiles of this rank
+      integer, contiguous, intent(in) :: coordinates(:, :) !! (3, tile) Tiles of this rank
       integer, intent(in) :: index                    !! Which store is meant
       type(store_t), intent(inout) :: store           !! Gets particles
       integer, allocatable :: wish(:)

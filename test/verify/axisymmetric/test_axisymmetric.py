@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A cylinder in a tube hits a wall: the axisymmetric run must be the one-dimensional one.
+
+Would catch: a wrong hoop strain or hoop force, volumes or masses that do not go with the radius,
+node volumes of the dual gradient without the radius, an axis that lets matter through.
+
+Uniaxial strain in a smooth tube has no radial motion. The plain method keeps that to rounding, as
+lattice points integrate r exactly. In the dual domain method the alpha of the points weighs r
+unevenly in the cells at the axis and the tube: its radial motion is bounded by what was measured.
+Also: mass of a sphere, whose error must fall with the cell size.
+"""
+# timeout: 120
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import case    # noqa: E402
+import report  # noqa: E402
+
+COMMON = """
+&units  system='mm-us-mg' /
+&time  t_end=0.8 /
+&method  bulk_q1=0.5 /
+&material  name='al'  density=2.785  eos_model='mie_gruneisen'  mg_c0=5.328  mg_s=1.338
+  mg_gamma=2  shear=27.6  strength_model='von_mises'  yield=0.3 /
+&output  name='p'  kind='particles'  count=1  precision='double'
+  fields='identity','velocity','stress','volume','mass','energy' /
+&output  name='h'  kind='history'  every=10 /
+&checkpoint  at_end=.false. /
+"""
+LINE = COMMON + """
+&run  dimension='1d'  method='{method}' /
+&grid  lo=0,0,0  hi=9.6,1,1  dx=0.2 /
+&region  name='bar'  shape='box'  lo=0,0,0  hi=8,1,1 /
+&body  name='bar'  region='bar'  material='al'  ppc=2,1,1  velocity=-0.4,0,0 /
+&boundary  face='xlo'  type='slip' /
+"""
+TUBE = COMMON + """
+&run  dimension='axisymmetric'  method='{method}' /
+&grid  lo=0,0,0  hi=2.4,0,9.6  dx=0.2 /
+&region  name='bar'  shape='box'  lo=0,0,0  hi=2.4,0,8 /
+&body  name='bar'  region='bar'  material='al'  ppc=2,1,2  velocity=0,0,-0.4 /
+&boundary  face='xlo'  type='symmetry' /
+&boundary  face='xhi'  type='slip' /
+&boundary  face='zlo'  type='slip' /
+"""
+SPHERE = COMMON + """
+&run  dimension='axisymmetric' /
+&grid  lo=0,0,-6  hi=6,0,6  dx={spacing} /
+&region  name='ball'  shape='sphere'  centre=0,0,0.03  radius=4.765 /
+&body  name='ball'  region='ball'  material='al'  ppc=2,1,2 /
+"""
+
+
+def last(run):
+    """Points and fields of the last snapshot."""
+    return run.snapshots()[-1][1]
+
+
+def compare(options, sheet, method, limit):
+    """Tube against line, particle by particle."""
+    line = last(case.Case(options, f"line_{method}", LINE.format(method=method)).run("-q"))
+    run = case.Case(options, f"tube_{method}", TUBE.format(method=method)).run("-q")
+    tube = last(run)
+    sheet.require(len(tube.points) == 24 * len(line.points) == 24 * 80, f"{method}: all is there")
+    order = np.argsort(line.points[:, 0])
+    rows = np.argsort(tube.points[:, 2]).reshape(80, 24)     # 24 particles of one height
+    speed, stress = 400.0, 6.6e9
+    sheet.require(np.ptp(line.points[order, 0]) < 7.9e-3 - 0.1e-3, f"{method}: the bar was shortened")
+    worst = {
+        "height [cell]": np.abs(tube.points[rows, 2] - line.points[order, 0][:, None]).max() / 0.2e-3,
+        "axial velocity": np.abs(tube.fields["velocity"][rows, 2]
+                                 - line.fields["velocity"][order, 0][:, None]).max() / speed,
+        "radial velocity": np.abs(tube.fields["velocity"][:, 0]).max() / speed,
+        "turning velocity": np.abs(tube.fields["velocity"][:, 1]).max() / speed,
+        "axial stress": np.abs(tube.fields["stress"][rows, 2]
+                               - line.fields["stress"][order, 0][:, None]).max() / stress,
+        "radial stress": np.abs(tube.fields["stress"][rows, 0]
+                                - line.fields["stress"][order, 1][:, None]).max() / stress,
+        "hoop stress": np.abs(tube.fields["stress"][rows, 1]
+                              - line.fields["stress"][order, 1][:, None]).max() / stress,
+        "density": np.abs((tube.fields["mass"] / tube.fields["volume"])[rows] / (
+            line.fields["mass"] / line.fields["volume"])[order][:, None] - 1.0).max(),
+    }
+    for name, value in worst.items():
+        sheet.below(f"{method}: {name}", float(value), limit)
+    mass = tube.fields["mass"].sum() / (2785.0 * np.pi * 2.4e-3 ** 2 * 8.0e-3)
+    sheet.below(f"{method}: mass of the cylinder", mass - 1.0, 1.0e-12)
+
+
+def main():
+    """Both methods and the mass of a sphere."""
+    options = case.arguments()
+    sheet = report.Report()
+    compare(options, sheet, "mpm", 1.0e-10)
+    compare(options, sheet, "ddmp", 1.0e-10)
+    errors = []
+    for spacing in (0.5, 0.25, 0.125):
+        run = case.Case(options, f"sphere_{spacing}".replace(".", "_"),
+                        SPHERE.format(spacing=spacing)).run("-q", "-s", "time.max_steps=1")
+        exact = 2785.0 * 4.0 / 3.0 * np.pi * 4.765e-3 ** 3
+        errors.append(run.summary["ledger"]["start"]["mass"] / exact - 1.0)
+        sheet.note(f"mass error of a sphere, cells of {spacing} mm", float(errors[-1]))
+    sheet.below("mass of the coarse sphere", errors[0], 0.01)
+    sheet.below("mass of the fine sphere", errors[2], 0.001)
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
