@@ -3,11 +3,13 @@
 !! cache from the first to the last of these.
 module driver_gather
    use base_kinds, only: int64, wp
-   use driver_ledger, only: plastic, viscous
+   use driver_ledger, only: dissipated, ledger_t, plastic, viscous
    use driver_method, only: transfer_flip, transfer_xpic
    use driver_nodes, only: divide, empty_mass
    use driver_scatter, only: find_local
    use driver_simulation, only: scratch_t, simulation_t
+   use material_matter, only: deformation_t, matter_t
+   use material_type, only: material_t
    use mesh_patch, only: assemble
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
@@ -242,12 +244,34 @@ contains
                + store%velocity(first + p - 1, 2)**2 + store%velocity(first + p - 1, 3)**2))
          end do
          scratch%fastest = max(scratch%fastest, fastest)
-         if (allocated(simulation%materials(index)%viscosity)) &
-            call scratch%ledger%sums(viscous)%add(sum(deformation%viscous_work(:n)))
-         if (allocated(store%matter%plastic_strain)) &
-            call scratch%ledger%sums(plastic)%add(sum(deformation%plastic_work(:n)))
+         call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
       end associate
    end subroutine strain_particles
+
+   !> Book what artificial viscosity and plastic flow took.
+   subroutine book_losses(ledger, material, matter, deformation, count)
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(material_t), intent(in) :: material       !! What can lose at all
+      type(matter_t), intent(in) :: matter           !! Which fields there are
+      type(deformation_t), intent(in) :: deformation !! The step of the particles
+      integer, intent(in) :: count                   !! Particles
+      real(wp) :: losses(2)
+      logical :: flows
+
+      losses = 0.0_wp
+      flows = allocated(material%fracture)
+      if (allocated(material%law)) flows = flows .or. material%law%plastic()
+      if (allocated(material%viscosity)) then
+         losses(1) = sum(deformation%viscous_work(:count))
+         call ledger%sums(viscous)%add(losses(1))
+      end if
+      if (flows) then
+         losses(2) = sum(deformation%plastic_work(:count))
+         call ledger%sums(plastic)%add(losses(2))
+      end if
+      ! with an internal energy these are a part of it
+      if (.not. allocated(matter%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
+   end subroutine book_losses
 
    !> Note if a velocity or stress is not a number any more.
    pure subroutine check_numbers(store, tile, sound)

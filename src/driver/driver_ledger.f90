@@ -30,7 +30,9 @@ module driver_ledger
    integer, parameter, public :: failed_mass = 21    !! Mass of failed particles
    integer, parameter, public :: lost_angular = 22   !! First of three components of what left
    integer, parameter, public :: torque = 25 !! First of three components from walls and gravity
-   integer, parameter, public :: entries = 27        !! Number of entries
+   !> Viscous and plastic work in materials that carry no internal energy, since the start
+   integer, parameter, public :: dissipated = 28
+   integer, parameter, public :: entries = 28        !! Number of entries
 
    character(len=23), parameter :: entry_names(entries) = [character(len=23) :: "mass", &
       "momentum_x", "momentum_y", "momentum_z", "angular_momentum_x", "angular_momentum_y", &
@@ -38,17 +40,17 @@ module driver_ledger
       "lost_momentum_x", "lost_momentum_y", "lost_momentum_z", "lost_energy", "impulse_x", &
       "impulse_y", "impulse_z", "external_work", "failed_mass", "lost_angular_momentum_x", &
       "lost_angular_momentum_y", "lost_angular_momentum_z", "torque_impulse_x", &
-      "torque_impulse_y", "torque_impulse_z"]
+      "torque_impulse_y", "torque_impulse_z", "dissipated"]
    character(len=7), parameter :: entry_units(entries) = [character(len=7) :: "kg", &
       "kg m/s", "kg m/s", "kg m/s", "kg m2/s", "kg m2/s", "kg m2/s", "J", "J", "J", "J", "kg", &
       "kg m/s", "kg m/s", "kg m/s", "J", "N s", "N s", "N s", "J", "kg", "kg m2/s", "kg m2/s", &
-      "kg m2/s", "N m s", "N m s", "N m s"]
+      "kg m2/s", "N m s", "N m s", "N m s", "J"]
 
    !> The entries at one time and the errors of the books.
    type :: balance_t
       real(wp) :: entry(entries) = 0.0_wp            !! Values in SI
       real(wp) :: speed_scale = 0.0_wp               !! Sum of mass times speed, for errors [kg m/s]
-      real(wp) :: total = 0.0_wp                     !! Kinetic, internal and lost energy [J]
+      real(wp) :: total = 0.0_wp                     !! Kinetic, internal, dissipated, lost energy [J]
       real(wp) :: mass_error = 0.0_wp                !! Relative to the mass at the start
       real(wp) :: momentum_error = 0.0_wp            !! Relative to the greatest sum of m |v| so far
       real(wp) :: angular_error = 0.0_wp !! Relative to the greatest sum of m |x||v| so far
@@ -69,10 +71,10 @@ module driver_ledger
       procedure :: load => ledger_load               !! From a checkpoint
    end type ledger_t
 
-   integer, parameter :: accumulated(17) = [viscous, plastic, lost_mass, lost_momentum, &
+   integer, parameter :: accumulated(18) = [viscous, plastic, lost_mass, lost_momentum, &
       lost_momentum + 1, lost_momentum + 2, lost_energy, impulse, impulse + 1, impulse + 2, &
       external_work, lost_angular, lost_angular + 1, lost_angular + 2, torque, torque + 1, &
-         torque + 2]
+      torque + 2, dissipated]
 
 contains
 
@@ -160,6 +162,7 @@ contains
       call total%merge(sums(kinetic))
       call total%merge(sums(internal))
       call total%merge(sums(lost_energy))
+      call total%merge(sums(dissipated))
       now%total = total%value()
       self%momentum_scale = max(self%momentum_scale, scales(1)%value())
       self%angular_scale = max(self%angular_scale, scales(2)%value())

@@ -25,7 +25,7 @@ module driver_method
       real(wp) :: alpha_centre = 1.0_wp              !! alpha at the centre of a cell [1]
       integer :: stress = stress_after               !! When the stress is updated
       integer :: transfer = transfer_flip            !! How velocities come back to particles
-      real(wp) :: flip = 0.99_wp                     !! Share of increments in flip [1]
+      real(wp) :: flip = 0.999_wp                    !! Share of increments in flip [1]
       real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
    contains

@@ -5,7 +5,7 @@ module driver_scene
    use base_kinds, only: int64, wp
    use ddmp_alpha, only: alpha_names
    use driver_output, only: outputs_t
-   use driver_method, only: method_t, stress_names, transfer_names
+   use driver_method, only: method_t, stress_after, stress_names, stress_remapped, transfer_names
    use driver_shapes, only: read_shapes, named_shape_t
    use driver_simulation, only: simulation_t
    use driver_start, only: carry_energy, prepare
@@ -46,7 +46,7 @@ contains
 
    !> Numerical method.
    subroutine read_method(deck, method)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(inout) :: deck            !! The deck, gets defaults
       type(method_t), intent(inout) :: method        !! Choices
       type(group_t) :: group
       character(len=:), allocatable :: word
@@ -58,6 +58,10 @@ contains
       call group%get("alpha", word)
       method%alpha = max(position_of(word, alpha_names), 1)
       call group%get("alpha_0", method%alpha_centre)
+      ! by measurement: the plain method blows up where the dual one is calm (two elastic discs)
+      if (.not. group%given("stress_update")) call deck%settle("method", 1, "stress_update", &
+         trim(stress_names(merge(stress_after, stress_remapped, method%dual))))
+      group = deck%group("method", 1)
       call group%get("stress_update", word)
       method%stress = max(position_of(word, stress_names), 1)
       call group%get("transfer", word)

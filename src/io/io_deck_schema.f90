@@ -108,7 +108,7 @@ contains
       call schema%text("method", "basis", "node functions", default="linear", words="linear")
       call schema%text("method", "transfer", "how node velocities come back to particles", &
          default="flip", words="flip pic xpic")
-      call schema%real("method", "flip", "share of FLIP, the rest is PIC", default="0.99", &
+      call schema%real("method", "flip", "share of FLIP, the rest is PIC", default="0.999", &
          range=">= 0 <= 1", owner="transfer = flip")
       call schema%integer("method", "order_k", "order of xpic", default="2", range=">= 2 <= 2", &
          owner="transfer = xpic")
@@ -124,7 +124,7 @@ contains
          words="point")
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
-         "new velocities", default="usl", words="usl usf musl")
+         "new velocities; default usl with ddmp, musl with mpm", words="usl usf musl")
    end subroutine declare_method
 
    !> Declare the part of &effects that does not concern materials.

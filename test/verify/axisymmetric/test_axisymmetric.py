@@ -4,10 +4,10 @@
 Would catch: a wrong hoop strain or hoop force, volumes or masses that do not go with the radius,
 node volumes of the dual gradient without the radius, an axis that lets matter through.
 
-Uniaxial strain in a smooth tube has no radial motion. The plain method keeps that to rounding, as
-lattice points integrate r exactly. In the dual domain method the alpha of the points weighs r
-unevenly in the cells at the axis and the tube: its radial motion is bounded by what was measured.
-Also: mass of a sphere, whose error must fall with the cell size.
+Uniaxial strain in a smooth tube has no radial motion. The plain method keeps that to rounding. In the
+dual domain method the node stress at the axis is a sum over points divided by the exact volume of the
+node; two points a cell give a sum 12.5 % too large there (0.1875 for 1/6), so that the axis moves a
+little otherwise. Greatest and rms (by mass) difference are bounded by what was measured. Also: mass of a sphere, whose error must fall with the cell size.
 """
 # timeout: 120
 
@@ -60,8 +60,8 @@ def last(run):
     return run.snapshots()[-1][1]
 
 
-def compare(options, sheet, method, limit):
-    """Tube against line, particle by particle."""
+def compare(options, sheet, method, greatest, usual):
+    """Tube against line, particle by particle; the limits are those of the worst one and the rms."""
     line = last(case.Case(options, f"line_{method}", LINE.format(method=method)).run("-q"))
     run = case.Case(options, f"tube_{method}", TUBE.format(method=method)).run("-q")
     tube = last(run)
@@ -69,24 +69,28 @@ def compare(options, sheet, method, limit):
     order = np.argsort(line.points[:, 0])
     rows = np.argsort(tube.points[:, 2]).reshape(80, 24)     # 24 particles of one height
     speed, stress = 400.0, 6.6e9
-    sheet.require(np.ptp(line.points[order, 0]) < 7.9e-3 - 0.1e-3, f"{method}: the bar was shortened")
-    worst = {
-        "height [cell]": np.abs(tube.points[rows, 2] - line.points[order, 0][:, None]).max() / 0.2e-3,
-        "axial velocity": np.abs(tube.fields["velocity"][rows, 2]
-                                 - line.fields["velocity"][order, 0][:, None]).max() / speed,
-        "radial velocity": np.abs(tube.fields["velocity"][:, 0]).max() / speed,
-        "turning velocity": np.abs(tube.fields["velocity"][:, 1]).max() / speed,
-        "axial stress": np.abs(tube.fields["stress"][rows, 2]
-                               - line.fields["stress"][order, 0][:, None]).max() / stress,
-        "radial stress": np.abs(tube.fields["stress"][rows, 0]
-                                - line.fields["stress"][order, 1][:, None]).max() / stress,
-        "hoop stress": np.abs(tube.fields["stress"][rows, 1]
-                              - line.fields["stress"][order, 1][:, None]).max() / stress,
-        "density": np.abs((tube.fields["mass"] / tube.fields["volume"])[rows] / (
-            line.fields["mass"] / line.fields["volume"])[order][:, None] - 1.0).max(),
+    sheet.require(np.ptp(line.points[order, 0]) < 7.8e-3, f"{method}: the bar was shortened")
+    density = tube.fields["mass"] / tube.fields["volume"]
+    weight = tube.fields["mass"][rows] / tube.fields["mass"].sum()
+
+    def across(values):
+        """Values of the line in the order of the rows of the tube."""
+        return values[order][:, None]
+
+    difference = {
+        "height [cell]": (tube.points[rows, 2] - across(line.points[:, 0])) / 0.2e-3,
+        "axial velocity":
+            (tube.fields["velocity"][rows, 2] - across(line.fields["velocity"][:, 0])) / speed,
+        "radial velocity": tube.fields["velocity"][rows, 0] / speed,
+        "turning velocity": tube.fields["velocity"][rows, 1] / speed,
+        "density": density[rows] / across(line.fields["mass"] / line.fields["volume"]) - 1.0,
     }
-    for name, value in worst.items():
-        sheet.below(f"{method}: {name}", float(value), limit)
+    for name, mine, other in (("axial", 2, 0), ("radial", 0, 1), ("hoop", 1, 1)):
+        difference[f"{name} stress"] = (tube.fields["stress"][rows, mine]
+                                        - across(line.fields["stress"][:, other])) / stress
+    for name, values in difference.items():
+        sheet.below(f"{method}: {name}, greatest", float(np.abs(values).max()), greatest)
+        sheet.below(f"{method}: {name}, rms", float(np.sqrt((weight * values ** 2).sum())), usual)
     mass = tube.fields["mass"].sum() / (2785.0 * np.pi * 2.4e-3 ** 2 * 8.0e-3)
     sheet.below(f"{method}: mass of the cylinder", mass - 1.0, 1.0e-12)
 
@@ -95,8 +99,8 @@ def main():
     """Both methods and the mass of a sphere."""
     options = case.arguments()
     sheet = report.Report()
-    compare(options, sheet, "mpm", 1.0e-10)
-    compare(options, sheet, "ddmp", 1.0e-10)
+    compare(options, sheet, "mpm", 1.0e-10, 1.0e-10)
+    compare(options, sheet, "ddmp", 0.03, 0.001)
     errors = []
     for spacing in (0.5, 0.25, 0.125):
         run = case.Case(options, f"sphere_{spacing}".replace(".", "_"),
