@@ -17,7 +17,7 @@ module mesh_grid
    !> Bit of a direction in the number of a lane: missing directions have the high bits, so that the
    !! lanes that carry weight come first.
    integer, parameter, public :: lane_bit(3) = [0, 2, 1]
-   integer, parameter :: default_width(3) = [64, 8, 4]         !! Cells along a tile, by dimensions
+   integer, parameter :: default_width(3) = [64, 8, 6]         !! Cells along a tile, by dimensions
 
    !> The grid. In two dimensions the active directions are x and z, in axisymmetry radius and axis.
    type :: grid_t
@@ -36,7 +36,6 @@ module mesh_grid
       integer :: tile_nodes = 1                      !! Nodes of a tile, those on its faces included
       integer :: stride(3) = 0                       !! Step in the node index of a tile
       integer :: lane_offset(lanes) = 0              !! Node index of a lane above the cell's first
-      integer :: used_lanes = lanes                  !! Lanes that carry weight, the first ones
       !> Weight of lane a at local coordinate xi of direction k: constant(a, k) + slope(a, k) xi.
       real(wp) :: lane_constant(lanes, 3) = 0.0_wp
       real(wp) :: lane_slope(lanes, 3) = 0.0_wp
@@ -89,7 +88,6 @@ contains
          end do
       end if
       self%lane_offset = 0
-      self%used_lanes = 2**self%dimensions
       self%lane_slope = 0.0_wp
       do direction = 1, 3
          do lane = 1, lanes

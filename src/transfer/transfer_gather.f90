@@ -48,9 +48,8 @@ contains
       real(wp), contiguous, intent(inout) :: gradient(:, :)
       real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), x1, x2, x3, s1, s2, s3, g1, g2, g3
       real(wp) :: l11, l21, l31, l12, l22, l32, l13, l23, l33
-      integer :: cell, p, lane, used
+      integer :: cell, p, lane
 
-      used = grid%used_lanes
       a = grid%lane_constant
       b = grid%lane_slope
       do cell = 0, grid%tile_cells - 1
@@ -65,7 +64,7 @@ contains
             l11 = 0.0_wp; l21 = 0.0_wp; l31 = 0.0_wp
             l12 = 0.0_wp; l22 = 0.0_wp; l32 = 0.0_wp
             l13 = 0.0_wp; l23 = 0.0_wp; l33 = 0.0_wp
-            do lane = 1, used
+            do lane = 1, lanes
                s1 = a(lane, 1) + b(lane, 1)*x1
                s2 = a(lane, 2) + b(lane, 2)*x2
                s3 = a(lane, 3) + b(lane, 3)*x3
@@ -107,9 +106,8 @@ contains
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
       real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 9), shape, x1, x2, x3
       real(wp) :: n1, n2, n3, n4, n5, n6, n7, n8, n9, a1, a2, a3
-      integer :: cell, p, lane, used
+      integer :: cell, p, lane
 
-      used = grid%used_lanes
       a = grid%lane_constant
       b = grid%lane_slope
       do cell = 0, grid%tile_cells - 1
@@ -123,7 +121,7 @@ contains
             n1 = 0.0_wp; n2 = 0.0_wp; n3 = 0.0_wp
             n4 = 0.0_wp; n5 = 0.0_wp; n6 = 0.0_wp
             n7 = 0.0_wp; n8 = 0.0_wp; n9 = 0.0_wp
-            do lane = 1, used
+            do lane = 1, lanes
                shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
                   *(a(lane, 3) + b(lane, 3)*x3)
                n1 = n1 + shape*u(lane, 1)
@@ -163,9 +161,8 @@ contains
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
       real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), radial
-      integer :: cell, p, lane, used
+      integer :: cell, p, lane
 
-      used = grid%used_lanes
       a = grid%lane_constant
       b = grid%lane_slope
       do cell = 0, grid%tile_cells - 1
@@ -173,7 +170,7 @@ contains
          call load_cell(grid, cell, nodes, scale, u)
          do p = start(cell) + 1, start(cell + 1)
             radial = 0.0_wp
-            do lane = 1, used
+            do lane = 1, lanes
                radial = radial + (a(lane, 1) + b(lane, 1)*local(p, 1)) &
                   *(a(lane, 2) + b(lane, 2)*local(p, 2))*(a(lane, 3) + b(lane, 3)*local(p, 3)) &
                   *u(lane, 1)
@@ -199,9 +196,8 @@ contains
       real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
       real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), c(lanes, 3), shape, x1, x2, x3
       real(wp) :: v1, v2, v3, c1, c2, c3
-      integer :: cell, p, lane, q, used
+      integer :: cell, p, lane, q
 
-      used = grid%used_lanes
       a = grid%lane_constant
       b = grid%lane_slope
       do cell = 0, grid%tile_cells - 1
@@ -215,7 +211,7 @@ contains
             x3 = local(p, 3)
             v1 = 0.0_wp; v2 = 0.0_wp; v3 = 0.0_wp
             c1 = 0.0_wp; c2 = 0.0_wp; c3 = 0.0_wp
-            do lane = 1, used
+            do lane = 1, lanes
                shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
                   *(a(lane, 3) + b(lane, 3)*x3)
                v1 = v1 + shape*u(lane, 1)
@@ -247,9 +243,8 @@ contains
       real(wp), intent(in) :: scale                          !! Factor of the node values
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle, 3)
       real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), shape, v1, v2, v3, x1, x2, x3
-      integer :: cell, p, lane, q, used
+      integer :: cell, p, lane, q
 
-      used = grid%used_lanes
       a = grid%lane_constant
       b = grid%lane_slope
       do cell = 0, grid%tile_cells - 1
@@ -263,7 +258,7 @@ contains
             v1 = 0.0_wp
             v2 = 0.0_wp
             v3 = 0.0_wp
-            do lane = 1, used
+            do lane = 1, lanes
                shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
                   *(a(lane, 3) + b(lane, 3)*x3)
                v1 = v1 + shape*u(lane, 1)
@@ -300,7 +295,7 @@ contains
       integer :: component, lane, base
 
       base = grid%first_node(cell)
-      do lane = 1, grid%used_lanes
+      do lane = 1, lanes
          do component = 1, size(values, 2)
             values(lane, component) = scale*nodes(component, base + grid%lane_offset(lane))
          end do
