@@ -4,10 +4,11 @@
 Would catch: a wrong hoop strain or hoop force, volumes or masses that do not go with the radius,
 node volumes of the dual gradient without the radius, an axis that lets matter through.
 
-Uniaxial strain in a smooth tube has no radial motion. The plain method keeps that to rounding. In the
-dual domain method the node stress at the axis is a sum over points divided by the exact volume of the
-node; two points a cell give a sum 12.5 % too large there (0.1875 for 1/6), so that the axis moves a
-little otherwise. Greatest and rms (by mass) difference are bounded by what was measured. Also: mass of a sphere, whose error must fall with the cell size.
+Uniaxial strain in a smooth tube has no radial motion. The plain method keeps that to rounding. In
+the dual domain method the node stress at the axis is a sum over points divided by the exact volume
+of the node; two points a cell give a sum 12.5 % too large there (0.1875 for 1/6), so that the axis
+moves a little otherwise. Greatest and rms (by mass) difference are bounded by what was measured.
+Also: mass of a sphere, whose error must fall with the cell size.
 """
 # timeout: 120
 
@@ -61,7 +62,7 @@ def last(run):
 
 
 def compare(options, sheet, method, greatest, usual):
-    """Tube against line, particle by particle; the limits are those of the worst one and the rms."""
+    """Tube against line, particle by particle; limits of the worst one and the rms."""
     line = last(case.Case(options, f"line_{method}", LINE.format(method=method)).run("-q"))
     run = case.Case(options, f"tube_{method}", TUBE.format(method=method)).run("-q")
     tube = last(run)

@@ -13,7 +13,7 @@ is 1600 times greater and would hide everything.
 
 Limits, for the defaults of the dual domain method: energy within 1 % with what artificial viscosity
 took, which is booked, and without artificial viscosity within 1 % of itself. The energy alone falls
-by 2.5 % (1.8 % artificial viscosity with q1 = 0.06, 0.4 % the share of pic, 0.6 % below).
+by 2.2 % (1.8 % artificial viscosity with q1 = 0.06, and what follows).
 With the stress updated last (usl) the velocity of a particle is that of half a time step before:
 that makes w dt/2 = 1.1 % of the velocity and at 9 s 0.6 % of the energy; 0.7 % are left of the
 velocity when compared with the closed solution at that time. Momentum 1e-13.
@@ -114,6 +114,7 @@ def main():
         for word in ("flip=0.99", "flip=1", "transfer='xpic'"):
             label = word.split("=")[-1].strip("'").replace(".", "_")
             runs.append((f"ddmp_{update}_{label}", "ddmp", f"stress_update='{update}' {word}"))
+    runs.append(("mpm_usl", "mpm", "stress_update='usl'"))
     runs.append(("ddmp_no_viscosity", "ddmp", "", "artificial_viscosity=.false."))
     results = {}
     for run in runs:
@@ -125,7 +126,7 @@ def main():
     sheet.near("energy at the start over that of the mode", bar["start"], 1.0, 1.0e-6)
     sheet.near("energy of the vibration with viscous work", bar["books"], 1.0, 0.01)
     sheet.near("energy without artificial viscosity", dry["energy"], 1.0, 0.01)
-    sheet.near("energy alone", bar["energy"], 1.0, 0.026)
+    sheet.near("energy alone", bar["energy"], 1.0, 0.023)
     sheet.below("greatest energy over that at the start", bar["greatest"], 1.01)
     sheet.below("momentum", bar["momentum"], 1.0e-13)
     sheet.below("mass", bar["mass"], 1.0e-13)
