@@ -180,7 +180,8 @@ class Picture:
         from matplotlib.ticker import MaxNLocator
         axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 2.5, 5, 10]))
         wide = axes.get_position().width * axes.figure.get_figwidth()
-        axes.xaxis.set_major_locator(MaxNLocator(max(2, int(wide / 0.6)), steps=[1, 2, 5, 10]))
+        axes.xaxis.set_major_locator(
+            MaxNLocator(max(2, int(wide / 0.6)), steps=[1, 2, 5, 10], prune="upper"))
         vertical = self.frames[0].vertical
         if number == 0:
             axes.set_ylabel(f"{vertical} [{self.length}]")

@@ -121,8 +121,9 @@ contains
          if (path(last:last) == "/") cycle
          if (file_exists(path(:last)//"/")) cycle
          if (c_mkdir(path(:last)//c_null_char, folder_mode) == 0) cycle
-         ! Another program may have made it just now.
+         ! Another program may have made it just now; if not, the second attempt leaves the reason.
          if (file_exists(path(:last)//"/")) cycle
+         if (c_mkdir(path(:last)//c_null_char, folder_mode) == 0) cycle
          call fail_path(error, "make the folder", path(:last))
          return
       end do

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes at the edge of sense: nothing happens, a lone particle, places on faces, everything leaves.
+"""Scenes at the edge of sense: nothing happens, a lone particle, places on faces, all leaves.
 
-Would catch: rounding where nothing acts, a node without mass that is divided by, a particle on a face
-that is in two cells or none, a face through which mass leaves without being booked, a run that
+Would catch: rounding where nothing acts, a node without mass that is divided by, a particle on a
+face that is in two cells or none, a face through which mass leaves without being booked, a run that
 cannot go on without particles.
 """
 # timeout: 120
@@ -33,7 +33,8 @@ BOX = """
   fields='identity','velocity','stress','volume','mass','energy','temperature','failed','damage' /
 &output  name='h'  kind='history'  every=1 /
 """
-REST = {"dimension": "3d", "method": "ddmp", "update": "usl", "width": 8, "end": "1", "time": "max_steps=40",
+REST = {"dimension": "3d", "method": "ddmp", "update": "usl", "width": 8, "end": "1",
+        "time": "max_steps=40",
         "region": "lo=1.2,1.2,1.2 hi=5,6,7", "ppc": "2,2,2", "velocity": "0,0,0", "faces": ""}
 LONE = {"region": "lo=3,3,3 hi=4,4,4", "ppc": "1,1,1"}
 
@@ -94,7 +95,8 @@ def on_faces(options, sheet):
         for steps in (1, 2, 32):
             first, last, run = scene(
                 options, f"faces_{update}_{steps}", update=update,
-                region="lo=2,2,2 hi=6,5,4", ppc="1,1,1", velocity="5e4,-5e4,5e4", faces=faces, end="1",
+                region="lo=2,2,2 hi=6,5,4", ppc="1,1,1", velocity="5e4,-5e4,5e4", faces=faces,
+                end="1",
                 time=f"dt_fixed=1e-5 max_steps={steps}")
             name = f"{update}, {steps} steps of half a cell"
             order = [np.argsort(snap.fields["identity"]) for snap in (first, last)]
@@ -123,7 +125,8 @@ def outflow(options, sheet):
             start, end = ledger["start"], ledger["end"]
             part = (table["mass"] > 0.1 * start["mass"]) & (table["mass"] < 0.9 * start["mass"])
             sheet.require(len(first.points) > 400 and part.any(), f"{name}: mass leaves in parts")
-            sheet.require(len(last.points) == 0 == run.summary["particles"], f"{name}: nothing stays")
+            sheet.require(len(last.points) == 0 == run.summary["particles"],
+                          f"{name}: nothing stays")
             books = np.abs(table["mass"] + table["lost_mass"] - start["mass"]).max() / start["mass"]
             sheet.below(f"{name}: mass and lost mass", books, 1.0e-12)
             sheet.near(f"{name}: lost momentum", end[f"lost_momentum_{'xyz'[axis]}"],

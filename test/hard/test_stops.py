@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs that cannot or must not go on: signals, wall time, a step too small, files that fail.
 
-Would catch: a checkpoint that is not the state at the stop, a wrong exit code, work lost on a signal,
-a run that overwrites its last good checkpoint with half a file, an error of a file that is not
-noticed.
+Would catch: a checkpoint that is not the state at the stop, a wrong exit code, work lost on a
+signal, a run that overwrites its last good checkpoint with half a file, an error of a file that is
+not noticed.
 """
 # timeout: 200
 
@@ -66,7 +66,8 @@ def signals(options, sheet, digest):
         sheet.require(stopped["exit_code"] == 75, f"{name}: the summary says 75")
         run.ranks = 3 - ranks
         run.run("-q", "--restart")
-        sheet.require(run.summary["digest"] == digest, f"{name}: the restart ends in the same state")
+        sheet.require(run.summary["digest"] == digest,
+                      f"{name}: the restart ends in the same state")
         print(f"         {name}: stopped at step {stopped['steps']}")
 
 
@@ -83,7 +84,8 @@ def limits(options, sheet, digest):
     sheet.require(len(checkpoints(run.folder)) == 1, "dt_min: leaves a checkpoint")
     run.deck.write_text(deck(), encoding="utf-8")
     run.run("-q", "--restart")
-    sheet.require(run.summary["digest"] == digest, "dt_min: a restart without it ends in the same state")
+    sheet.require(run.summary["digest"] == digest,
+                  "dt_min: a restart without it ends in the same state")
 
 
 def files(options, sheet):
@@ -145,7 +147,8 @@ def full_disk(options, sheet, digest):
             sheet.require(run.code == 3, f"full disk: exit code {run.code}: {run.output[-300:]}")
             sheet.require("No space left" in run.output, f"full disk: says so: {run.output[-300:]}")
             for name, content in before.items():
-                sheet.require((folder / name).read_bytes() == content, f"full disk: {name} is intact")
+                sheet.require((folder / name).read_bytes() == content,
+                              f"full disk: {name} is intact")
             sheet.require(len(checkpoints(folder)) == 1, "full disk: no half checkpoint is left")
             print(f"         full disk but {left} bytes: {run.output.strip()[-160:]}")
         (folder / "filler").unlink()

@@ -3,8 +3,9 @@
 
 Would catch: sums whose order depends on ranks or threads, races, particles in the order of their
 arrival, ghosts that are not those of the owner, anything that a checkpoint forgets, a digest that
-does not see a field. Guards: the state differs from that at the start, runs make many steps, particles
-cross tiles and borders of ranks, and the digest changes when one velocity changes in its last bit.
+does not see a field. Guards: the state differs from that at the start, runs make many steps,
+particles cross tiles and borders of ranks, and the digest changes when one velocity changes in its
+last bit.
 """
 # timeout: 250
 
@@ -84,8 +85,8 @@ def compare(options, sheet, name, deck, layouts=LAYOUTS):
         sheet.require(checkpoint(run).read_bytes() == checkpoint(runs[0]).read_bytes(),
                       f"{name}: checkpoint of {ranks} x {threads} is that of 1 x 1")
     first = runs[0].summary
-    print(f"         {name}: {first['digest']}, {first['steps']} steps, {first['particles']} particles,"
-          f" {', '.join('%d x %d' % layout for layout in layouts)}")
+    print(f"         {name}: {first['digest']}, {first['steps']} steps, {first['particles']} "
+          f"particles, {', '.join('%d x %d' % layout for layout in layouts)}")
     sheet.require(first["steps"] >= 40, f"{name}: makes many steps")
     return runs[0], first["digest"]
 
@@ -99,9 +100,11 @@ def restart(options, sheet, name, deck, digest, before, after, steps):
     run.ranks, run.threads = after
     run.run("-q", "--restart")
     sheet.require(run.summary["digest"] == digest,
-                  f"{name}: restart from {before} on {after}: {run.summary['digest']}, not {digest}")
+                  f"{name}: restart from {before} on {after}: {run.summary['digest']}, "
+                  f"not {digest}")
     answer = case.Case(options, "unused", deck, keep=True).run("--digest", checkpoint(run))
-    sheet.require(answer.output.split()[0] == digest, f"{name}: --digest tells the digest of the file")
+    sheet.require(answer.output.split()[0] == digest,
+                  f"{name}: --digest tells the digest of the file")
     print(f"         {name}: stopped at step {steps} on {before}, went on on {after}")
 
 

@@ -110,7 +110,8 @@ def mirror(options, sheet, name, words):
     sheet.require(np.abs(stress).max() > 1.0e3, f"{name}: there is stress")
     pairs = {"places": (one.points, points[order], 9.0),
              "velocity": (one.fields["velocity"], two.fields["velocity"][order] * (-1, 1, 1), 20.0),
-             "volume": (one.fields["volume"], two.fields["volume"][order], one.fields["volume"].max()),
+             "volume": (one.fields["volume"], two.fields["volume"][order],
+                        one.fields["volume"].max()),
              "stress": (stress, two.fields["stress"][order] * (1, 1, 1, -1, 1, -1),
                         np.abs(stress).max())}
     for key, (mine, other, scale) in pairs.items():

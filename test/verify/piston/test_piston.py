@@ -9,10 +9,10 @@ Closed solutions: Rankine-Hugoniot with Us = c0 + s up, gamma rho constant, and 
 elastic-plastic solid (validation.md 5.1, 5.2), computed here from the constants of the material.
 Limits: plateau pressure 1 %, density 0.3 %, shock speed 1 %, energy 0.3 %, velocity of the free end
 1.1 % at 400 m/s and 1e-4 at 3350 m/s, where no signal can reach it. All with bulk_q1 = 0.5: with
-0.06 particles ring behind the shock, and what the transfer takes of that ringing is in no book (3350
-m/s: pressure -6.2 %, energy -4.3 %); these numbers are printed. At 3350 m/s the default transfer and
-step reach density -0.47 % and energy -0.55 %, for which the limits are 0.55 % and 0.65 %; flip = 1
-with cfl = 0.15 has to reach the full limits.
+0.06 particles ring behind the shock, and what the transfer takes of that ringing is in no book
+(3350 m/s: pressure -6.2 %, energy -4.3 %); these numbers are printed. At 3350 m/s the default
+transfer and step reach density -0.47 % and energy -0.55 %, for which the limits are 0.55 % and 0.65
+%; flip = 1 with cfl = 0.15 has to reach the full limits.
 """
 # timeout: 120
 
@@ -151,7 +151,8 @@ def fluid(options, sheet, name, speed, end, words=SMOOTH, limits=None, method="d
     drift = run.summary["ledger"]["energy_error"]
     print(f"         {name}: pressure {got[0] / stress - 1.0:+.4f}, density "
           f"{got[2] / density - 1.0:+.4f}, shock speed {pace / shock - 1.0:+.4f}, "
-          f"energy {drift:+.4f}, scatter {got[1]:.3f}, heat of the wall {heat:+.2f}, {run.summary['steps']} steps")
+          f"energy {drift:+.4f}, scatter {got[1]:.3f}, heat of the wall {heat:+.2f}, "
+          f"{run.summary['steps']} steps")
     if not limits:
         return
     sheet.require(got[3] > 100, f"{name}: the plateau has {got[3]} particles")

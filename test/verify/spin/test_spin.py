@@ -6,13 +6,13 @@ wrong sign, angular momentum that internal forces make.
 
 R = 0.2 m, E = 1 MPa, nu = 0.3, rho = 1000 kg/m3, 10 rad/s, two turns, 16 cells across the disc.
 Closed: angular momentum M R2 w / 2 at the start, and a disc that keeps its size but for an elastic
-growth of 0.1 %. Forces between nodes keep the angular momentum to rounding, but what particles get of
-them does not quite: flip = 1 loses 1.1 % a turn (2400 steps). A share of pic takes from it in every
-step, as node velocities cannot hold the turning inside a cell: 3.9 % a turn with the default
+growth of 0.1 %. Forces between nodes keep the angular momentum to rounding, but what particles get
+of them does not quite: flip = 1 loses 1.1 % a turn (2400 steps). A share of pic takes from it in
+every step, as node velocities cannot hold the turning inside a cell: 3.9 % a turn with the default
 flip = 0.999. With the stress updated last (usl) strain is taken from the velocity at the end of the
 step at the places at its start: turning makes that a contraction w2 dt in each direction, against
-which the disc grows, by 2.9 % in two turns and in proportion to the step; updated first (usf) it does
-not. The limits are what was measured: 1.3 %, 4.5 %, 3.3 %, and for the size with usf 0.3 %.
+which the disc grows, by 2.9 % in two turns and in proportion to the step; updated first (usf) it
+does not. The limits are what was measured: 1.3 %, 4.5 %, 3.3 %, and for the size with usf 0.3 %.
 """
 # timeout: 120
 

@@ -4,11 +4,11 @@
 Would catch: momentum lost at free surfaces or between tiles, energy made or lost when bodies meet
 through the grid, and a pair of discs that does not stay point symmetric.
 
-Discs of radius 0.2 m at +-(0.3, 0.3) with velocities -+(0.1, 0.1), E = 1000 Pa, nu = 0.3,
-rho = 1000 kg/m3. They touch at 1.5858 s; on one grid they feel each other up to two cells early.
-Limits: momentum 1e-12, total energy 2 %. Kinetic energy after the rebound: 85 %. Finer steps with
-flip = 1 go to 88 % with a total of 99.6 %: the rest is in the discs, which go on vibrating, so that a
-limit of 93 % cannot be met.
+Discs of radius 0.2 m at +-(0.3, 0.3) with velocities -+(0.1, 0.1), E = 1000 Pa, nu = 0.3, rho =
+1000 kg/m3. They touch at 1.5858 s; on one grid they feel each other up to two cells early. Limits:
+momentum 1e-12, total energy 2 %. Kinetic energy after the rebound: 85 %. Finer steps with flip = 1
+go to 88 % with a total of 99.6 %: the rest is in the discs, which go on vibrating, so that a limit
+of 93 % cannot be met.
 """
 # timeout: 120
 
@@ -51,8 +51,8 @@ def collide(options, sheet, name, method="ddmp", words="", limit=None):
     early = (CONTACT - felt) * np.sqrt(0.08) / SPACING
     ledger = run.summary["ledger"]
     print(f"         {name}: kinetic energy least {kinetic.min():.4f}, at the end "
-          f"{kinetic[-1]:.4f}, total {total.min():.4f} to {total.max():.4f}, at the end {total[-1]:.4f}, felt "
-          f"{early:+.2f} cells early, momentum {ledger['momentum_error']:.1e}, "
+          f"{kinetic[-1]:.4f}, total {total.min():.4f} to {total.max():.4f}, at the end "
+          f"{total[-1]:.4f}, felt {early:+.2f} cells early, momentum {ledger['momentum_error']:.1e}, "
           f"{run.summary['steps']} steps")
     if not limit:
         return
