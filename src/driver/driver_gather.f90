@@ -14,7 +14,7 @@ module driver_gather
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_store, only: store_t
-   use transfer_gather, only: gather_dual_gradient, gather_gradient, gather_hoop, &
+   use transfer_gather, only: gather_dual_gradient, gather_gradient, gather_heat, gather_hoop, &
       gather_motion, gather_vector
    implicit none
    private
@@ -35,6 +35,7 @@ module driver_gather
       real(wp), allocatable :: carry(:, :)           !! (3, node) Moves the particles [m/s]
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
+      real(wp), allocatable :: loss(:, :)            !! (1, node) Kinetic energy that gets lost [J/kg]
    end type view_t
 
 contains
@@ -75,6 +76,10 @@ contains
             if (parts%work .and. allocated(store%matter%energy)) &
                call add_work(simulation, scratch, store, tile, view, dt)
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
+            if (allocated(view%loss) .and. allocated(store%matter%energy)) &
+               call gather_heat(simulation%grid, store%cell_start(:, tile), store%first(tile), &
+               scratch%local, view%push, view%carry, view%loss, 1.0_wp - simulation%method%keep(), &
+               store%velocity, store%matter%energy)
             if (parts%velocity .and. parts%position) then
                call gather_motion(simulation%grid, store%cell_start(:, tile), store%first(tile), &
                   scratch%local, view%push, view%carry, simulation%method%keep(), dt, &
@@ -109,9 +114,15 @@ contains
       associate (velocity => simulation%nodes%velocity(:, :, tile), &
          acceleration => simulation%nodes%acceleration(:, :, tile))
          ! the position moves with the velocity in the middle of the step, as in the seed of DDMP
-         if (parts%position .or. parts%work) then
+         if (parts%position .or. parts%work .or. parts%velocity) then
             allocate (view%carry(3, nodes))
             view%carry = velocity + 0.5_wp*dt*acceleration
+         end if
+         if (parts%velocity .and. simulation%carries_energy .and. &
+            simulation%method%transfer /= transfer_xpic) then
+            allocate (view%loss(1, nodes))
+            view%loss(1, :) = 0.5_wp*dt**2*sum(acceleration**2, dim=1) &
+               + (1.0_wp - simulation%method%keep())*sum(velocity*(velocity + dt*acceleration), dim=1)
          end if
       end associate
       if (.not. simulation%method%dual) return
