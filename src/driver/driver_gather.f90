@@ -8,6 +8,7 @@ module driver_gather
    use driver_nodes, only: divide, empty_mass
    use driver_scatter, only: find_local
    use driver_simulation, only: scratch_t, simulation_t
+   use material_kinematics, only: centre_gradient
    use material_matter, only: deformation_t, matter_t
    use material_type, only: material_t
    use mesh_patch, only: assemble
@@ -246,6 +247,7 @@ contains
          n = store%count(tile)
          call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
             view%gradient, dt)
+         call centre_gradient(n, deformation%gradient)
          call simulation%materials(index)%update(store%matter, deformation, first, first + n - 1, &
             dt, simulation%grid%spacing)
          fastest = 0.0_wp
