@@ -10,7 +10,7 @@ module material_kinematics
 contains
 
    !> Refer velocity gradients times the time step to the middle of the step: with A = I + G/2 the
-   !! gradient G of the start becomes G A^-1 = 2 (I - A^-1).
+   !! gradient G of the start becomes G A^-1.
    !!
    !! The places of a step are x + G x. A rotation then has no strain, however long the step, and the
    !! volume grows by det(I + G) to third order, so that volume and places stay together in a
@@ -19,37 +19,44 @@ contains
    pure subroutine centre_gradient(count, gradient)
       integer, intent(in) :: count                         !! Particles
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle, 9) (k, l) in k + 3 (l - 1)
-      real(wp) :: a11, a21, a31, a12, a22, a32, a13, a23, a33, c11, c12, c13, scale, determinant
-      integer :: i
+      real(wp) :: g(9), a(9), b(9), determinant, inverse
+      integer :: i, row
 
-      !$omp simd private(a11, a21, a31, a12, a22, a32, a13, a23, a33, c11, c12, c13) &
-      !$omp private(scale, determinant)
+      !$omp simd private(g, a, b, determinant, inverse, row)
       do i = 1, count
-         a11 = 1.0_wp + 0.5_wp*gradient(i, 1)
-         a21 = 0.5_wp*gradient(i, 2)
-         a31 = 0.5_wp*gradient(i, 3)
-         a12 = 0.5_wp*gradient(i, 4)
-         a22 = 1.0_wp + 0.5_wp*gradient(i, 5)
-         a32 = 0.5_wp*gradient(i, 6)
-         a13 = 0.5_wp*gradient(i, 7)
-         a23 = 0.5_wp*gradient(i, 8)
-         a33 = 1.0_wp + 0.5_wp*gradient(i, 9)
-         c11 = a22*a33 - a23*a32
-         c12 = a23*a31 - a21*a33
-         c13 = a21*a32 - a22*a31
-         determinant = a11*c11 + a12*c12 + a13*c13
+         g(1) = gradient(i, 1)
+         g(2) = gradient(i, 2)
+         g(3) = gradient(i, 3)
+         g(4) = gradient(i, 4)
+         g(5) = gradient(i, 5)
+         g(6) = gradient(i, 6)
+         g(7) = gradient(i, 7)
+         g(8) = gradient(i, 8)
+         g(9) = gradient(i, 9)
+         a(:) = 0.5_wp*g(:)
+         a(1) = 1.0_wp + a(1)
+         a(5) = 1.0_wp + a(5)
+         a(9) = 1.0_wp + a(9)
+         b(1) = a(5)*a(9) - a(8)*a(6)
+         b(2) = a(8)*a(3) - a(2)*a(9)
+         b(3) = a(2)*a(6) - a(5)*a(3)
+         b(4) = a(7)*a(6) - a(4)*a(9)
+         b(5) = a(1)*a(9) - a(7)*a(3)
+         b(6) = a(4)*a(3) - a(1)*a(6)
+         b(7) = a(4)*a(8) - a(7)*a(5)
+         b(8) = a(7)*a(2) - a(1)*a(8)
+         b(9) = a(1)*a(5) - a(4)*a(2)
+         determinant = a(1)*b(1) + a(4)*b(2) + a(7)*b(3)
          ! a gradient that turns the inside out has no middle; bounded, it stays finite and is cut by
          ! the next time step
-         scale = 2.0_wp/max(determinant, 0.05_wp)
-         gradient(i, 1) = 2.0_wp - scale*c11
-         gradient(i, 2) = -scale*c12
-         gradient(i, 3) = -scale*c13
-         gradient(i, 4) = -scale*(a13*a32 - a12*a33)
-         gradient(i, 5) = 2.0_wp - scale*(a11*a33 - a13*a31)
-         gradient(i, 6) = -scale*(a12*a31 - a11*a32)
-         gradient(i, 7) = -scale*(a12*a23 - a13*a22)
-         gradient(i, 8) = -scale*(a13*a21 - a11*a23)
-         gradient(i, 9) = 2.0_wp - scale*(a11*a22 - a12*a21)
+         inverse = 1.0_wp/max(determinant, 0.05_wp)
+         b(:) = inverse*b(:)
+         ! G A^-1 as it stands, and not 2 (I - A^-1), which would round small gradients away
+         do row = 1, 3
+            gradient(i, row) = g(row)*b(1) + g(row + 3)*b(2) + g(row + 6)*b(3)
+            gradient(i, row + 3) = g(row)*b(4) + g(row + 3)*b(5) + g(row + 6)*b(6)
+            gradient(i, row + 6) = g(row)*b(7) + g(row + 3)*b(8) + g(row + 6)*b(9)
+         end do
       end do
    end subroutine centre_gradient
 

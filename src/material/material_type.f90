@@ -34,7 +34,7 @@ contains
       call schema%real("method", "bulk_q1", "linear coefficient of artificial viscosity", &
          default="0.06", range=">= 0", owner="effects.artificial_viscosity")
       call schema%real("method", "bulk_q2", "quadratic coefficient of artificial viscosity", &
-         default="1.5", range=">= 0", owner="effects.artificial_viscosity")
+         default="4.0", range=">= 0", owner="effects.artificial_viscosity")
       call schema%group("material", "one material; flat keys, prefix = model", many=.true.)
       call schema%text("material", "name", "what bodies refer to")
       call declare_elasticity(schema)

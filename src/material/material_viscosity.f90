@@ -10,7 +10,7 @@ module material_viscosity
    !> Artificial viscosity of a material.
    type :: viscosity_t
       real(wp) :: linear = 0.06_wp                   !! Coefficient of the wave speed [1]
-      real(wp) :: quadratic = 1.5_wp                 !! Coefficient of the rate [1]
+      real(wp) :: quadratic = 4.0_wp                 !! Coefficient of the rate [1]
    end type viscosity_t
 
 contains

@@ -3,16 +3,15 @@
 
 Would catch: a wrong equation of state or energy in it, work by another stress than that of the
 force, artificial viscosity that is not Galilean or not counted, a wall that is not rigid, a dual
-gradient that pulls at the free end behind (validation.md 7.2: 44 % of the velocity).
+gradient that pulls at the free end behind.
 
 Closed solutions: Rankine-Hugoniot with Us = c0 + s up, gamma rho constant, and the two jumps of an
-elastic-plastic solid (validation.md 5.1, 5.2), computed here from the constants of the material.
+elastic-plastic solid, computed here from the constants of the material.
 Limits: plateau pressure 1 %, density 0.3 %, shock speed 1 %, energy 0.3 %, velocity of the free end
-1.1 % at 400 m/s and 1e-4 at 3350 m/s, where no signal can reach it. All with bulk_q1 = 0.5: with
-0.06 particles ring behind the shock, and what the transfer takes of that ringing is in no book
-(3350 m/s: pressure -6.2 %, energy -4.3 %); these numbers are printed. At 3350 m/s the default
-transfer and step reach density -0.47 % and energy -0.55 %, for which the limits are 0.55 % and 0.65
-%; flip = 1 with cfl = 0.15 has to reach the full limits.
+1.1 % at 400 m/s and 1e-4 at 3350 m/s, where no signal can reach it. The energy is kept to round-off.
+Fluids with the defaults: at 3350 m/s they reach density -0.39 %, limit 0.45 %; a fine step has to
+reach 0.3 %. The solid with bulk_q1 = 0.5: with the default 0.06 particles ring behind the weaker
+plastic shock (stress -1.1 %, speed -1.3 %); these numbers are printed.
 """
 # timeout: 120
 
@@ -198,17 +197,16 @@ def main():
     """Fluid at two speeds, then a solid; the plain method and the default viscosity beside it."""
     options = case.arguments()
     sheet = report.Report()
-    # the closed solutions against the tables of validation.md
+    # the closed solutions against numbers computed elsewhere
     sheet.near("closed solution: pressure at 400 m/s", hugoniot(400.0)[1], 6.53160e9, 1.0e-5)
     sheet.near("closed solution: precursor stress", precursor()["stress"], 0.635879e9, 1.0e-5)
     sheet.near("closed solution: plastic stress", plastic(400.0)["stress"], 6.635879e9, 1.0e-5)
     sheet.near("closed solution: plastic speed", plastic(400.0)["speed"], 5908.5, 1.0e-4)
-    for speed, end, free, density, energy in ((400, 2.6, 0.011, 0.003, 0.003),
-                                              (3350, 1.5, 1.0e-4, 0.0055, 0.0065)):
-        fluid(options, sheet, f"fluid_{speed}", speed, end, limits=(free, density, energy))
+    for speed, end, free, density in ((400, 2.6, 0.011, 0.003), (3350, 1.5, 1.0e-4, 0.0045)):
+        fluid(options, sheet, f"fluid_{speed}", speed, end, "", limits=(free, density, 1.0e-12))
         fluid(options, sheet, f"fluid_{speed}_fine_step", speed, end, SMOOTH + " flip=1",
-              (free, 0.003, 0.003), cfl=0.15)
-        fluid(options, sheet, f"fluid_{speed}_default", speed, end, "")
+              (free, 0.003, 1.0e-12), cfl=0.15)
+        fluid(options, sheet, f"fluid_{speed}_smooth", speed, end)
         fluid(options, sheet, f"fluid_{speed}_mpm", speed, end, method="mpm")
     solid(options, sheet, "solid", judge=True)
     solid(options, sheet, "solid_default", "")
