@@ -36,7 +36,7 @@ module driver_gather
       real(wp), allocatable :: carry(:, :)           !! (3, node) Moves the particles [m/s]
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
-      real(wp), allocatable :: loss(:, :)            !! (1, node) Kinetic energy that gets lost [J/kg]
+      real(wp), allocatable :: loss(:, :) !! (1, node) Kinetic energy that gets lost [J/kg]
    end type view_t
 
 contains
@@ -123,7 +123,8 @@ contains
             simulation%method%transfer /= transfer_xpic) then
             allocate (view%loss(1, nodes))
             view%loss(1, :) = 0.5_wp*dt**2*sum(acceleration**2, dim=1) &
-               + (1.0_wp - simulation%method%keep())*sum(velocity*(velocity + dt*acceleration), dim=1)
+               + (1.0_wp - simulation%method%keep())*sum(velocity*(velocity + dt*acceleration), &
+                  dim=1)
          end if
       end associate
       if (.not. simulation%method%dual) return

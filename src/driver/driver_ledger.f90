@@ -50,7 +50,7 @@ module driver_ledger
    type :: balance_t
       real(wp) :: entry(entries) = 0.0_wp            !! Values in SI
       real(wp) :: speed_scale = 0.0_wp               !! Sum of mass times speed, for errors [kg m/s]
-      real(wp) :: total = 0.0_wp                     !! Kinetic, internal, dissipated, lost energy [J]
+      real(wp) :: total = 0.0_wp !! Kinetic, internal, dissipated, lost energy [J]
       real(wp) :: mass_error = 0.0_wp                !! Relative to the mass at the start
       real(wp) :: momentum_error = 0.0_wp            !! Relative to the greatest sum of m |v| so far
       real(wp) :: angular_error = 0.0_wp !! Relative to the greatest sum of m |x||v| so far

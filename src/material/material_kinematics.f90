@@ -12,7 +12,8 @@ contains
    !> Refer velocity gradients times the time step to the middle of the step: with A = I + G/2 the
    !! gradient G of the start becomes G A^-1.
    !!
-   !! The places of a step are x + G x. A rotation then has no strain, however long the step, and the
+   !! The places of a step are x + G x. A rotation then has no strain, however long the step, and
+   !! the
    !! volume grows by det(I + G) to third order, so that volume and places stay together in a
    !! shock (T. J. R. Hughes, J. Winget, Int. J. Numer. Methods Eng. 15 (1980) 1862).
    ! gate: long kernel because the inverse of a matrix is nine numbers
@@ -47,7 +48,8 @@ contains
          b(8) = a(7)*a(2) - a(1)*a(8)
          b(9) = a(1)*a(5) - a(4)*a(2)
          determinant = a(1)*b(1) + a(4)*b(2) + a(7)*b(3)
-         ! a gradient that turns the inside out has no middle; bounded, it stays finite and is cut by
+         ! a gradient that turns the inside out has no middle; bounded, it stays finite and is cut
+         ! by
          ! the next time step
          inverse = 1.0_wp/max(determinant, 0.05_wp)
          b(:) = inverse*b(:)

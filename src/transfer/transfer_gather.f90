@@ -234,15 +234,18 @@ contains
 
    !> Heat from the kinetic energy that the way from nodes to particles loses.
    !!
-   !! With a = sum S_i a_i dt, u = sum S_i u_i and r = v_p - u a step v_p <- v_p + a - g r, g the share
+   !! With a = sum S_i a_i dt, u = sum S_i u_i and r = v_p - u a step v_p <- v_p + a - g r, g the
+   !! share
    !! of pic, loses per mass 1/2 var(a) + g (r.r + var(u) + cov(u, a)) - 1/2 g^2 r.r, where var and
-   !! cov are those of the node values under the weights S_i. Terms that only carry energy from particle
+   !! cov are those of the node values under the weights S_i. Terms that only carry energy from
+   !! particle
    !! to particle, and add up to zero, are left out; what is left is not negative for g <= 1.
-   pure subroutine gather_heat(grid, start, first, local, push, carry, loss, share, velocity, energy)
+   pure subroutine gather_heat(grid, start, first, local, push, carry, loss, share, velocity, &
+      energy)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: push(:, :)         !! (3, node) a dt + g u [m/s]
       real(wp), contiguous, intent(in) :: carry(:, :)        !! (3, node) u + a dt/2 [m/s]
       !> (1, node) 1/2 |a dt|^2 + g (|u|^2 + u . a dt) [J/kg]

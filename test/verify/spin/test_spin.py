@@ -9,10 +9,11 @@ Closed: angular momentum M R2 w / 2 at the start, and a disc that keeps its size
 growth of 0.1 %. Forces between nodes keep the angular momentum to rounding, but what particles get
 of them does not quite: flip = 1 loses 1.1 % a turn (2400 steps). A share of pic takes from it in
 every step, as node velocities cannot hold the turning inside a cell: 3.9 % a turn with the default
-flip = 0.999. With the stress updated last (usl) strain is taken from the velocity at the end of the
-step at the places at its start: turning makes that a contraction w2 dt in each direction, against
-which the disc grows, by 2.9 % in two turns and in proportion to the step; updated first (usf) it
-does not. The limits are what was measured: 1.3 %, 4.5 %, 3.3 %, and for the size with usf 0.3 %.
+flip = 0.999. Strain is referred to the middle of the step, but its velocity is that of the end of
+the step with usl and that of the start with usf; the half step between reads turning as a
+contraction or an expansion of w2 dt/2, against which the disc grows by 1.5 % in two turns with usl
+and shrinks by 1.4 % with usf, in proportion to the step. The limits are what was measured: angular
+momentum 1.3 % and 4.5 %, size 2 % for both.
 """
 # timeout: 120
 
@@ -83,7 +84,7 @@ def main():
     sheet.require(len(last.points) == len(first.points) > 600, "the disc keeps its particles")
     sheet.near("rms radius of the disc at the end [m]", radius[1], radius[0], 0.033)
     (_, first), (_, last) = early.snapshots()
-    sheet.near("usf: rms radius of the disc at the end [m]", size(last), size(first), 0.003)
+    sheet.near("usf: rms radius of the disc at the end [m]", size(last), size(first), 0.02)
     sheet.below("start: angular momentum off that of a disc", usual["start"], 0.01)
     sheet.above("start: its sign", run.history["angular_momentum_y"][0], 1.0)
     sheet.below("linear momentum", usual["momentum"], 1.0e-12)
