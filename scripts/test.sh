@@ -3,7 +3,7 @@
 # Usage: scripts/test.sh [--debug] [--no-setup] [options of ctest]
 #
 # Installs what is missing, builds and runs the tests: unit, verification, invariance, input,
-# regression and gates. Tests with the label long or bench run only if that label is named:
+# hard cases and gates. Tests with the label long or bench run only if that label is named:
 #
 #   scripts/test.sh                all but the long ones
 #   scripts/test.sh -L unit        one label
@@ -42,7 +42,7 @@ selection=()
 if [[ " ${arguments[*]} " != *long* && " ${arguments[*]} " != *bench* ]]; then
    selection=(-LE '^(long|bench)$')
    if [[ " ${arguments[*]} " != *" -L "* && " ${arguments[*]} " != *" -R "* ]]; then
-      selection+=(-L '^(unit|verify|invariance|input|regress|gate)$')
+      selection+=(-L '^(unit|verify|invariance|input|hard|regress|gate)$')
    fi
 fi
 
