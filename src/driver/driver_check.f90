@@ -4,38 +4,19 @@ module driver_check
    use base_kinds, only: int64, wp
    use driver_run, only: limits_t
    use driver_simulation, only: simulation_t
+   use driver_start, only: survey_t
    use material_wishes, only: wishes_t
    use mesh_tiles, only: neighbors
-   use particle_fill, only: body_t, survey_bodies
+   use particle_fill, only: body_t
    use transfer_scatter, only: dual_columns, motion_columns
    implicit none
    private
 
-   public :: cost_text, survey_t, take_survey
+   public :: cost_text
 
    real(wp), parameter :: snapshot_bytes = 60.0_wp   !! A particle with default fields, compressed
 
-   !> Counts that need no particles.
-   type :: survey_t
-      integer(int64) :: particles = 0                !! In all bodies
-      integer(int64) :: tiles = 0                    !! That hold some
-      integer(int64), allocatable :: body(:)         !! (body) Particles
-   end type survey_t
-
 contains
-
-   !> Count particles and tiles.
-   subroutine take_survey(simulation, bodies, survey)
-      type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(survey_t), intent(out) :: survey          !! The counts
-      integer(int64), allocatable :: key(:), particles(:)
-
-      allocate (survey%body(size(bodies)))
-      call survey_bodies(simulation%grid, bodies, key, particles, survey%body)
-      survey%particles = sum(particles)
-      survey%tiles = size(key)
-   end subroutine take_survey
 
    !> The table of costs.
    function cost_text(simulation, bodies, survey, limits, snapshots) result(text)
@@ -77,7 +58,7 @@ contains
             //" x "//whole(int(grid%cells(3), &
             int64))//" = "//whole(grid%cell_count())//" cells of "// &
             short(grid%spacing)//" m; tiles of "//whole(int(grid%tile_cells, int64))//" cells, "// &
-            whole(survey%tiles)//" of "//whole(product(int(grid%tiles, int64)))//" hold particles"
+            whole(size(survey%key, kind=int64))//" of "//whole(product(int(grid%tiles, int64)))//" hold particles"
       end associate
    end function grid_line
 
@@ -162,7 +143,7 @@ contains
       if (simulation%method%dual) columns = real(2*dual_columns + 9 + 1 + 1 + 3 + 9, wp)
       if (simulation%method%dual .and. simulation%carries_energy) columns = columns + 9.0_wp
       bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
-         + real(survey%tiles, wp)*(9.0_wp/8.0_wp*8.0_wp*columns*real(simulation%grid%tile_nodes, &
+         + real(size(survey%key), wp)*(9.0_wp/8.0_wp*8.0_wp*columns*real(simulation%grid%tile_nodes, &
          wp) &
          + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
    end function memory

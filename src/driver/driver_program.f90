@@ -5,7 +5,7 @@ module driver_program
    use base_communicator, only: communicator_t, message_passing_version
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t, exit_file, exit_input, exit_success, fail
-   use base_kinds, only: int64, wp
+   use base_kinds, only: wp
    use base_log, only: log_debug, log_error, log_info, log_t, log_warn
    use base_schema, only: schema_t
    use base_schema_text, only: explain, template
@@ -13,7 +13,7 @@ module driver_program
    use base_timer, only: wall_seconds
    use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
       git_commit, version_text
-   use driver_check, only: cost_text, survey_t, take_survey
+   use driver_check, only: cost_text
    use driver_command_line, only: command_t, help_text, parse, program_arguments
    use driver_lists, only: list_text
    use driver_output, only: outputs_t
@@ -21,7 +21,7 @@ module driver_program
    use driver_run, only: limits_t, read_limits, run_to_end
    use driver_scene, only: build_scene, describe_run
    use driver_simulation, only: simulation_t
-   use driver_start, only: fill_simulation, first_step, spin_bodies
+   use driver_start, only: fill_simulation, first_step, spin_bodies, survey_t, take_survey
    use driver_summary, only: summarise
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_check, only: check_deck
@@ -308,7 +308,6 @@ contains
       type(session_t), intent(inout) :: session      !! Gets particles
       type(error_t), allocatable, intent(out) :: error !! No checkpoint can be read
       character(len=:), allocatable :: note, file
-      integer(int64) :: counts(size(session%bodies))
 
       if (session%command%restart) then
          file = ""
@@ -317,7 +316,7 @@ contains
          if (allocated(error)) return
          call session%log%info(note)
       else
-         call fill_simulation(session%simulation, session%bodies, counts)
+         call fill_simulation(session%simulation, session%bodies, session%survey)
          call spin_bodies(session%simulation, session%bodies)
          call first_step(session%simulation)
          associate (simulation => session%simulation)

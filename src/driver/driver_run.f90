@@ -14,7 +14,7 @@ module driver_run
    use driver_restart, only: write_checkpoint
    use driver_signal, only: signal_caught, watch_signal
    use driver_simulation, only: simulation_t
-   use driver_step, only: advance
+   use driver_step, only: advance, count_particles
    use io_checkpoint, only: checkpoint_place_t
    implicit none
    private
@@ -289,7 +289,6 @@ contains
       real(wp) :: wall, share
       logical :: due
       integer(int64) :: counts(2)
-      integer :: index
 
       wall = wall_seconds()
       due = .false.
@@ -299,11 +298,7 @@ contains
       watch%last_line = wall
       call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
          simulation%materials, now)
-      counts = 0
-      do index = 1, size(simulation%stores)
-         counts(1) = counts(1) + simulation%stores(index)%particles()
-      end do
-      counts(2) = simulation%updates
+      counts = [count_particles(simulation), simulation%updates]
       call simulation%communicator%total(counts)
       progress%wall = wall - watch%begin
       progress%time = simulation%time

@@ -8,7 +8,7 @@ module driver_scene
    use driver_method, only: method_t, stress_after, stress_names, stress_remapped, transfer_names
    use driver_shapes, only: read_shapes, named_shape_t
    use driver_simulation, only: simulation_t
-   use driver_start, only: carry_energy, prepare
+   use driver_start, only: make_stores, prepare
    use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
       version_text
    use io_checkpoint, only: checkpoint_place_t
@@ -41,7 +41,7 @@ contains
       call read_bodies(deck, simulation, shapes, bodies)
       if (deck%errors() > 0) return
       call prepare(simulation)
-      call carry_energy(simulation, with_body=size(bodies) > 1)
+      call make_stores(simulation, with_body=size(bodies) > 1)
    end subroutine build_scene
 
    !> Numerical method.

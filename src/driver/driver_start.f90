@@ -15,8 +15,16 @@ module driver_start
    implicit none
    private
 
-   public :: carry_energy, distribute, fill_simulation, first_step, name_phases, prepare, &
-      spin_bodies
+   public :: distribute, fill_simulation, first_step, make_stores, prepare, spin_bodies, &
+      survey_t, take_survey
+
+   !> What the bodies will fill, known before there are particles.
+   type :: survey_t
+      integer(int64) :: particles = 0                !! In all bodies
+      integer(int64), allocatable :: body(:)         !! (body) Particles
+      integer(int64), allocatable :: key(:)          !! (tile) Tiles that hold some, ascending
+      integer(int64), allocatable :: tile(:)         !! (tile) Their particles
+   end type survey_t
 
 contains
 
@@ -50,7 +58,7 @@ contains
    end subroutine name_phases
 
    !> Make empty stores for the materials, with the fields that they ask for.
-   subroutine carry_energy(simulation, with_body)
+   subroutine make_stores(simulation, with_body)
       type(simulation_t), intent(inout) :: simulation !! The run
       logical, intent(in) :: with_body               !! Do particles remember their body?
       integer :: index
@@ -67,14 +75,25 @@ contains
                allocated(store%matter%energy)
          end associate
       end do
-   end subroutine carry_energy
+   end subroutine make_stores
+
+   !> Count the particles of bodies and tiles.
+   subroutine take_survey(simulation, bodies, survey)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(survey_t), intent(out) :: survey          !! The counts
+
+      allocate (survey%body(size(bodies)))
+      call survey_bodies(simulation%grid, bodies, survey%key, survey%tile, survey%body)
+      survey%particles = sum(survey%tile)
+   end subroutine take_survey
 
    !> Fill the bodies with particles, each rank its own tiles.
-   subroutine fill_simulation(simulation, bodies, body_count)
+   subroutine fill_simulation(simulation, bodies, survey)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
-      integer(int64), intent(out) :: body_count(:)   !! (body) Particles, over all ranks
-      integer(int64), allocatable :: key(:), weight(:), own(:), none(:)
+      type(survey_t), intent(in) :: survey           !! Counts of them
+      integer(int64), allocatable :: own(:), none(:)
       integer(int64) :: next
       integer :: index, body, tile, p
 
@@ -83,10 +102,11 @@ contains
          bodies(body)%first_identity = next
          next = next + product(bodies(body)%sites(simulation%grid))
       end do
-      call survey_bodies(simulation%grid, bodies, key, weight, body_count)
-      call partition_keys(key, weight, simulation%communicator%size, simulation%tiles%border)
-      own = pack(key, key >= simulation%tiles%border(simulation%communicator%rank) .and. &
-         key < simulation%tiles%border(simulation%communicator%rank + 1))
+      call partition_keys(survey%key, survey%tile, simulation%communicator%size, &
+         simulation%tiles%border)
+      own = pack(survey%key, &
+         survey%key >= simulation%tiles%border(simulation%communicator%rank) .and. &
+         survey%key < simulation%tiles%border(simulation%communicator%rank + 1))
       allocate (none(0))
       call simulation%tiles%set(simulation%grid, own, none)
       do index = 1, size(simulation%stores)

@@ -8,7 +8,7 @@ program bench_block
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use driver_simulation, only: simulation_t
-   use driver_start, only: carry_energy, fill_simulation, first_step, prepare
+   use driver_start, only: fill_simulation, first_step, make_stores, prepare, survey_t, take_survey
    use driver_step, only: advance
    use eos_linear, only: eos_linear_t
    use law_elastic, only: law_elastic_t
@@ -19,10 +19,11 @@ program bench_block
 
    type(simulation_t) :: simulation
    type(body_t) :: bodies(1)
+   type(survey_t) :: survey
    type(error_t), allocatable :: error
    integer :: cells, steps, step
    character(len=32) :: word
-   integer(int64) :: before, after, rate, count(1), updates
+   integer(int64) :: before, after, rate, updates
    real(wp) :: seconds
 
    cells = 64
@@ -52,11 +53,12 @@ program bench_block
       material%eos%bulk = material%bulk
    end associate
    call prepare(simulation)
-   call carry_energy(simulation, with_body=.false.)
+   call make_stores(simulation, with_body=.false.)
    call bodies(1)%shape%set(box([2.0_wp, 2.0_wp, 2.0_wp], spread(2.0_wp + real(cells, wp), 1, 3)))
    bodies(1)%density = 1.0_wp
    bodies(1)%velocity = 0.1_wp/sqrt(3.0_wp)
-   call fill_simulation(simulation, bodies, count)
+   call take_survey(simulation, bodies, survey)
+   call fill_simulation(simulation, bodies, survey)
    call first_step(simulation)
    do step = 1, 10
       call advance(simulation, simulation%dt_next, error)
@@ -71,7 +73,7 @@ program bench_block
    seconds = real(after - before, wp)/real(rate, wp)
    updates = simulation%updates - updates
    if (allocated(error)) print "(a)", error%message
-   print "(a,i0,a,i0,a,f8.3,a,f8.2,a)", "particles ", count(1), "  steps ", steps, "  seconds ", &
+   print "(a,i0,a,i0,a,f8.3,a,f8.2,a)", "particles ", survey%particles, "  steps ", steps, "  seconds ", &
       seconds, "  million updates/s ", real(updates, wp)*real(simulation%communicator%size, wp) &
       /seconds*1.0e-6_wp, merge("  ddmp", "  mpm ", simulation%method%dual)
    print "(a)", simulation%timer%table(simulation%communicator, seconds)
