@@ -53,12 +53,11 @@ contains
       character(len=:), allocatable :: text
 
       associate (grid => simulation%grid)
-         text = "grid       "//whole(int(grid%cells(1), int64))//" x "//whole(int(grid%cells(2), &
-         int64)) &
-            //" x "//whole(int(grid%cells(3), &
-            int64))//" = "//whole(grid%cell_count())//" cells of "// &
-            short(grid%spacing)//" m; tiles of "//whole(int(grid%tile_cells, int64))//" cells, "// &
-            whole(size(survey%key, kind=int64))//" of "//whole(product(int(grid%tiles, int64)))//" hold particles"
+         text = "grid       "//whole(int(grid%cells(1), int64))//" x " &
+            //whole(int(grid%cells(2), int64))//" x "//whole(int(grid%cells(3), int64))//" = " &
+            //whole(grid%cell_count())//" cells of "//short(grid%spacing)//" m; tiles of " &
+            //whole(int(grid%tile_cells, int64))//" cells, "//whole(size(survey%key, kind=int64)) &
+            //" of "//whole(product(int(grid%tiles, int64)))//" hold particles"
       end associate
    end function grid_line
 
@@ -143,8 +142,8 @@ contains
       if (simulation%method%dual) columns = real(2*dual_columns + 9 + 1 + 1 + 3 + 9, wp)
       if (simulation%method%dual .and. simulation%carries_energy) columns = columns + 9.0_wp
       bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
-         + real(size(survey%key), wp)*(9.0_wp/8.0_wp*8.0_wp*columns*real(simulation%grid%tile_nodes, &
-         wp) &
+         + real(size(survey%key), wp)*(9.0_wp/8.0_wp*8.0_wp*columns &
+         *real(simulation%grid%tile_nodes, wp) &
          + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
    end function memory
 

@@ -73,7 +73,8 @@ program bench_block
    seconds = real(after - before, wp)/real(rate, wp)
    updates = simulation%updates - updates
    if (allocated(error)) print "(a)", error%message
-   print "(a,i0,a,i0,a,f8.3,a,f8.2,a)", "particles ", survey%particles, "  steps ", steps, "  seconds ", &
+   print "(a,i0,a,i0,a,f8.3,a,f8.2,a)", "particles ", survey%particles, "  steps ", steps, &
+      "  seconds ", &
       seconds, "  million updates/s ", real(updates, wp)*real(simulation%communicator%size, wp) &
       /seconds*1.0e-6_wp, merge("  ddmp", "  mpm ", simulation%method%dual)
    print "(a)", simulation%timer%table(simulation%communicator, seconds)
