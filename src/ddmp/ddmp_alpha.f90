@@ -13,7 +13,9 @@ module ddmp_alpha
 
    integer, parameter, public :: alpha_split = 1     !! One bubble a direction, for its derivative
    integer, parameter, public :: alpha_product = 2   !! Product of the bubbles, for all derivatives
-   character(len=8), parameter, public :: alpha_names(2) = [character(len=8) :: "split", "product"]
+   integer, parameter, public :: alpha_squared = 3   !! Square of that product
+   character(len=14), parameter, public :: alpha_names(3) = [character(len=14) :: "split", &
+      "product", "bubble_squared"]
 
 contains
 
@@ -36,9 +38,16 @@ contains
             alpha(p, direction) = 4.0_wp*local(p, direction)*(1.0_wp - local(p, direction))
          end do
       end do
-      if (kind == alpha_product) then
+      if (kind == alpha_product .or. kind == alpha_squared) then
          do p = 1, number
             alpha(p, 1) = alpha(p, 1)*alpha(p, 2)*alpha(p, 3)
+            alpha(p, 2) = alpha(p, 1)
+            alpha(p, 3) = alpha(p, 1)
+         end do
+      end if
+      if (kind == alpha_squared) then
+         do p = 1, number
+            alpha(p, 1) = alpha(p, 1)**2
             alpha(p, 2) = alpha(p, 1)
             alpha(p, 3) = alpha(p, 1)
          end do

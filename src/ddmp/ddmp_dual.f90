@@ -16,9 +16,16 @@ module ddmp_dual
 
    public :: dual_t
 
+   integer, parameter, public :: surface_fill = 1    !! Least fill of the nodes of the cell
+   integer, parameter, public :: surface_cells = 2   !! 1 in cells without an empty node, else 0
+   integer, parameter, public :: surface_none = 3    !! 1 in all cells
+   character(len=5), parameter, public :: surface_names(3) = [character(len=5) :: "fill", "cells", &
+      "none"]
+
    !> Integrals over one cell; in axisymmetry they depend on the radius of the cell.
    type :: dual_t
       integer :: columns = 1                         !! Cells along x with integrals of their own
+      integer :: surface = surface_fill              !! Rule of the weights, one of those above
       real(wp), allocatable :: force(:, :, :, :)     !! (i, j, direction, column) D_ji [m2]
       real(wp), allocatable :: strain(:, :, :, :)    !! (j, i, direction, column) D_ji [m2]
       real(wp), allocatable :: volume(:, :)          !! (j, column) V_j [m3]
@@ -34,12 +41,13 @@ contains
 
    !> Compute the integrals of products of the node functions and their gradients.
    subroutine dual_start(self, grid)
-      class(dual_t), intent(out) :: self             !! The integrals
+      class(dual_t), intent(inout) :: self           !! The integrals
       type(grid_t), intent(in) :: grid               !! The grid
       real(wp) :: line(0:1, 3), mass(0:1, 0:1, 3), value
       integer :: column, cell, i, j, direction, other, bit_i(3), bit_j(3)
 
       self%columns = merge(grid%cells(1), 1, grid%axisymmetric)
+      if (allocated(self%force)) deallocate (self%force, self%strain, self%volume)
       allocate (self%force(lanes, lanes, 3, self%columns), self%volume(lanes, self%columns))
       do column = 1, self%columns
          do direction = 1, 3
@@ -75,7 +83,8 @@ contains
       end do
    end subroutine dual_start
 
-   !> Weight of each cell of a tile: the least fill of its nodes, at most 1.
+   !> Weight of each cell of a tile: the least fill of its nodes, at most 1; or 1 or 0 by another
+   !! rule. Cells beyond the box count nothing.
    pure subroutine dual_cell_weights(self, grid, total, row, node_volume, weight)
       class(dual_t), intent(in) :: self              !! The integrals
       type(grid_t), intent(in) :: grid               !! The grid
@@ -99,7 +108,25 @@ contains
          end do
          weight(cell) = least
       end do
+      if (self%surface == surface_cells) weight(:) = merge(1.0_wp, 0.0_wp, weight(:) > 0.0_wp)
+      if (self%surface == surface_none) call fill_box(grid, node_volume, weight)
    end subroutine dual_cell_weights
+
+   !> Weight 1 for all cells of the box.
+   pure subroutine fill_box(grid, node_volume, weight)
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), contiguous, intent(in) :: node_volume(:) !! (node) 0 beyond the box [m3]
+      real(wp), contiguous, intent(inout) :: weight(0:)  !! (cell) 0 or 1
+      integer :: cell, lane
+
+      do cell = 0, grid%tile_cells - 1
+         weight(cell) = 1.0_wp
+         do lane = 1, lanes
+            if (.not. node_volume(grid%first_node(cell) + grid%lane_offset(lane)) > 0.0_wp) &
+               weight(cell) = 0.0_wp
+         end do
+      end do
+   end subroutine fill_box
 
    !> Add w_c V_j of the cells of a tile to a patch.
    pure subroutine dual_add_volume(self, grid, coordinate, weight, patch)

@@ -6,7 +6,7 @@ module driver_gather
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
    use driver_method, only: transfer_flip, transfer_xpic
    use driver_nodes, only: divide, empty_mass
-   use driver_scatter, only: find_local
+   use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use material_kinematics, only: centre_gradient
    use material_matter, only: deformation_t, matter_t
@@ -15,8 +15,6 @@ module driver_gather
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_store, only: store_t
-   use transfer_gather, only: gather_dual_gradient, gather_gradient, gather_heat, gather_hoop, &
-      gather_motion, gather_vector
    implicit none
    private
 
@@ -36,7 +34,8 @@ module driver_gather
       real(wp), allocatable :: carry(:, :)           !! (3, node) Moves the particles [m/s]
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
-      real(wp), allocatable :: loss(:, :) !! (1, node) Kinetic energy that gets lost [J/kg]
+      !> (7, node) push, carry, and the kinetic energy that gets lost [J/kg]
+      real(wp), allocatable :: heat(:, :)
    end type view_t
 
 contains
@@ -72,26 +71,28 @@ contains
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
-            call find_local(simulation, scratch, store, tile)
+            call find_places(simulation, scratch, store, tile)
             call scratch%deformation%reserve(store%count(tile))
             if (parts%work .and. allocated(store%matter%energy)) &
                call add_work(simulation, scratch, store, tile, view, dt)
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
-            if (allocated(view%loss) .and. allocated(store%matter%energy)) &
-               call gather_heat(simulation%grid, store%cell_start(:, tile), store%first(tile), &
-               scratch%local, view%push, view%carry, view%loss, 1.0_wp - simulation%method%keep(), &
-               store%velocity, store%matter%energy)
-            if (parts%velocity .and. parts%position) then
-               call gather_motion(simulation%grid, store%cell_start(:, tile), store%first(tile), &
-                  scratch%local, view%push, view%carry, simulation%method%keep(), dt, &
-                  store%velocity, store%position)
-            else if (parts%velocity) then
-               call gather_vector(simulation%grid, store%cell_start(:, tile), store%first(tile), &
-                  scratch%local, view%push, simulation%method%keep(), 1.0_wp, store%velocity)
-            else if (parts%position) then
-               call gather_vector(simulation%grid, store%cell_start(:, tile), store%first(tile), &
-                  scratch%local, view%carry, 1.0_wp, dt, store%position)
-            end if
+            associate (grid => simulation%grid, basis => simulation%method%basis, &
+               start => store%cell_start(:, tile), first => store%first(tile), &
+               places => scratch%places, keep => simulation%method%keep())
+               if (allocated(view%heat) .and. allocated(store%matter%energy)) &
+                  call basis%gather_heat(grid, start, first, places, view%heat, 1.0_wp - keep, &
+                  store%velocity, store%matter%energy)
+               if (parts%velocity .and. parts%position) then
+                  call basis%gather_motion(grid, start, first, places, view%push, view%carry, &
+                     keep, dt, store%velocity, store%position)
+               else if (parts%velocity) then
+                  call basis%gather_vector(grid, start, first, places, view%push, keep, 1.0_wp, &
+                     store%velocity)
+               else if (parts%position) then
+                  call basis%gather_vector(grid, start, first, places, view%carry, 1.0_wp, dt, &
+                     store%position)
+               end if
+            end associate
             if (parts%position) then
                call place_tile(simulation%grid, simulation%boundary, &
                   simulation%tiles%coordinate(:, tile), store, tile)
@@ -121,8 +122,10 @@ contains
          end if
          if (parts%velocity .and. simulation%carries_energy .and. &
             simulation%method%transfer /= transfer_xpic) then
-            allocate (view%loss(1, nodes))
-            view%loss(1, :) = 0.5_wp*dt**2*sum(acceleration**2, dim=1) &
+            allocate (view%heat(7, nodes))
+            view%heat(1:3, :) = view%push
+            view%heat(4:6, :) = view%carry
+            view%heat(7, :) = 0.5_wp*dt**2*sum(acceleration**2, dim=1) &
                + (1.0_wp - simulation%method%keep())*sum(velocity*(velocity + dt*acceleration), &
                   dim=1)
          end if
@@ -222,13 +225,17 @@ contains
       real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Of the nodes, if dual [1/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      associate (grid => simulation%grid, start => store%cell_start(:, tile))
-         call gather_gradient(grid, start, scratch%local, velocity, dt, &
-            scratch%deformation%gradient)
-         if (simulation%method%dual) call gather_dual_gradient(grid, start, scratch%local, &
-            scratch%alpha, gradient, dt, scratch%deformation%gradient)
-         if (grid%axisymmetric) call gather_hoop(grid, start, store%first(tile), scratch%local, &
-            store%position, velocity, dt, scratch%deformation%gradient)
+      associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
+         start => store%cell_start(:, tile))
+         if (method%dual) then
+            call method%quadrature%gather_gradient(grid, start, places, velocity, gradient, dt, &
+               scratch%deformation%gradient)
+         else
+            call method%basis%collect_gradient(grid, start, places, velocity, dt, &
+               scratch%deformation%gradient)
+         end if
+         if (grid%axisymmetric) call method%basis%gather_hoop(grid, start, store%first(tile), &
+            places, store%position, velocity, dt, scratch%deformation%gradient)
       end associate
    end subroutine find_gradient
 

@@ -1,12 +1,20 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The numerical method of a run, as plain numbers.
+!> The numerical method of a run: its keys in the deck and what they choose.
 module driver_method
+   use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use ddmp_alpha, only: alpha_split
+   use base_schema, only: schema_t
+   use ddmp_alpha, only: alpha_names, alpha_split
+   use ddmp_catalogue, only: choose_quadrature, quadrature_names
+   use ddmp_dual, only: surface_fill, surface_names
+   use ddmp_quadrature, only: quadrature_t
+   use particle_store, only: traits_t
+   use transfer_basis, only: basis_t
+   use transfer_catalogue, only: basis_names, choose_basis
    implicit none
    private
 
-   public :: method_t
+   public :: declare_method, method_t, position_of
 
    integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
    integer, parameter, public :: stress_before = 2   !! usf: before the force
@@ -21,18 +29,122 @@ module driver_method
    !> Choices of the numerical method.
    type :: method_t
       logical :: dual = .true.                       !! Dual domain gradient, else the plain one
-      integer :: alpha = alpha_split                 !! Form of alpha
-      real(wp) :: alpha_centre = 1.0_wp              !! alpha at the centre of a cell [1]
+      class(basis_t), allocatable :: basis           !! Node functions
+      class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
+      integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
       integer :: transfer = transfer_flip            !! How velocities come back to particles
       real(wp) :: flip = 0.999_wp                    !! Share of increments in flip [1]
       real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
    contains
+      procedure :: read => method_read               !! Make it from the deck
+      procedure :: choose => method_choose           !! Make it from words
+      procedure :: margin => method_margin           !! Layers of nodes that particles reach
+      procedure :: request => method_request         !! Asks for what particles must carry
       procedure :: keep => method_keep               !! Share of its velocity that a particle keeps
    end type method_t
 
 contains
+
+   !> Declare the keys of &method that are not those of materials.
+   subroutine declare_method(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%group("method", "numerical method")
+      call schema%text("method", "basis", "node functions; ddmp needs linear", default="linear")
+      call schema%words("method", "basis", basis_names)
+      call schema%text("method", "transfer", "how node velocities come back to particles", &
+         default="flip", words="flip pic xpic")
+      call schema%real("method", "flip", "share of FLIP, the rest is PIC", default="0.999", &
+         range=">= 0 <= 1", owner="transfer = flip")
+      call schema%integer("method", "order_k", "order of xpic", default="2", range=">= 2 <= 2", &
+         owner="transfer = xpic")
+      call schema%text("method", "alpha", "share of the own cell in the gradient: one bubble a "// &
+         "direction, their product, or its square", default="split", owner="run.method = ddmp")
+      call schema%words("method", "alpha", alpha_names)
+      call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
+         range=">= 0 <= 1", owner="run.method = ddmp")
+      call schema%text("method", "free_surface", "cell weights of the dual gradient: least fill "// &
+         "of the nodes; 1 in cells without an empty node; 1 everywhere", default="fill", &
+         owner="run.method = ddmp")
+      call schema%words("method", "free_surface", surface_names)
+      call schema%text("method", "quadrature", "where the dual gradient is taken", &
+         default="point", owner="run.method = ddmp")
+      call schema%words("method", "quadrature", quadrature_names)
+      call schema%text("method", "stress_update", &
+         "after the step, before it, or after mapping the "// &
+         "new velocities; default usl with ddmp, musl with mpm", words="usl usf musl")
+   end subroutine declare_method
+
+   !> Make the method from the deck.
+   subroutine method_read(self, deck)
+      class(method_t), intent(inout) :: self         !! The method
+      type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
+      type(group_t) :: group
+      character(len=:), allocatable :: word, basis, quadrature
+
+      group = deck%group("run", 1)
+      call group%get("method", word)
+      group = deck%group("method", 1)
+      call group%get("basis", basis)
+      call group%get("quadrature", quadrature)
+      call self%choose(word == "ddmp", basis, quadrature)
+      if (self%dual .and. basis /= "linear" .and. group%valid(["basis"])) call deck%complain(group, &
+         "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions", "basis")
+      if (allocated(self%quadrature)) then
+         call group%get("alpha", word)
+         self%quadrature%alpha = max(position_of(word, alpha_names), 1)
+         call group%get("alpha_0", self%quadrature%alpha_centre)
+         call group%get("free_surface", word)
+         self%surface = max(position_of(word, surface_names), 1)
+      end if
+      ! by measurement: the plain method blows up where the dual one is calm (two elastic discs)
+      if (.not. group%given("stress_update")) call deck%settle("method", 1, "stress_update", &
+         trim(stress_names(merge(stress_after, stress_remapped, self%dual))))
+      group = deck%group("method", 1)
+      call group%get("stress_update", word)
+      self%stress = max(position_of(word, stress_names), 1)
+      call group%get("transfer", word)
+      self%transfer = max(position_of(word, transfer_names), 1)
+      call group%get("flip", self%flip)
+      group = deck%group("time", 1)
+      call group%get("cfl", self%cfl)
+   end subroutine method_read
+
+   !> Choose node functions and gradient; words that are not known give the linear ones.
+   subroutine method_choose(self, dual, basis, quadrature)
+      class(method_t), intent(inout) :: self         !! The method
+      logical, intent(in) :: dual                    !! Dual domain gradient?
+      character(len=*), intent(in) :: basis          !! Word of the node functions
+      character(len=*), intent(in) :: quadrature     !! Word of the rule of the dual gradient
+
+      self%dual = dual
+      call choose_basis(basis, self%basis)
+      if (.not. allocated(self%basis)) call choose_basis("linear", self%basis)
+      if (allocated(self%quadrature)) deallocate (self%quadrature)
+      if (.not. dual) return
+      call choose_quadrature(quadrature, self%quadrature)
+      if (.not. allocated(self%quadrature)) call choose_quadrature("point", self%quadrature)
+      self%quadrature%alpha = alpha_split
+   end subroutine method_choose
+
+   !> Layers of nodes beyond a tile that its particles reach.
+   pure integer function method_margin(self) result(margin)
+      class(method_t), intent(in) :: self            !! The method
+
+      margin = self%basis%margin()
+      if (allocated(self%quadrature)) margin = max(margin, self%quadrature%margin())
+   end function method_margin
+
+   !> Ask for what particles must carry.
+   pure subroutine method_request(self, traits)
+      class(method_t), intent(in) :: self            !! The method
+      type(traits_t), intent(inout) :: traits        !! Fields of the stores
+
+      call self%basis%request(traits)
+      if (allocated(self%quadrature)) call self%quadrature%request(traits)
+   end subroutine method_request
 
    !> Share of its own velocity that a particle keeps in a step.
    pure real(wp) function method_keep(self) result(keep)
@@ -45,4 +157,15 @@ contains
          keep = 0.0_wp
       end select
    end function method_keep
+
+   !> Place of a word in a list, 0 if it is not there.
+   pure integer function position_of(word, list) result(position)
+      character(len=*), intent(in) :: word           !! The word
+      character(len=*), intent(in) :: list(:)        !! Where to look
+
+      do position = 1, size(list)
+         if (list(position) == word) return
+      end do
+      position = 0
+   end function position_of
 end module driver_method

@@ -16,6 +16,7 @@ module driver_program
    use driver_check, only: cost_text
    use driver_command_line, only: command_t, help_text, parse, program_arguments
    use driver_lists, only: list_text
+   use driver_method, only: declare_method
    use driver_output, only: outputs_t
    use driver_restart, only: resume
    use driver_run, only: limits_t, read_limits, run_to_end
@@ -129,6 +130,7 @@ contains
       type(schema_t), intent(inout) :: schema        !! Gets the keys
 
       call declare_deck(schema)
+      call declare_method(schema)
       call declare_material_keys(schema)
    end subroutine declare_all
 

@@ -2,19 +2,16 @@
 !> Particles to patches, tile by tile.
 module driver_scatter
    use base_kinds, only: wp
-   use ddmp_alpha, only: find_alpha
    use driver_simulation, only: scratch_t, simulation_t
    use mesh_halo, only: exchange_patches
    use mesh_patch, only: ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
-   use transfer_gather, only: gather_local, locate
-   use transfer_scatter, only: dual_columns, motion_columns, scatter_dual_force, scatter_force, &
-      scatter_hoop, scatter_motion, scatter_product
+   use transfer_scatter, only: dual_columns, motion_columns
    implicit none
    private
 
-   public :: find_local, scatter_particles, scatter_second
+   public :: find_places, scatter_particles, scatter_second
 
 contains
 
@@ -52,20 +49,21 @@ contains
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%grid, store => simulation%stores(index), &
-            method => simulation%method)
-            call find_local(simulation, scratch, store, tile)
-            call scatter_motion(grid, store%cell_start(:, tile), store%first(tile), scratch%local, &
-               store%matter%mass, store%velocity, patch)
+            method => simulation%method, places => scratch%places, &
+            start => simulation%stores(index)%cell_start(:, tile), &
+            first => simulation%stores(index)%first(tile), matter => simulation%stores(index)%matter)
+            call find_places(simulation, scratch, store, tile)
+            call method%basis%scatter_motion(grid, start, first, places, matter%mass, &
+               store%velocity, patch)
             if (method%dual) then
-               call scatter_dual_force(grid, store%cell_start(:, tile), store%first(tile), &
-                  scratch%local, scratch%alpha, store%matter%volume, store%matter%stress, patch)
+               call method%quadrature%scatter_force(grid, start, first, places, matter%volume, &
+                  matter%stress, patch)
             else
-               call scatter_force(grid, store%cell_start(:, tile), store%first(tile), &
-                  scratch%local, store%matter%volume, store%matter%stress, patch)
+               call method%basis%spread_stress(grid, start, first, places, matter%volume, &
+                  matter%stress, patch)
             end if
-            if (grid%axisymmetric) call scatter_hoop(grid, store%cell_start(:, tile), &
-               store%first(tile), scratch%local, store%position, store%matter%volume, &
-               store%matter%stress, patch)
+            if (grid%axisymmetric) call method%basis%scatter_hoop(grid, start, first, places, &
+               store%position, matter%volume, matter%stress, patch)
          end associate
       end do
    end subroutine scatter_tile
@@ -107,37 +105,36 @@ contains
       do index = 1, size(simulation%stores)
          n = simulation%stores(index)%count(tile)
          if (n == 0) cycle
-         associate (grid => simulation%grid, store => simulation%stores(index))
+         associate (grid => simulation%grid, store => simulation%stores(index), &
+            basis => simulation%method%basis, places => scratch%places, &
+            start => simulation%stores(index)%cell_start(:, tile))
             first = store%first(tile)
-            call find_local(simulation, scratch, store, tile)
+            call find_places(simulation, scratch, store, tile)
             if (from_nodes) then
-               call gather_local(grid, store%cell_start(:, tile), scratch%local, &
-                  simulation%nodes%velocity(:, :, tile), scratch%vector)
+               call basis%collect(grid, start, places, simulation%nodes%velocity(:, :, tile), &
+                  places%vector)
             else
-               scratch%vector(:n, :) = store%velocity(first:first + n - 1, :)
+               places%vector(:n, :) = store%velocity(first:first + n - 1, :)
             end if
-            call scatter_product(grid, store%cell_start(:, tile), first, scratch%local, &
-               store%matter%mass, scratch%vector, patch)
+            call basis%scatter_product(grid, start, first, places, store%matter%mass, &
+               places%vector, 0, patch)
          end associate
       end do
    end subroutine scatter_second_tile
 
-   !> Places in the cells, and alpha, of the particles of a tile.
-   subroutine find_local(simulation, scratch, store, tile)
+   !> Where the particles of a tile are, as basis and modified gradient see them.
+   subroutine find_places(simulation, scratch, store, tile)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile
-      integer :: n
 
-      n = store%count(tile)
-      if (allocated(scratch%local)) then
-         if (size(scratch%local, 1) < n) deallocate (scratch%local, scratch%alpha, scratch%vector)
-      end if
-      if (.not. allocated(scratch%local)) &
-         allocate (scratch%local(n + n/4, 3), scratch%alpha(n + n/4, 3), scratch%vector(n + n/4, 3))
-      call locate(simulation%grid, store%first(tile), n, store%position, scratch%local)
-      if (simulation%method%dual) call find_alpha(simulation%grid, simulation%method%alpha, &
-         simulation%method%alpha_centre, n, scratch%local, scratch%alpha)
-   end subroutine find_local
+      associate (coordinate => simulation%tiles%coordinate(:, tile))
+         call scratch%places%reserve(store%count(tile))
+         call simulation%method%basis%locate(simulation%grid, coordinate, store, tile, &
+            scratch%places)
+         if (simulation%method%dual) call simulation%method%quadrature%locate(simulation%grid, &
+            coordinate, store, tile, scratch%places)
+      end associate
+   end subroutine find_places
 end module driver_scatter

@@ -3,17 +3,17 @@
 module driver_scene
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
-   use ddmp_alpha, only: alpha_names
+   use driver_method, only: position_of
    use driver_output, only: outputs_t
-   use driver_method, only: method_t, stress_after, stress_names, stress_remapped, transfer_names
    use driver_shapes, only: read_shapes, named_shape_t
    use driver_simulation, only: simulation_t
    use driver_start, only: make_stores, prepare
    use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
       version_text
    use io_checkpoint, only: checkpoint_place_t
-   use mesh_boundary, only: face_names, face_periodic, face_symmetry, face_types
+   use mesh_boundary, only: face_names, face_outflow, face_periodic, face_symmetry, face_types
    use particle_fill, only: body_t
+   use particle_store, only: traits_t
    implicit none
    private
 
@@ -29,58 +29,24 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
       type(named_shape_t), allocatable :: shapes(:)
+      type(traits_t) :: traits
 
-      call read_method(deck, simulation%method)
+      call simulation%method%read(deck)
       call read_grid(deck, simulation)
       call read_materials(deck, simulation)
       if (deck%errors() > 0) return
       call read_boundary(deck, simulation)
+      simulation%grid%margin = simulation%method%margin()
       call simulation%grid%start(block_of(deck))
       call read_gravity(deck, simulation)
       call read_shapes(deck, simulation%grid, shapes)
       call read_bodies(deck, simulation, shapes, bodies)
       if (deck%errors() > 0) return
       call prepare(simulation)
-      call make_stores(simulation, with_body=size(bodies) > 1)
+      traits%body = size(bodies) > 1
+      call simulation%method%request(traits)
+      call make_stores(simulation, traits)
    end subroutine build_scene
-
-   !> Numerical method.
-   subroutine read_method(deck, method)
-      type(deck_t), intent(inout) :: deck            !! The deck, gets defaults
-      type(method_t), intent(inout) :: method        !! Choices
-      type(group_t) :: group
-      character(len=:), allocatable :: word
-
-      group = deck%group("run", 1)
-      call group%get("method", word)
-      method%dual = word == "ddmp"
-      group = deck%group("method", 1)
-      call group%get("alpha", word)
-      method%alpha = max(position_of(word, alpha_names), 1)
-      call group%get("alpha_0", method%alpha_centre)
-      ! by measurement: the plain method blows up where the dual one is calm (two elastic discs)
-      if (.not. group%given("stress_update")) call deck%settle("method", 1, "stress_update", &
-         trim(stress_names(merge(stress_after, stress_remapped, method%dual))))
-      group = deck%group("method", 1)
-      call group%get("stress_update", word)
-      method%stress = max(position_of(word, stress_names), 1)
-      call group%get("transfer", word)
-      method%transfer = max(position_of(word, transfer_names), 1)
-      call group%get("flip", method%flip)
-      group = deck%group("time", 1)
-      call group%get("cfl", method%cfl)
-   end subroutine read_method
-
-   !> Place of a word in a list, 0 if it is not there.
-   pure integer function position_of(word, list) result(position)
-      character(len=*), intent(in) :: word           !! The word
-      character(len=*), intent(in) :: list(:)        !! Where to look
-
-      do position = 1, size(list)
-         if (list(position) == word) return
-      end do
-      position = 0
-   end function position_of
 
    !> Box, spacing and problem class.
    subroutine read_grid(deck, simulation)
@@ -154,6 +120,7 @@ contains
       end do
       associate (sides => simulation%boundary%kind)
          if (simulation%grid%axisymmetric) sides(1) = face_symmetry
+         simulation%grid%wall = sides /= face_outflow .and. sides /= face_periodic
          do side = 1, 3
             simulation%grid%periodic(side) = sides(2*side) == face_periodic .and. &
                sides(2*side - 1) == face_periodic

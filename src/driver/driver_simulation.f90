@@ -13,6 +13,7 @@ module driver_simulation
    use mesh_grid, only: grid_t
    use mesh_tiles, only: tiles_t
    use particle_store, only: store_t
+   use transfer_places, only: places_t
    implicit none
    private
 
@@ -39,9 +40,7 @@ module driver_simulation
 
    !> Scratch space of one thread.
    type :: scratch_t
-      real(wp), allocatable :: local(:, :)           !! (particle of the tile, 3) Place in cell
-      real(wp), allocatable :: alpha(:, :)           !! (particle of the tile, 3)
-      real(wp), allocatable :: vector(:, :)          !! (particle of the tile, 3)
+      type(places_t) :: places                       !! Particles of the tile as the basis sees them
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       type(ledger_t) :: ledger                       !! Sums of this thread
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]

@@ -12,6 +12,7 @@ module driver_start
    use omp_lib, only: omp_get_max_threads
    use particle_fill, only: body_t, fill_bodies, survey_bodies
    use particle_place, only: find_place
+   use particle_store, only: traits_t
    implicit none
    private
 
@@ -35,7 +36,10 @@ contains
       integer(int64) :: none(0)
 
       allocate (simulation%scratch(0:omp_get_max_threads() - 1))
-      if (simulation%method%dual) call simulation%dual%start(simulation%grid)
+      if (simulation%method%dual) then
+         simulation%dual%surface = simulation%method%surface
+         call simulation%dual%start(simulation%grid)
+      end if
       call partition_keys(none, none, simulation%communicator%size, simulation%tiles%border)
       call simulation%tiles%set(simulation%grid, none, none)
       call name_phases(simulation)
@@ -58,9 +62,9 @@ contains
    end subroutine name_phases
 
    !> Make empty stores for the materials, with the fields that they ask for.
-   subroutine make_stores(simulation, with_body)
+   subroutine make_stores(simulation, traits)
       type(simulation_t), intent(inout) :: simulation !! The run
-      logical, intent(in) :: with_body               !! Do particles remember their body?
+      type(traits_t), intent(in) :: traits           !! What particles carry besides their matter
       integer :: index
 
       if (allocated(simulation%stores)) deallocate (simulation%stores)
@@ -70,7 +74,7 @@ contains
          associate (store => simulation%stores(index))
             call simulation%materials(index)%request(store%matter)
             call store%start(simulation%materials(index)%name, simulation%grid%tile_cells, &
-               with_body)
+               traits)
             simulation%carries_energy = simulation%carries_energy .or. &
                allocated(store%matter%energy)
          end associate

@@ -12,8 +12,9 @@ module io_deck_schema
 
 contains
 
-   !> Declare the groups in the order of the echo, and their keys. Those of &material, and the ones
-   !! of &effects and &method that concern materials, are added by the materials themselves.
+   !> Declare the groups in the order of the echo, and their keys. Those of &material and the ones of
+   !! &effects that concern materials are added by the materials themselves, those of &method by the
+   !! methods.
    subroutine declare_deck(schema)
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
@@ -23,7 +24,7 @@ contains
       call declare_units(schema)
       call declare_grid(schema)
       call declare_time(schema)
-      call declare_method(schema)
+      call schema%group("method", "numerical method")
       call declare_effects(schema)
       call schema%group("material", "one material; flat keys, prefix = model", many=.true.)
       call declare_region(schema)
@@ -99,33 +100,6 @@ contains
          "greatest kinetic energy", range="> 0", owner="stop_when = kinetic_below at_rest")
       call schema%require("time", "t_end stop_value")
    end subroutine declare_time
-
-   !> Declare &method.
-   subroutine declare_method(schema)
-      type(schema_t), intent(inout) :: schema            !! Keys of the deck
-
-      call schema%group("method", "numerical method")
-      call schema%text("method", "basis", "node functions", default="linear", words="linear")
-      call schema%text("method", "transfer", "how node velocities come back to particles", &
-         default="flip", words="flip pic xpic")
-      call schema%real("method", "flip", "share of FLIP, the rest is PIC", default="0.999", &
-         range=">= 0 <= 1", owner="transfer = flip")
-      call schema%integer("method", "order_k", "order of xpic", default="2", range=">= 2 <= 2", &
-         owner="transfer = xpic")
-      call schema%text("method", "alpha", "share of the own cell in the gradient: one bubble a "// &
-         "direction, or their product", default="split", words="split product", &
-         owner="run.method = ddmp")
-      call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
-         range=">= 0 <= 1", owner="run.method = ddmp")
-      call schema%text("method", "free_surface", "cell weights of the dual gradient", &
-         default="fill", &
-         words="fill", owner="run.method = ddmp")
-      call schema%text("method", "quadrature", "where gradients are taken", default="point", &
-         words="point")
-      call schema%text("method", "stress_update", &
-         "after the step, before it, or after mapping the "// &
-         "new velocities; default usl with ddmp, musl with mpm", words="usl usf musl")
-   end subroutine declare_method
 
    !> Declare the part of &effects that does not concern materials.
    subroutine declare_effects(schema)

@@ -115,7 +115,7 @@ contains
       end do
    end subroutine boundary_mirror
 
-   !> The box of nodes of a tile that lies on a face.
+   !> The box of nodes of a tile, its margin included, that lies on a face.
    pure subroutine face_box(grid, coordinate, face, here, first, length)
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
@@ -123,19 +123,18 @@ contains
       logical, intent(out) :: here                   !! Does the tile touch the face?
       integer, intent(out) :: first                  !! First node of the box
       integer, intent(out) :: length(3)              !! Nodes of the box along a direction, less 1
-      integer :: normal
+      integer :: normal, place
 
       normal = (face + 1)/2
       first = 1
-      length = merge(grid%tile_extent(coordinate), 0, grid%active)
+      length = merge(grid%tile_extent(coordinate) + 2*grid%margin, 0, grid%active)
       here = grid%active(normal)
       if (.not. here) return
-      if (mod(face, 2) == 1) then
-         here = coordinate(normal) == 0
-      else
-         here = coordinate(normal) == grid%tiles(normal) - 1
-         first = 1 + length(normal)*grid%stride(normal)
-      end if
+      place = grid%margin - coordinate(normal)*grid%width(normal)
+      if (mod(face, 2) == 0) place = place + grid%cells(normal)
+      here = place >= 0 .and. place <= length(normal)
+      if (.not. here) return
+      first = 1 + place*grid%stride(normal)
       length(normal) = 0
    end subroutine face_box
 end module mesh_boundary

@@ -17,6 +17,7 @@ module mesh_grid
    !> Bit of a direction in the number of a lane: missing directions have the high bits, so that the
    !! lanes that carry weight come first.
    integer, parameter, public :: lane_bit(3) = [0, 2, 1]
+   integer, parameter :: least_width = 4                       !! Layers of cells before the halo
    integer, parameter :: default_width(3) = [64, 8, 6]         !! Cells along a tile, by dimensions
 
    !> The grid. In two dimensions the active directions are x and z, in axisymmetry radius and axis.
@@ -25,6 +26,7 @@ module mesh_grid
       logical :: axisymmetric = .false.              !! x is the radius, z the axis
       logical :: active(3) = .true.                  !! Directions that the scene has
       logical :: periodic(3) = .false.               !! Directions that close on themselves
+      logical :: wall(6) = .false.                   !! (face) Faces that no function reaches across
       real(wp) :: lower(3) = 0.0_wp                  !! Lower corner [m]
       real(wp) :: upper(3) = 0.0_wp                  !! Upper corner [m]
       real(wp) :: spacing = 0.0_wp                   !! Edge of a cell [m]
@@ -33,7 +35,8 @@ module mesh_grid
       integer :: width(3) = 1                        !! Cells along a tile
       integer :: tiles(3) = 1                        !! Tiles along each direction
       integer :: tile_cells = 1                      !! Cells of a tile
-      integer :: tile_nodes = 1                      !! Nodes of a tile, those on its faces included
+      integer :: margin = 0                          !! Layers of nodes beyond the faces of a tile
+      integer :: tile_nodes = 1                      !! Nodes of a tile, with faces and margin
       integer :: stride(3) = 0                       !! Step in the node index of a tile
       integer :: lane_offset(lanes) = 0              !! Node index of a lane above the cell's first
       !> Weight of lane a at local coordinate xi of direction k: constant(a, k) + slope(a, k) xi.
@@ -54,7 +57,8 @@ module mesh_grid
 
 contains
 
-   !> Derive counts, tiles and lane constants from dimensions, corners, spacing and periodicity.
+   !> Derive counts, tiles and lane constants from dimensions, corners, spacing, periodicity and
+   !! margin.
    pure subroutine grid_start(self, block)
       class(grid_t), intent(inout) :: self           !! Corners, spacing, dimensions are set
       integer, intent(in) :: block                   !! Cells along a tile, 0 = by dimensions
@@ -67,7 +71,7 @@ contains
       do direction = 1, 3
          if (.not. self%active(direction)) cycle
          self%width(direction) = tile_width(self%cells(direction), self%periodic(direction), &
-            merge(block, default_width(self%dimensions), block > 0))
+            merge(block, default_width(self%dimensions), block > 0), least_width + self%margin)
       end do
       self%tiles = (self%cells + self%width - 1)/self%width
       self%tile_cells = product(self%width)
@@ -76,7 +80,7 @@ contains
       do direction = 1, 3
          if (.not. self%active(direction)) cycle
          self%stride(direction) = self%tile_nodes
-         self%tile_nodes = self%tile_nodes*(self%width(direction) + 1)
+         self%tile_nodes = self%tile_nodes*(self%width(direction) + 1 + 2*self%margin)
       end do
       self%depth = 1.0_wp
       if (self%axisymmetric) then
@@ -101,13 +105,13 @@ contains
       call number_cells(self)
    end subroutine grid_start
 
-   !> Cells along a tile. The halo needs four layers of cells before the next tile but one, so in a
-   !! periodic direction the last tile must not be thinner than that.
-   pure integer function tile_width(cells, periodic, wish) result(width)
+   !> Cells along a tile. The halo needs so many layers of cells before the next tile but one, so in
+   !! a periodic direction the last tile must not be thinner than that.
+   pure integer function tile_width(cells, periodic, wish, least) result(width)
       integer, intent(in) :: cells                   !! Cells along the direction
       logical, intent(in) :: periodic                !! Does it close on itself?
       integer, intent(in) :: wish                    !! Preferred width
-      integer, parameter :: least = 4
+      integer, intent(in) :: least                   !! Layers that the halo needs
       integer :: trial, rest
 
       width = max(min(wish, cells), min(least, cells))
@@ -152,11 +156,12 @@ contains
          grid%cell_position(1, cell) = mod(cell, grid%width(1))
          grid%cell_position(2, cell) = mod(cell/grid%width(1), grid%width(2))
          grid%cell_position(3, cell) = cell/(grid%width(1)*grid%width(2))
-         grid%first_node(cell) = 1 + dot_product(grid%cell_position(:, cell), grid%stride)
+         grid%first_node(cell) = 1 + dot_product(grid%cell_position(:, cell) + grid%margin, &
+            grid%stride)
       end do
    end subroutine number_cells
 
-   !> Place of a node in its tile along each direction, from 0.
+   !> Place of a node in its tile along each direction, 0 on the lower face, less in the margin.
    pure function grid_node_position(self, node) result(position)
       class(grid_t), intent(in) :: self              !! The grid
       integer, intent(in) :: node                    !! Node of a tile, counted from 1
@@ -166,7 +171,8 @@ contains
       position = 0
       do direction = 1, 3
          if (self%active(direction)) position(direction) = &
-            mod((node - 1)/self%stride(direction), self%width(direction) + 1)
+            mod((node - 1)/self%stride(direction), self%width(direction) + 1 + 2*self%margin) &
+            - self%margin
       end do
    end function grid_node_position
 
@@ -219,8 +225,8 @@ contains
       class(grid_t), intent(in) :: self              !! The grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), intent(out) :: volume(:)             !! (node of the tile) [m3]
-      real(wp) :: line(0:maxval(self%width), 3), weight(0:1)
-      integer :: direction, place, cell, extent(3), node, x, y, z
+      real(wp) :: line(-self%margin:maxval(self%width) + self%margin, 3), weight(0:1)
+      integer :: direction, place, cell, extent(3), first(3), last(3), node, x, y, z
 
       extent = self%tile_extent(coordinate)
       line = 0.0_wp
@@ -229,7 +235,7 @@ contains
             line(0, direction) = 1.0_wp
             cycle
          end if
-         do place = 0, extent(direction)
+         do place = -self%margin, extent(direction) + self%margin
             do cell = place - 1, place
                associate (global => coordinate(direction)*self%width(direction) + cell)
                   if (.not. self%periodic(direction) .and. &
@@ -241,10 +247,12 @@ contains
          end do
       end do
       volume = 0.0_wp
-      do z = 0, merge(extent(3), 0, self%active(3))
-         do y = 0, merge(extent(2), 0, self%active(2))
-            do x = 0, merge(extent(1), 0, self%active(1))
-               node = 1 + x*self%stride(1) + y*self%stride(2) + z*self%stride(3)
+      first = merge(-self%margin, 0, self%active)
+      last = merge(extent + self%margin, 0, self%active)
+      do z = first(3), last(3)
+         do y = first(2), last(2)
+            do x = first(1), last(1)
+               node = 1 + dot_product([x, y, z] - first, self%stride)
                volume(node) = self%depth*line(x, 1)*line(y, 2)*line(z, 3)
             end do
          end do

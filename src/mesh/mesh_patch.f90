@@ -31,16 +31,17 @@ contains
       allocate (patch(components, nodes, tiles + tiles/8))
    end subroutine ensure_patch
 
-   !> Sum the patches that touch the nodes of one tile.
+   !> Sum the patches that touch the nodes of one tile, its margin included.
    pure subroutine assemble(grid, tiles, patch, tile, total)
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Contributions
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node) Sums
-      integer :: place, other, extent(3), theirs(3), shift(3), mine, there, length(3)
+      integer :: place, other, shift(3), extent(3), theirs(3), origin(3), margin(3), low(3), high(3)
 
       extent = extent_of(tile)
+      margin = merge(grid%margin, 0, grid%active)
       total = 0.0_wp
       do place = 1, neighbors
          other = tiles%neighbor(place, tile)
@@ -49,10 +50,13 @@ contains
          shift(2) = mod((place - 1)/3, 3) - 1
          shift(3) = (place - 1)/9 - 1
          theirs = extent_of(other)
-         mine = dot_product(merge(extent, 0, shift == 1), grid%stride)
-         there = dot_product(merge(theirs, 0, shift == -1), grid%stride)
-         length = merge(extent, 0, shift == 0)
-         call add_box(size(patch, 1), size(patch, 2), mine, there, length, grid%stride, &
+         ! lower corner of the other tile, and the box that both have, seen from this one
+         origin = merge(extent, merge(-theirs, 0, shift == -1), shift == 1)
+         low = max(0, origin) - margin
+         high = min(extent, origin + theirs) + margin
+         if (any(high < low)) cycle
+         call add_box(size(patch, 1), size(patch, 2), dot_product(low + margin, grid%stride), &
+            dot_product(low - origin + margin, grid%stride), high - low, grid%stride, &
             patch(:, :, other), total)
       end do
 

@@ -257,6 +257,7 @@ contains
                   store%home(p) = cell(1) + grid%width(1)*(cell(2) + grid%width(2)*cell(3))
                   store%position(p, :) = position
                   store%velocity(p, :) = it%velocity
+                  call size_particle(grid, it, p, store)
                   store%matter%volume(p) = site_volume(grid, it, position)
                   store%matter%mass(p) = it%density*store%matter%volume(p)
                end do
@@ -264,6 +265,27 @@ contains
          end do
       end associate
    end subroutine fill_tile
+
+   !> Size and linear velocity field of a particle at the start, as far as it carries them. Along a
+   !! missing direction it has no size.
+   pure subroutine size_particle(grid, body, p, store)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: body                !! The body
+      integer, intent(in) :: p                        !! Which particle
+      type(store_t), intent(inout) :: store           !! Gets its fields
+      real(wp) :: half(3)
+      integer :: k
+
+      half = merge(0.5_wp*grid%spacing/real(body%per_cell, wp), 0.0_wp, grid%active)
+      if (allocated(store%extent)) store%extent(p, :) = half
+      if (allocated(store%domain)) then
+         store%domain(p, :) = 0.0_wp
+         do k = 1, 3
+            store%domain(p, 4*k - 3) = half(k)
+         end do
+      end if
+      if (allocated(store%affine)) store%affine(p, :) = 0.0_wp
+   end subroutine size_particle
 
    !> Volume of a lattice site [m3]; that of the ring in axisymmetry.
    pure real(wp) function site_volume(grid, body, position) result(volume)

@@ -12,10 +12,19 @@ module particle_store
    implicit none
    private
 
-   public :: store_t
+   public :: store_t, traits_t
 
    integer, parameter, public :: moved_away = -1      !! Home of a particle that left its tile
    integer, parameter, public :: moved_out = -2       !! Home of a particle that left the box
+
+   !> Fields that a method or a scene asks of all particles.
+   type :: traits_t
+      logical :: body = .false.                       !! Which body a particle belongs to
+      logical :: extent = .false.                     !! Half the edges of its box
+      logical :: stretching = .false.                 !! These follow the stretch of the material
+      logical :: domain = .false.                     !! Half the edges of its parallelepiped
+      logical :: affine = .false.                     !! Linear velocity field round it
+   end type traits_t
 
    !> Particles of one material.
    type :: store_t
@@ -24,6 +33,11 @@ module particle_store
       integer(int64), allocatable :: body(:)          !! Index of the body (only if asked for)
       real(wp), allocatable :: position(:, :)         !! (particle, 3) [m]
       real(wp), allocatable :: velocity(:, :)         !! (particle, 3) [m/s]
+      real(wp), allocatable :: extent(:, :)           !! (particle, 3) Half edges of its box [m]
+      !> (particle, 9) Half edges of its parallelepiped, edge k in columns 3 k - 2 to 3 k [m]
+      real(wp), allocatable :: domain(:, :)
+      !> (particle, 9) Slope (k, l) of the velocity round it in column k + 3 (l - 1) [1/s]
+      real(wp), allocatable :: affine(:, :)
       type(matter_t) :: matter                        !! State that the laws see
       integer, allocatable :: home(:)                 !! Cell after the move, < 0 = left the tile
       integer, allocatable :: first(:)                !! (tile) First particle of the range
@@ -71,15 +85,18 @@ module particle_store
 contains
 
    !> Make an empty store without tiles. The fields of the matter were asked for before.
-   subroutine store_start(self, name, cells, with_body)
+   subroutine store_start(self, name, cells, traits)
       class(store_t), intent(inout) :: self           !! The store
       character(len=*), intent(in) :: name            !! Name of the material
       integer, intent(in) :: cells                    !! Cells of a tile
-      logical, intent(in) :: with_body                !! Do particles remember their body?
+      type(traits_t), intent(in) :: traits            !! What particles carry besides their matter
 
       self%name = name
       allocate (self%identity(0), self%position(0, 3), self%velocity(0, 3), self%home(0))
-      if (with_body) allocate (self%body(0))
+      if (traits%body) allocate (self%body(0))
+      if (traits%extent) allocate (self%extent(0, 3))
+      if (traits%domain) allocate (self%domain(0, 9))
+      if (traits%affine) allocate (self%affine(0, 9))
       call self%clear(cells)
    end subroutine store_start
 
@@ -120,6 +137,9 @@ contains
       if (allocated(self%body)) call worker%whole("body", "1", self%body)
       call worker%vector("position", "m", self%position)
       call worker%vector("velocity", "m/s", self%velocity)
+      if (allocated(self%extent)) call worker%vector("extent", "m", self%extent)
+      if (allocated(self%domain)) call worker%vector("domain", "m", self%domain)
+      if (allocated(self%affine)) call worker%vector("affine", "1/s", self%affine)
       call self%matter%walk(worker)
    end subroutine store_walk
 

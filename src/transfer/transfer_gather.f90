@@ -7,8 +7,8 @@ module transfer_gather
    implicit none
    private
 
-   public :: gather_gradient, gather_dual_gradient, gather_heat, gather_hoop, gather_local, &
-      gather_motion, gather_vector, locate
+   public :: gather_gradient, gather_dual_gradient, gather_hoop, gather_motion, gather_values, &
+      gather_vector, locate
 
 contains
 
@@ -232,69 +232,6 @@ contains
       end do
    end subroutine gather_motion
 
-   !> Heat from the kinetic energy that the way from nodes to particles loses.
-   !!
-   !! With a = sum S_i a_i dt, u = sum S_i u_i and r = v_p - u a step v_p <- v_p + a - g r, g the
-   !! share
-   !! of pic, loses per mass 1/2 var(a) + g (r.r + var(u) + cov(u, a)) - 1/2 g^2 r.r, where var and
-   !! cov are those of the node values under the weights S_i. Terms that only carry energy from
-   !! particle
-   !! to particle, and add up to zero, are left out; what is left is not negative for g <= 1.
-   pure subroutine gather_heat(grid, start, first, local, push, carry, loss, share, velocity, &
-      energy)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: push(:, :)         !! (3, node) a dt + g u [m/s]
-      real(wp), contiguous, intent(in) :: carry(:, :)        !! (3, node) u + a dt/2 [m/s]
-      !> (1, node) 1/2 |a dt|^2 + g (|u|^2 + u . a dt) [J/kg]
-      real(wp), contiguous, intent(in) :: loss(:, :)
-      real(wp), intent(in) :: share                          !! Share g of pic
-      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]
-      real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
-      real(wp) :: a(lanes, 3), b(lanes, 3), p(lanes, 3), c(lanes, 3), l(lanes, 1), shape, x(3)
-      real(wp) :: pushed(3), carried(3), slow(3), gain(3), rest(3), heat
-      integer :: cell, i, lane, q
-
-      a = grid%lane_constant
-      b = grid%lane_slope
-      do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
-         call load_cell(grid, cell, push, 1.0_wp, p)
-         call load_cell(grid, cell, carry, 1.0_wp, c)
-         call load_cell(grid, cell, loss, 1.0_wp, l)
-         do i = start(cell) + 1, start(cell + 1)
-            q = first + i - 1
-            x(1) = local(i, 1)
-            x(2) = local(i, 2)
-            x(3) = local(i, 3)
-            pushed = 0.0_wp
-            carried = 0.0_wp
-            heat = 0.0_wp
-            do lane = 1, lanes
-               shape = (a(lane, 1) + b(lane, 1)*x(1))*(a(lane, 2) + b(lane, 2)*x(2)) &
-                  *(a(lane, 3) + b(lane, 3)*x(3))
-               pushed(1) = pushed(1) + shape*p(lane, 1)
-               pushed(2) = pushed(2) + shape*p(lane, 2)
-               pushed(3) = pushed(3) + shape*p(lane, 3)
-               carried(1) = carried(1) + shape*c(lane, 1)
-               carried(2) = carried(2) + shape*c(lane, 2)
-               carried(3) = carried(3) + shape*c(lane, 3)
-               heat = heat + shape*l(lane, 1)
-            end do
-            slow = (carried - 0.5_wp*pushed)*(1.0_wp/(1.0_wp - 0.5_wp*share))
-            gain = pushed - share*slow
-            rest(1) = velocity(q, 1) - slow(1)
-            rest(2) = velocity(q, 2) - slow(2)
-            rest(3) = velocity(q, 3) - slow(3)
-            energy(q) = energy(q) + heat - 0.5_wp*dot_product(gain, gain) &
-               - share*(dot_product(slow, slow) + dot_product(slow, gain)) &
-               + share*(1.0_wp - 0.5_wp*share)*dot_product(rest, rest)
-         end do
-      end do
-   end subroutine gather_heat
-
    !> Particle vectors from node vectors: values = keep values + scale sum S_i nodes_i.
    pure subroutine gather_vector(grid, start, first, local, nodes, keep, scale, values)
       type(grid_t), intent(in) :: grid                       !! The grid
@@ -336,17 +273,52 @@ contains
       end do
    end subroutine gather_vector
 
-   !> The same into scratch of the tile, without an old value.
-   pure subroutine gather_local(grid, start, local, nodes, values)
+   !> Values sum S_i node_i of any number of columns, three at a time.
+   pure subroutine gather_values(grid, start, local, nodes, values)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
-      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, 3)
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
+      !> (particle of the tile, column) Columns up to the next multiple of three are written
+      real(wp), contiguous, intent(inout) :: values(:, :)
+      integer, parameter :: most = 9
+      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, most + 2), shape, v1, v2, v3, x1, x2, x3
+      integer :: cell, p, lane, c, n
 
-      values(:start(grid%tile_cells), :) = 0.0_wp
-      call gather_vector(grid, start, 1, local, nodes, 0.0_wp, 1.0_wp, values)
-   end subroutine gather_local
+      a = grid%lane_constant
+      b = grid%lane_slope
+      n = size(nodes, 1)
+      u = 0.0_wp
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         do lane = 1, lanes
+            do c = 1, n
+               u(lane, c) = nodes(c, grid%first_node(cell) + grid%lane_offset(lane))
+            end do
+         end do
+         do c = 1, n, 3
+            !$omp simd private(x1, x2, x3, shape, v1, v2, v3, lane)
+            do p = start(cell) + 1, start(cell + 1)
+               x1 = local(p, 1)
+               x2 = local(p, 2)
+               x3 = local(p, 3)
+               v1 = 0.0_wp
+               v2 = 0.0_wp
+               v3 = 0.0_wp
+               do lane = 1, lanes
+                  shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
+                     *(a(lane, 3) + b(lane, 3)*x3)
+                  v1 = v1 + shape*u(lane, c)
+                  v2 = v2 + shape*u(lane, c + 1)
+                  v3 = v3 + shape*u(lane, c + 2)
+               end do
+               values(p, c) = v1
+               values(p, c + 1) = v2
+               values(p, c + 2) = v3
+            end do
+         end do
+      end do
+   end subroutine gather_values
 
    !> Load the node values of a cell as lanes.
    pure subroutine load_cell(grid, cell, nodes, scale, values)

@@ -11,7 +11,8 @@ module transfer_scatter
    implicit none
    private
 
-   public :: scatter_motion, scatter_force, scatter_dual_force, scatter_hoop, scatter_product
+   public :: scatter_affine, scatter_dual_force, scatter_force, scatter_hoop, scatter_motion, &
+      scatter_product, scatter_values
 
    integer, parameter, public :: motion_columns = 7  !! Mass, momentum, force
    integer, parameter, public :: dual_columns = 17   !! With volume and node stress
@@ -51,15 +52,92 @@ contains
       end do
    end subroutine scatter_motion
 
-   !> Add mass times a vector to the columns of a patch, one a component.
-   pure subroutine scatter_product(grid, start, first, local, mass, vector, patch)
+   !> Add sum S_i value to columns of a patch.
+   pure subroutine scatter_values(grid, start, local, count, values, before, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      integer, intent(in) :: count                           !! Number of columns
+      real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, count), shape(lanes)
+      integer :: cell, p, c, lane
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            do lane = 1, lanes
+               shape(lane) = (a(lane, 1) + b(lane, 1)*local(p, 1)) &
+                  *(a(lane, 2) + b(lane, 2)*local(p, 2))*(a(lane, 3) + b(lane, 3)*local(p, 3))
+            end do
+            do c = 1, count
+               do lane = 1, lanes
+                  sums(lane, c) = sums(lane, c) + shape(lane)*values(p, c)
+               end do
+            end do
+         end do
+         call add_cell(grid, cell, sums, before, patch)
+      end do
+   end subroutine scatter_values
+
+   !> Add mass and momentum of linear velocity fields, sum m S_i (v + C (x_i - x)), to columns 1 to
+   !! 4 of a patch (C. Jiang, C. Schroeder, A. Selle, J. Teran, A. Stomakhin, ACM Trans. Graph. 34
+   !! (2015) 51).
+   pure subroutine scatter_affine(grid, start, first, local, mass, velocity, affine, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 4), weight, d1, d2, d3, h
+      integer :: cell, p, q, lane
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      h = grid%spacing
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            q = first + p - 1
+            do lane = 1, lanes
+               weight = (a(lane, 1) + b(lane, 1)*local(p, 1)) &
+                  *(a(lane, 2) + b(lane, 2)*local(p, 2)) &
+                  *(a(lane, 3) + b(lane, 3)*local(p, 3))*mass(q)
+               ! the constant of a lane is 1 on the lower node, and the slope 0 without a direction
+               d1 = h*b(lane, 1)**2*(1.0_wp - a(lane, 1) - local(p, 1))
+               d2 = h*b(lane, 2)**2*(1.0_wp - a(lane, 2) - local(p, 2))
+               d3 = h*b(lane, 3)**2*(1.0_wp - a(lane, 3) - local(p, 3))
+               sums(lane, 1) = sums(lane, 1) + weight
+               sums(lane, 2) = sums(lane, 2) + weight*(velocity(q, 1) + affine(q, 1)*d1 &
+                  + affine(q, 4)*d2 + affine(q, 7)*d3)
+               sums(lane, 3) = sums(lane, 3) + weight*(velocity(q, 2) + affine(q, 2)*d1 &
+                  + affine(q, 5)*d2 + affine(q, 8)*d3)
+               sums(lane, 4) = sums(lane, 4) + weight*(velocity(q, 3) + affine(q, 3)*d1 &
+                  + affine(q, 6)*d2 + affine(q, 9)*d3)
+            end do
+         end do
+         call add_cell(grid, cell, sums, 0, patch)
+      end do
+   end subroutine scatter_affine
+
+   !> Add mass times a vector to three columns of a patch, one a component.
+   pure subroutine scatter_product(grid, start, first, local, mass, vector, before, patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (3, node) [kg m/s]
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node) [kg m/s]
       real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 3), weight
       integer :: cell, p, lane
 
@@ -78,7 +156,7 @@ contains
                sums(lane, 3) = sums(lane, 3) + weight*vector(p, 3)
             end do
          end do
-         call add_cell(grid, cell, sums, 0, patch)
+         call add_cell(grid, cell, sums, before, patch)
       end do
    end subroutine scatter_product
 

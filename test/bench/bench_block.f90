@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Particle updates a second of an elastic block that flies: whole steps with sorting, no output.
 !!
-!! bench_block [CELLS] [mpm|ddmp] [STEPS]   cells along each edge of the block, 8 particles a cell,
+!! bench_block [CELLS] [ddmp|mpm|BASIS] [STEPS]   cells along each edge, 8 particles a cell,
 !! flying at 0.1 of its sound speed along a diagonal, in a box a quarter larger that is periodic.
 program bench_block
    use base_communicator, only: communicator_t
@@ -15,11 +15,13 @@ program bench_block
    use mesh_boundary, only: face_periodic
    use particle_fill, only: body_t
    use particle_shape, only: box
+   use particle_store, only: traits_t
    implicit none
 
    type(simulation_t) :: simulation
    type(body_t) :: bodies(1)
    type(survey_t) :: survey
+   type(traits_t) :: traits
    type(error_t), allocatable :: error
    integer :: cells, steps, step
    character(len=32) :: word
@@ -34,7 +36,9 @@ program bench_block
    if (len_trim(word) > 0) read (word, *) steps
    call get_command_argument(2, word)
    call simulation%communicator%start()
-   simulation%method%dual = word /= "mpm"
+   if (len_trim(word) == 0) word = "ddmp"
+   call simulation%method%choose(word == "ddmp", trim(word), "point")
+   simulation%grid%margin = simulation%method%margin()
    simulation%grid%spacing = 1.0_wp
    simulation%grid%upper = real(cells + max(cells/4, 4), wp)
    simulation%grid%periodic = .true.
@@ -53,7 +57,8 @@ program bench_block
       material%eos%bulk = material%bulk
    end associate
    call prepare(simulation)
-   call make_stores(simulation, with_body=.false.)
+   call simulation%method%request(traits)
+   call make_stores(simulation, traits)
    call bodies(1)%shape%set(box([2.0_wp, 2.0_wp, 2.0_wp], spread(2.0_wp + real(cells, wp), 1, 3)))
    bodies(1)%density = 1.0_wp
    bodies(1)%velocity = 0.1_wp/sqrt(3.0_wp)
@@ -76,7 +81,7 @@ program bench_block
    print "(a,i0,a,i0,a,f8.3,a,f8.2,a)", "particles ", survey%particles, "  steps ", steps, &
       "  seconds ", &
       seconds, "  million updates/s ", real(updates, wp)*real(simulation%communicator%size, wp) &
-      /seconds*1.0e-6_wp, merge("  ddmp", "  mpm ", simulation%method%dual)
+      /seconds*1.0e-6_wp, "  "//trim(word)
    print "(a)", simulation%timer%table(simulation%communicator, seconds)
    print "(a,i0)", "8-byte numbers a particle: ", simulation%stores(1)%words()
    call simulation%communicator%finish()

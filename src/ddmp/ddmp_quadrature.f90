@@ -1,0 +1,85 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> How the modified gradient is taken at a particle: the part of it on the cell, and the part that
+!! goes by way of the nodes. The same rule serves force and strain, so that the power of the force
+!! is that of the stress.
+module ddmp_quadrature
+   use base_kinds, only: wp
+   use ddmp_alpha, only: alpha_split
+   use mesh_grid, only: grid_t
+   use particle_store, only: store_t, traits_t
+   use transfer_places, only: places_t
+   implicit none
+   private
+
+   public :: quadrature_t
+
+   !> Rule for the modified gradient.
+   type, abstract :: quadrature_t
+      integer :: alpha = alpha_split                 !! Form of alpha
+      real(wp) :: alpha_centre = 1.0_wp              !! alpha at the centre of a cell [1]
+   contains
+      procedure :: margin => quadrature_margin       !! Layers of nodes reached beyond a tile
+      procedure :: request => quadrature_request     !! Asks for what particles must carry
+      procedure(locate_i), deferred :: locate        !! Looks where the particles of a tile are
+      procedure(scatter_i), deferred :: scatter_force !! Force, volume and node stress
+      procedure(gather_i), deferred :: gather_gradient !! Velocity gradient
+   end type quadrature_t
+
+   abstract interface
+      !> Places of the particles of a tile. The basis has looked before.
+      pure subroutine locate_i(self, grid, coordinate, store, tile, places)
+         import :: grid_t, places_t, quadrature_t, store_t
+         implicit none
+         class(quadrature_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid                       !! The grid
+         integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
+         type(store_t), intent(in) :: store                     !! The particles
+         integer, intent(in) :: tile                            !! Index of the tile
+         type(places_t), intent(inout) :: places                !! What the maps need
+      end subroutine locate_i
+
+      !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
+      !! column 8, and the stress handed to the nodes to columns 9 to 17 of a patch.
+      pure subroutine scatter_i(self, grid, start, first, places, volume, stress, patch)
+         import :: grid_t, places_t, quadrature_t, wp
+         implicit none
+         class(quadrature_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid                       !! The grid
+         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+         integer, intent(in) :: first                           !! First particle of the tile
+         type(places_t), intent(in) :: places                   !! Of the tile
+         real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+         real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+         real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      end subroutine scatter_i
+
+      !> Scaled velocity gradient at the particles, component (k, l) in column k + 3 (l - 1).
+      pure subroutine gather_i(self, grid, start, places, nodes, node_gradient, scale, gradient)
+         import :: grid_t, places_t, quadrature_t, wp
+         implicit none
+         class(quadrature_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid                       !! The grid
+         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+         type(places_t), intent(in) :: places                   !! Of the tile
+         real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
+         real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
+         real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
+         real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
+      end subroutine gather_i
+   end interface
+
+contains
+
+   !> Layers of nodes beyond a tile that its particles reach; none, unless the rule says more.
+   pure integer function quadrature_margin(self) result(margin)
+      class(quadrature_t), intent(in) :: self                !! The rule
+
+      margin = 0
+   end function quadrature_margin
+
+   !> Ask for what particles must carry. Most ask for nothing.
+   pure subroutine quadrature_request(self, traits)
+      class(quadrature_t), intent(in) :: self                !! The rule
+      type(traits_t), intent(inout) :: traits                !! Fields of the stores
+   end subroutine quadrature_request
+end module ddmp_quadrature

@@ -1,0 +1,71 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The modified gradient at the particle itself: D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys.
+!! 230 (2011) 6379, in the two-step form.
+module quadrature_point
+   use base_kinds, only: wp
+   use ddmp_alpha, only: find_alpha
+   use ddmp_quadrature, only: quadrature_t
+   use mesh_grid, only: grid_t
+   use particle_store, only: store_t
+   use transfer_gather, only: gather_dual_gradient, gather_gradient
+   use transfer_places, only: places_t
+   use transfer_scatter, only: scatter_dual_force
+   implicit none
+   private
+
+   public :: quadrature_point_t
+
+   !> The gradient at one point.
+   type, extends(quadrature_t) :: quadrature_point_t
+   contains
+      procedure :: locate => point_locate            !! alpha at the particles
+      procedure :: scatter_force => point_scatter_force !! Force, volume and node stress
+      procedure :: gather_gradient => point_gather_gradient !! Velocity gradient
+   end type quadrature_point_t
+
+contains
+
+   !> alpha of the particles of a tile.
+   pure subroutine point_locate(self, grid, coordinate, store, tile, places)
+      class(quadrature_point_t), intent(in) :: self          !! The rule
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
+      type(store_t), intent(in) :: store                     !! The particles
+      integer, intent(in) :: tile                            !! Index of the tile
+      type(places_t), intent(inout) :: places                !! What the maps need
+
+      call find_alpha(grid, self%alpha, self%alpha_centre, store%count(tile), places%local, &
+         places%alpha)
+   end subroutine point_locate
+
+   !> Force, volume and node stress.
+   pure subroutine point_scatter_force(self, grid, start, first, places, volume, stress, patch)
+      class(quadrature_point_t), intent(in) :: self          !! The rule
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(in) :: places                   !! Of the tile
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+
+      call scatter_dual_force(grid, start, first, places%local, places%alpha, volume, stress, patch)
+   end subroutine point_scatter_force
+
+   !> Velocity gradient: that of the cell, blended with that of the nodes.
+   pure subroutine point_gather_gradient(self, grid, start, places, nodes, node_gradient, scale, &
+      gradient)
+      class(quadrature_point_t), intent(in) :: self          !! The rule
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      type(places_t), intent(in) :: places                   !! Of the tile
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
+      real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
+      real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
+      real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
+
+      call gather_gradient(grid, start, places%local, nodes, scale, gradient)
+      call gather_dual_gradient(grid, start, places%local, places%alpha, node_gradient, scale, &
+         gradient)
+   end subroutine point_gather_gradient
+end module quadrature_point

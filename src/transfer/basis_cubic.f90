@@ -1,0 +1,57 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Cubic B-splines round the nodes: M. Steffen, R. M. Kirby, M. Berzins, Int. J. Numer. Methods Eng.
+!! 76 (2008) 922.
+module basis_cubic
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   use particle_store, only: store_t
+   use transfer_places, only: line, places_t
+   use transfer_tensor, only: basis_tensor_t
+   implicit none
+   private
+
+   public :: basis_cubic_t
+
+   !> Cubic B-splines.
+   type, extends(basis_tensor_t) :: basis_cubic_t
+   contains
+      procedure :: reach => cubic_reach              !! Nodes of a line that are touched
+      procedure :: weigh => cubic_weigh              !! Functions along one direction
+   end type basis_cubic_t
+
+contains
+
+   !> Four nodes along a line.
+   pure integer function cubic_reach(self) result(reach)
+      class(basis_cubic_t), intent(in) :: self               !! The basis
+
+      reach = line
+   end function cubic_reach
+
+   !> With the distance d from a node in cells: 2/3 - d**2 + d**3/2 up to 1, (2 - d)**3/6 up to 2.
+   pure subroutine cubic_weigh(self, grid, store, tile, direction, places)
+      class(basis_cubic_t), intent(in) :: self               !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      type(store_t), intent(in) :: store                     !! The particles
+      integer, intent(in) :: tile                            !! Index of the tile
+      integer, intent(in) :: direction                       !! 1 to 3
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp) :: x, y, inverse
+      integer :: p
+
+      inverse = 1.0_wp/grid%spacing
+      do p = 1, store%count(tile)
+         x = places%local(p, direction)
+         y = 1.0_wp - x
+         places%low(p, direction) = 1
+         places%weight(p, 1, direction) = y**3/6.0_wp
+         places%weight(p, 2, direction) = 2.0_wp/3.0_wp - x**2*(1.0_wp - 0.5_wp*x)
+         places%weight(p, 3, direction) = 2.0_wp/3.0_wp - y**2*(1.0_wp - 0.5_wp*y)
+         places%weight(p, 4, direction) = x**3/6.0_wp
+         places%slope(p, 1, direction) = -0.5_wp*inverse*y**2
+         places%slope(p, 2, direction) = -inverse*x*(2.0_wp - 1.5_wp*x)
+         places%slope(p, 3, direction) = inverse*y*(2.0_wp - 1.5_wp*y)
+         places%slope(p, 4, direction) = 0.5_wp*inverse*x**2
+      end do
+   end subroutine cubic_weigh
+end module basis_cubic

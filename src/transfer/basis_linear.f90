@@ -1,0 +1,222 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Linear functions of the cell, of the material point method of D. Sulsky, Z. Chen, H. L. Schreyer,
+!> Comput. Methods Appl. Mech. Eng. 118 (1994) 179. A particle touches only the nodes of its cell.
+module basis_linear
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   use particle_store, only: store_t
+   use transfer_basis, only: basis_t
+   use transfer_gather, only: gather_gradient, gather_hoop, gather_motion, gather_values, &
+      gather_vector, locate
+   use transfer_places, only: places_t
+   use transfer_scatter, only: scatter_affine, scatter_force, scatter_hoop, scatter_motion, &
+      scatter_product, scatter_values
+   implicit none
+   private
+
+   public :: basis_linear_t
+
+   !> Linear node functions; every map has a kernel of its own.
+   type, extends(basis_t) :: basis_linear_t
+   contains
+      procedure :: locate => linear_locate                   !! Places in the cells
+      procedure :: spread => linear_spread                   !! Values to nodes
+      procedure :: spread_affine => linear_spread_affine     !! Mass and a linear velocity field
+      procedure :: spread_stress => linear_spread_stress     !! Force of the stress
+      procedure :: collect => linear_collect                 !! Node values to particles
+      procedure :: collect_gradient => linear_collect_gradient !! Their gradients
+      procedure :: scatter_motion => linear_scatter_motion   !! Mass and momentum
+      procedure :: scatter_product => linear_scatter_product !! Mass times a vector
+      procedure :: scatter_hoop => linear_scatter_hoop       !! Force of the hoop stress
+      procedure :: gather_motion => linear_gather_motion     !! Velocity and position
+      procedure :: gather_vector => linear_gather_vector     !! One particle vector
+      procedure :: gather_hoop => linear_gather_hoop         !! Hoop rate
+   end type basis_linear_t
+
+contains
+
+   !> Places in the cells.
+   pure subroutine linear_locate(self, grid, coordinate, store, tile, places)
+      class(basis_linear_t), intent(in) :: self          !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
+      type(store_t), intent(in) :: store                     !! The particles
+      integer, intent(in) :: tile                            !! Index of the tile
+      type(places_t), intent(inout) :: places                !! What the maps need
+
+      call locate(grid, store%first(tile), store%count(tile), store%position, places%local)
+   end subroutine linear_locate
+
+   !> Add sum S_i value to columns of a patch.
+   pure subroutine linear_spread(self, grid, start, places, count, values, before, patch)
+      class(basis_linear_t), intent(in) :: self          !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      type(places_t), intent(in) :: places                   !! Of the tile
+      integer, intent(in) :: count                           !! Number of columns
+      real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+
+      call scatter_values(grid, start, places%local, count, values, before, patch)
+   end subroutine linear_spread
+
+   !> Add mass and momentum of linear velocity fields.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine linear_spread_affine(self, grid, start, first, places, mass, velocity, &
+      affine, patch)
+      class(basis_linear_t), intent(in) :: self          !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(in) :: places                   !! Of the tile
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+
+      call scatter_affine(grid, start, first, places%local, mass, velocity, affine, patch)
+   end subroutine linear_spread_affine
+
+   !> Add the internal force to columns 5 to 7 of a patch.
+   pure subroutine linear_spread_stress(self, grid, start, first, places, volume, stress, patch)
+      class(basis_linear_t), intent(in) :: self          !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(in) :: places                   !! Of the tile
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+
+      call scatter_force(grid, start, first, places%local, volume, stress, patch)
+   end subroutine linear_spread_stress
+
+   !> Values sum S_i node_i.
+   pure subroutine linear_collect(self, grid, start, places, nodes, values)
+      class(basis_linear_t), intent(in) :: self          !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      type(places_t), intent(in) :: places                   !! Of the tile
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
+
+      call gather_values(grid, start, places%local, nodes, values)
+   end subroutine linear_collect
+
+   !> Scaled velocity gradient.
+   pure subroutine linear_collect_gradient(self, grid, start, places, nodes, scale, gradient)
+      class(basis_linear_t), intent(in) :: self          !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      type(places_t), intent(in) :: places                   !! Of the tile
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
+      real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
+      !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
+      real(wp), contiguous, intent(inout) :: gradient(:, :)
+
+      call gather_gradient(grid, start, places%local, nodes, scale, gradient)
+   end subroutine linear_collect_gradient
+
+   !> Add mass and momentum to columns 1 to 4 of a patch.
+   pure subroutine linear_scatter_motion(self, grid, start, first, places, mass, velocity, patch)
+      class(basis_linear_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+
+      call scatter_motion(grid, start, first, places%local, mass, velocity, patch)
+   end subroutine linear_scatter_motion
+
+   !> Add mass times a vector to three columns of a patch.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine linear_scatter_product(self, grid, start, first, places, mass, vector, &
+      before, patch)
+      class(basis_linear_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3)
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+
+      call scatter_product(grid, start, first, places%local, mass, vector, before, patch)
+   end subroutine linear_scatter_product
+
+   !> Add the force of the hoop stress to column 5.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine linear_scatter_hoop(self, grid, start, first, places, position, volume, &
+      stress, patch)
+      class(basis_linear_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+
+      call scatter_hoop(grid, start, first, places%local, position, volume, stress, patch)
+   end subroutine linear_scatter_hoop
+
+   !> Velocity and position at once.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine linear_gather_motion(self, grid, start, first, places, push, carry, keep, &
+      dt, velocity, position)
+      class(basis_linear_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: push(:, :)         !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: carry(:, :)        !! (3, node) [m/s]
+      real(wp), intent(in) :: keep                           !! Share of the old velocity
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
+
+      call gather_motion(grid, start, first, places%local, push, carry, keep, dt, velocity, &
+         position)
+   end subroutine linear_gather_motion
+
+   !> Particle vectors from node vectors.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine linear_gather_vector(self, grid, start, first, places, nodes, keep, scale, &
+      values)
+      class(basis_linear_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
+      real(wp), intent(in) :: keep                           !! Share of the old value
+      real(wp), intent(in) :: scale                          !! Factor of the node values
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle, 3)
+
+      call gather_vector(grid, start, first, places%local, nodes, keep, scale, values)
+   end subroutine linear_gather_vector
+
+   !> Hoop rate into component (2, 2) of the gradient.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine linear_gather_hoop(self, grid, start, first, places, position, nodes, &
+      scale, gradient)
+      class(basis_linear_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
+      real(wp), intent(in) :: scale                          !! Time step [s]
+      real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
+
+      call gather_hoop(grid, start, first, places%local, position, nodes, scale, gradient)
+   end subroutine linear_gather_hoop
+end module basis_linear

@@ -1,0 +1,325 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What the node functions of a method are: maps between the particles of a tile and its nodes.
+!!
+!! A basis gives six maps; everything else is made of them here and may be overridden where one pass
+!! is faster than two. A particle q of the store has index q - first + 1 in its tile; `start` counts
+!! the particles of the tile before each cell.
+module transfer_basis
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use mesh_grid, only: grid_t
+   use particle_store, only: store_t, traits_t
+   use transfer_places, only: places_t
+   implicit none
+   private
+
+   public :: basis_t
+
+   !> Node functions.
+   type, abstract :: basis_t
+   contains
+      procedure :: margin => basis_margin            !! Layers of nodes reached beyond a tile
+      procedure :: declare => basis_declare          !! Declares its keys, if it has any
+      procedure :: request => basis_request          !! Asks for what particles must carry
+      procedure(locate_i), deferred :: locate        !! Looks where the particles of a tile are
+      procedure(spread_i), deferred :: spread        !! Values to nodes
+      procedure(spread_affine_i), deferred :: spread_affine !! Mass and a linear velocity field
+      procedure(spread_stress_i), deferred :: spread_stress !! Force of the stress
+      procedure(collect_i), deferred :: collect      !! Node values to particles
+      procedure(collect_gradient_i), deferred :: collect_gradient !! Their gradients
+      procedure :: collect_affine => basis_collect_affine  !! Linear velocity field round a particle
+      procedure :: scatter_motion => basis_scatter_motion  !! Mass and momentum
+      procedure :: scatter_product => basis_scatter_product !! Mass times a vector
+      procedure :: scatter_hoop => basis_scatter_hoop      !! Force of the hoop stress
+      procedure :: gather_motion => basis_gather_motion    !! Velocity and position
+      procedure :: gather_vector => basis_gather_vector    !! One particle vector
+      procedure :: gather_hoop => basis_gather_hoop        !! Hoop rate
+      procedure :: gather_heat => basis_gather_heat        !! Kinetic energy that is lost
+   end type basis_t
+
+   abstract interface
+      !> Places of the particles of a tile, for all other maps.
+      pure subroutine locate_i(self, grid, coordinate, store, tile, places)
+         import :: basis_t, grid_t, places_t, store_t
+         implicit none
+         class(basis_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid                       !! The grid
+         integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
+         type(store_t), intent(in) :: store                     !! The particles
+         integer, intent(in) :: tile                            !! Index of the tile
+         type(places_t), intent(inout) :: places                !! What the maps need
+      end subroutine locate_i
+
+      !> Add sum S_i value to columns of a patch.
+      pure subroutine spread_i(self, grid, start, places, count, values, before, patch)
+         import :: basis_t, grid_t, places_t, wp
+         implicit none
+         class(basis_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid                       !! The grid
+         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+         type(places_t), intent(in) :: places                   !! Of the tile
+         integer, intent(in) :: count                           !! Number of columns
+         real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
+         integer, intent(in) :: before                          !! Columns of the patch before them
+         real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      end subroutine spread_i
+
+      !> Add mass and momentum sum m S_i (v + C (x_i - x)) to columns 1 to 4 of a patch.
+      pure subroutine spread_affine_i(self, grid, start, first, places, mass, velocity, affine, patch)
+         import :: basis_t, grid_t, places_t, wp
+         implicit none
+         class(basis_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid                       !! The grid
+         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+         integer, intent(in) :: first                           !! First particle of the tile
+         type(places_t), intent(in) :: places                   !! Of the tile
+         real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+         real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+         real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
+         real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      end subroutine spread_affine_i
+
+      !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch.
+      pure subroutine spread_stress_i(self, grid, start, first, places, volume, stress, patch)
+         import :: basis_t, grid_t, places_t, wp
+         implicit none
+         class(basis_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid                       !! The grid
+         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+         integer, intent(in) :: first                           !! First particle of the tile
+         type(places_t), intent(in) :: places                   !! Of the tile
+         real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+         real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+         real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      end subroutine spread_stress_i
+
+      !> Values sum S_i node_i.
+      pure subroutine collect_i(self, grid, start, places, nodes, values)
+         import :: basis_t, grid_t, places_t, wp
+         implicit none
+         class(basis_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid                       !! The grid
+         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+         type(places_t), intent(in) :: places                   !! Of the tile
+         real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
+         real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
+      end subroutine collect_i
+
+      !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
+      pure subroutine collect_gradient_i(self, grid, start, places, nodes, scale, gradient)
+         import :: basis_t, grid_t, places_t, wp
+         implicit none
+         class(basis_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid                       !! The grid
+         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+         type(places_t), intent(in) :: places                   !! Of the tile
+         real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
+         real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
+         !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
+         real(wp), contiguous, intent(inout) :: gradient(:, :)
+      end subroutine collect_gradient_i
+   end interface
+
+contains
+
+   !> Layers of nodes beyond a tile that its particles reach; none, unless the basis says more.
+   pure integer function basis_margin(self) result(margin)
+      class(basis_t), intent(in) :: self                     !! The basis
+
+      margin = 0
+   end function basis_margin
+
+   !> Declare the keys of &method that belong to the basis. Most have none.
+   subroutine basis_declare(self, schema)
+      class(basis_t), intent(in) :: self                     !! The basis
+      type(schema_t), intent(inout) :: schema                !! Keys of the deck
+   end subroutine basis_declare
+
+   !> Ask for what particles must carry. Most ask for nothing.
+   pure subroutine basis_request(self, traits)
+      class(basis_t), intent(in) :: self                     !! The basis
+      type(traits_t), intent(inout) :: traits                !! Fields of the stores
+   end subroutine basis_request
+
+   !> Linear velocity field round each particle: its gradient, unless the basis knows better.
+   pure subroutine basis_collect_affine(self, grid, start, places, nodes, affine)
+      class(basis_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      type(places_t), intent(in) :: places                   !! Of the tile
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
+      real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9) [1/s]
+
+      call self%collect_gradient(grid, start, places, nodes, 1.0_wp, affine)
+   end subroutine basis_collect_affine
+
+   !> Add mass and momentum to columns 1 to 4 of a patch.
+   pure subroutine basis_scatter_motion(self, grid, start, first, places, mass, velocity, patch)
+      class(basis_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      integer :: p, k
+
+      do p = 1, start(grid%tile_cells)
+         places%values(p, 1) = mass(first + p - 1)
+      end do
+      do k = 1, 3
+         do p = 1, start(grid%tile_cells)
+            places%values(p, 1 + k) = mass(first + p - 1)*velocity(first + p - 1, k)
+         end do
+      end do
+      call self%spread(grid, start, places, 4, places%values, 0, patch)
+   end subroutine basis_scatter_motion
+
+   !> Add mass times a vector to three columns of a patch.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine basis_scatter_product(self, grid, start, first, places, mass, vector, before, &
+      patch)
+      class(basis_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3)
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      integer :: p, k
+
+      do k = 1, 3
+         do p = 1, start(grid%tile_cells)
+            places%values(p, k) = mass(first + p - 1)*vector(p, k)
+         end do
+      end do
+      call self%spread(grid, start, places, 3, places%values, before, patch)
+   end subroutine basis_scatter_product
+
+   !> Add the force of the hoop stress in axisymmetry, - sum v sigma_yy S / r, to column 5.
+   pure subroutine basis_scatter_hoop(self, grid, start, first, places, position, volume, stress, &
+      patch)
+      class(basis_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      integer :: p, q
+
+      do p = 1, start(grid%tile_cells)
+         q = first + p - 1
+         places%values(p, 1) = -(volume(q)*stress(q, 2)/position(q, 1))
+      end do
+      call self%spread(grid, start, places, 1, places%values, 4, patch)
+   end subroutine basis_scatter_hoop
+
+   !> Velocity and position at once: velocity = keep velocity + sum S_i push_i, position = position
+   !! + dt sum S_i carry_i.
+   ! gate: long kernel because it gives two fields at once
+   pure subroutine basis_gather_motion(self, grid, start, first, places, push, carry, keep, dt, &
+      velocity, position)
+      class(basis_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: push(:, :)         !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: carry(:, :)        !! (3, node) [m/s]
+      real(wp), intent(in) :: keep                           !! Share of the old velocity
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
+
+      call self%gather_vector(grid, start, first, places, push, keep, 1.0_wp, velocity)
+      call self%gather_vector(grid, start, first, places, carry, 1.0_wp, dt, position)
+   end subroutine basis_gather_motion
+
+   !> Particle vectors from node vectors: values = keep values + scale sum S_i nodes_i.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine basis_gather_vector(self, grid, start, first, places, nodes, keep, scale, values)
+      class(basis_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
+      real(wp), intent(in) :: keep                           !! Share of the old value
+      real(wp), intent(in) :: scale                          !! Factor of the node values
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle, 3)
+      integer :: p, k
+
+      call self%collect(grid, start, places, nodes, places%values)
+      do k = 1, 3
+         do p = 1, start(grid%tile_cells)
+            values(first + p - 1, k) = keep*values(first + p - 1, k) + scale*places%values(p, k)
+         end do
+      end do
+   end subroutine basis_gather_vector
+
+   !> Hoop rate of axisymmetry, scale u_r / r, into component (2, 2) of the gradient.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine basis_gather_hoop(self, grid, start, first, places, position, nodes, scale, &
+      gradient)
+      class(basis_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
+      real(wp), intent(in) :: scale                          !! Time step [s]
+      real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
+      integer :: p
+
+      call self%collect(grid, start, places, nodes, places%values)
+      do p = 1, start(grid%tile_cells)
+         gradient(p, 5) = scale*places%values(p, 1)/position(first + p - 1, 1)
+      end do
+   end subroutine basis_gather_hoop
+
+   !> Heat from the kinetic energy that the way from nodes to particles loses.
+   !!
+   !! With a = sum S_i a_i dt, u = sum S_i u_i and r = v_p - u a step v_p <- v_p + a - g r, g the
+   !! share of pic, loses per mass 1/2 var(a) + g (r.r + var(u) + cov(u, a)) - 1/2 g^2 r.r, where var
+   !! and cov are those of the node values under the weights S_i. Terms that only carry energy from
+   !! particle to particle, and add up to zero, are left out; the rest is not negative for g <= 1.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine basis_gather_heat(self, grid, start, first, places, nodes, share, velocity, &
+      energy)
+      class(basis_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      !> (7, node) a dt + g u [m/s]; u + a dt/2 [m/s]; 1/2 |a dt|^2 + g (|u|^2 + u . a dt) [J/kg]
+      real(wp), contiguous, intent(in) :: nodes(:, :)
+      real(wp), intent(in) :: share                          !! Share g of pic
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]
+      real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
+      real(wp) :: slow, gain, rest, heat
+      integer :: p, q, k
+
+      call self%collect(grid, start, places, nodes, places%values)
+      !$omp simd private(q, k, slow, gain, rest, heat)
+      do p = 1, start(grid%tile_cells)
+         q = first + p - 1
+         heat = places%values(p, 7)
+         do k = 1, 3
+            slow = (places%values(p, 3 + k) - 0.5_wp*places%values(p, k)) &
+               *(1.0_wp/(1.0_wp - 0.5_wp*share))
+            gain = places%values(p, k) - share*slow
+            rest = velocity(q, k) - slow
+            heat = heat - 0.5_wp*gain*gain - share*(slow*slow + slow*gain) &
+               + share*(1.0_wp - 0.5_wp*share)*(rest*rest)
+         end do
+         energy(q) = energy(q) + heat
+      end do
+   end subroutine basis_gather_heat
+end module transfer_basis
