@@ -4,6 +4,7 @@ module driver_scene
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
    use ddmp_alpha, only: alpha_names
+   use driver_exact_deck, only: read_exact
    use driver_output, only: outputs_t
    use driver_method, only: method_t, stress_after, stress_names, stress_remapped, transfer_names
    use driver_shapes, only: read_shapes, named_shape_t
@@ -39,6 +40,8 @@ contains
       call read_gravity(deck, simulation)
       call read_shapes(deck, simulation%grid, shapes)
       call read_bodies(deck, simulation, shapes, bodies)
+      if (deck%errors() > 0) return
+      call read_exact(deck, simulation, bodies)
       if (deck%errors() > 0) return
       call prepare(simulation)
       call make_stores(simulation, with_body=size(bodies) > 1)

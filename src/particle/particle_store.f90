@@ -24,6 +24,7 @@ module particle_store
       integer(int64), allocatable :: body(:)          !! Index of the body (only if asked for)
       real(wp), allocatable :: position(:, :)         !! (particle, 3) [m]
       real(wp), allocatable :: velocity(:, :)         !! (particle, 3) [m/s]
+      real(wp), allocatable :: reference(:, :) !! (particle, 3) Position at rest (if asked for) [m]
       type(matter_t) :: matter                        !! State that the laws see
       integer, allocatable :: home(:)                 !! Cell after the move, < 0 = left the tile
       integer, allocatable :: first(:)                !! (tile) First particle of the range
@@ -120,6 +121,7 @@ contains
       if (allocated(self%body)) call worker%whole("body", "1", self%body)
       call worker%vector("position", "m", self%position)
       call worker%vector("velocity", "m/s", self%velocity)
+      if (allocated(self%reference)) call worker%vector("reference", "m", self%reference)
       call self%matter%walk(worker)
    end subroutine store_walk
 

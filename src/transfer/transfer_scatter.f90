@@ -52,17 +52,20 @@ contains
    end subroutine scatter_motion
 
    !> Add mass times a vector to the columns of a patch, one a component.
-   pure subroutine scatter_product(grid, start, first, local, mass, vector, patch)
+   pure subroutine scatter_product(grid, start, first, local, mass, vector, patch, before)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3) [m/s]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (3, node) [kg m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node) [kg m/s]
+      integer, intent(in), optional :: before                !! Columns before them, 0 if not given
       real(wp) :: a(lanes, 3), b(lanes, 3), sums(lanes, 3), weight
-      integer :: cell, p, lane
+      integer :: cell, p, lane, columns
 
+      columns = 0
+      if (present(before)) columns = before
       a = grid%lane_constant
       b = grid%lane_slope
       do cell = 0, grid%tile_cells - 1
@@ -78,7 +81,7 @@ contains
                sums(lane, 3) = sums(lane, 3) + weight*vector(p, 3)
             end do
          end do
-         call add_cell(grid, cell, sums, 0, patch)
+         call add_cell(grid, cell, sums, columns, patch)
       end do
    end subroutine scatter_product
 
