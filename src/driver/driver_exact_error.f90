@@ -24,7 +24,8 @@ contains
    !> Root mean squares, weighted by mass, over all particles that have a solution. Sums of tiles are
    !! exact, so they are the same for any ranks. Once a step. Collective.
    !!
-   !! The stress is half a step off the velocity (`method%lead`) and compared at its own time.
+   !! The stress began half a step off the velocity (`method%lead`) and remains so: its clock runs
+   !! with the same steps.
    subroutine take_errors(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run with a solution
       type(exact_sum_t) :: sums(errors + 1)
@@ -33,8 +34,7 @@ contains
 
       associate (case => simulation%exact)
          if (case%seen == simulation%step) return
-         stress_time = simulation%time + simulation%method%lead() &
-            *merge(simulation%dt, case%first_step, simulation%step > 0)
+         stress_time = simulation%time + simulation%method%lead()*case%first_step
          farthest = 0.0_wp
          do index = 1, size(simulation%stores)
             if (.not. allocated(case%material(index)%solution)) cycle
@@ -97,27 +97,28 @@ contains
       end do
    end subroutine sum_tile
 
-   !> Put the extremes into the state of a checkpoint.
+   !> Put the extremes and the first step into the state of a checkpoint.
    subroutine save_errors(simulation, state)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(state_t), intent(inout) :: state          !! Of the checkpoint
 
       if (.not. allocated(simulation%exact)) return
       call state%set("exact_errors", [simulation%exact%greatest_error, &
-         simulation%exact%greatest_motion])
+         simulation%exact%greatest_motion, simulation%exact%first_step])
    end subroutine save_errors
 
-   !> Take the extremes from a checkpoint, if it has them.
+   !> Take them from a checkpoint, if it has them.
    subroutine load_errors(simulation, state)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(state_t), intent(in) :: state             !! Of the checkpoint
-      real(wp), allocatable :: extremes(:)
+      real(wp), allocatable :: numbers(:)
       type(error_t), allocatable :: error
 
       if (.not. allocated(simulation%exact)) return
-      call state%get("exact_errors", extremes, error)
+      call state%get("exact_errors", numbers, error)
       if (allocated(error)) return
-      simulation%exact%greatest_error = extremes(1)
-      simulation%exact%greatest_motion = extremes(2)
+      simulation%exact%greatest_error = numbers(1)
+      simulation%exact%greatest_motion = numbers(2)
+      simulation%exact%first_step = numbers(3)
    end subroutine load_errors
 end module driver_exact_error
