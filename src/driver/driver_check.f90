@@ -87,6 +87,7 @@ contains
       text = "fields     "//whole(int(base_bytes(simulation), int64))// &
          " bytes a particle for identity, position, velocity, cell"
       if (allocated(simulation%stores(1)%body)) text = text//", body (there are several)"
+      if (allocated(simulation%exact)) text = text//", reference (exact solution)"
       text = text//new_line("a")
       do n = 1, size(simulation%materials)
          text = text//"  "//simulation%materials(n)%name//new_line("a")
@@ -113,6 +114,7 @@ contains
 
       bytes = 8*7 + 4
       if (allocated(simulation%stores(1)%body)) bytes = bytes + 8
+      if (allocated(simulation%exact)) bytes = bytes + 24
    end function base_bytes
 
    !> Bytes a particle, of the material that carries most.

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> What the program can list: materials, fields, shapes.
 module driver_lists
+   use exact_catalogue, only: exact_names
    use io_fields, only: field_names
    use material_catalogue, only: damage_names, eos_names, law_names
    implicit none
@@ -23,7 +24,8 @@ contains
             "intersection"])
       case default
          text = "strength_model: "//joined(law_names)//new_line("a")//"eos_model: " &
-            //joined(eos_names)//new_line("a")//"damage_model: "//joined(damage_names)
+            //joined(eos_names)//new_line("a")//"damage_model: "//joined(damage_names)//new_line("a")// &
+            "solution: "//joined(exact_names)
       end select
    end function list_text
 

@@ -43,6 +43,7 @@ module driver_method
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
       procedure :: keep => method_keep               !! Share of its velocity that a particle keeps
+      procedure :: lead => method_lead !! Share of a step by which stress is ahead of velocity
    end type method_t
 
 contains
@@ -168,4 +169,15 @@ contains
       end do
       position = 0
    end function position_of
+
+   !> Share of a step by which the time of the stress is ahead of that of position and velocity.
+   !!
+   !! The stress takes the strain of a whole step at once, with the velocity at its end (usl, musl)
+   !! or its beginning (usf): that is the velocity in the middle of the time over which the stress
+   !! goes on only if stress and velocity are half a step apart.
+   pure real(wp) function method_lead(self) result(lead)
+      class(method_t), intent(in) :: self            !! The method
+
+      lead = merge(-0.5_wp, 0.5_wp, self%stress == stress_before)
+   end function method_lead
 end module driver_method

@@ -6,6 +6,7 @@ module driver_output
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use base_text, only: text_t
+   use driver_exact_error, only: error_columns, take_errors
    use driver_ledger, only: balance_t, entries, entry_names, entry_units
    use driver_schedule, only: read_schedule, schedule_t
    use driver_simulation, only: simulation_t
@@ -148,10 +149,12 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       logical, intent(in) :: restarted               !! Does the run go on from a checkpoint?
       type(error_t), allocatable, intent(out) :: error !! A file cannot be written
-      character(len=column_width) :: columns(entries + 8)
+      character(len=column_width) :: columns(entries + 8 &
+         + merge(size(error_columns), 0, allocated(simulation%exact)))
       integer :: n
 
-      columns = column_names()
+      columns(:entries + 8) = column_names()
+      if (allocated(simulation%exact)) columns(entries + 9:) = error_columns
       do n = 1, size(self%snapshots)
          call self%snapshots(n)%series%open(simulation%communicator, self%folder, &
             self%snapshots(n)%prefix, self%snapshots(n)%next, error)
@@ -198,6 +201,7 @@ contains
             call simulation%timer%start(simulation%phase%ledger)
             call simulation%ledger%balance(simulation%communicator, simulation%grid, &
                simulation%stores, simulation%materials, now)
+            if (allocated(simulation%exact)) call take_errors(simulation)
             call stream%file%row(simulation%communicator, row_of(simulation, now), error)
             call simulation%timer%stop(simulation%phase%ledger)
             if (allocated(error)) return
@@ -247,12 +251,11 @@ contains
    pure function row_of(simulation, now) result(row)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(balance_t), intent(in) :: now             !! The books
-      real(wp) :: row(entries + 8)
+      real(wp), allocatable :: row(:)
 
-      row(1:3) = [simulation%time, real(simulation%step, wp), simulation%dt]
-      row(4:entries + 3) = now%entry
-      row(entries + 4:) = [now%total, now%mass_error, now%momentum_error, now%angular_error, &
-         now%energy_error]
+      row = [simulation%time, real(simulation%step, wp), simulation%dt, now%entry, now%total, &
+         now%mass_error, now%momentum_error, now%angular_error, now%energy_error]
+      if (allocated(simulation%exact)) row = [row, simulation%exact%error]
    end function row_of
 
    !> Snapshots that the run will write, as far as that is known before it.

@@ -15,11 +15,13 @@ module driver_program
       git_commit, version_text
    use driver_check, only: cost_text
    use driver_command_line, only: command_t, help_text, parse, program_arguments
+   use driver_exact_deck, only: declare_exact
+   use driver_exact_start, only: place_exact, strain_exact
    use driver_lists, only: list_text
    use driver_method, only: declare_method
    use driver_output, only: outputs_t
    use driver_restart, only: resume
-   use driver_run, only: limits_t, read_limits, run_to_end
+   use driver_run, only: choose_step, limits_t, read_limits, run_to_end
    use driver_scene, only: build_scene, describe_run
    use driver_simulation, only: simulation_t
    use driver_start, only: fill_simulation, first_step, spin_bodies, survey_t, take_survey
@@ -132,6 +134,7 @@ contains
       call declare_deck(schema)
       call declare_method(schema)
       call declare_material_keys(schema)
+      call declare_exact(schema)
    end subroutine declare_all
 
    !> Read the deck, build the run, and run or check it.
@@ -310,6 +313,7 @@ contains
       type(session_t), intent(inout) :: session      !! Gets particles
       type(error_t), allocatable, intent(out) :: error !! No checkpoint can be read
       character(len=:), allocatable :: note, file
+      real(wp) :: dt
 
       if (session%command%restart) then
          file = ""
@@ -320,7 +324,14 @@ contains
       else
          call fill_simulation(session%simulation, session%bodies, session%survey)
          call spin_bodies(session%simulation, session%bodies)
+         call place_exact(session%simulation, error)
+         if (allocated(error)) return
          call first_step(session%simulation)
+         if (allocated(session%simulation%exact)) then
+            call choose_step(session%simulation, session%limits, dt, error)
+            if (allocated(error)) return
+            call strain_exact(session%simulation, dt)
+         end if
          associate (simulation => session%simulation)
             call simulation%ledger%balance(simulation%communicator, simulation%grid, &
                simulation%stores, simulation%materials, simulation%ledger%start)

@@ -3,6 +3,7 @@
 module driver_restart
    use base_error, only: error_t
    use base_kinds, only: int64, wp
+   use driver_exact_error, only: load_errors, save_errors
    use driver_output, only: outputs_t
    use driver_simulation, only: simulation_t
    use driver_start, only: distribute
@@ -38,6 +39,7 @@ contains
       call simulation%timer%start(simulation%phase%checkpoint)
       call describe_state(simulation, state)
       call outputs%save(state)
+      call save_errors(simulation, state)
       call state%set("checkpoint_number", [int(place%number, int64)])
       call state%set("last_step_length", [simulation%dt])
       call checkpoint_write(simulation%communicator, place, simulation%stores, state, error)
@@ -82,6 +84,7 @@ contains
       if (allocated(error)) return
       simulation%dt = length(1)
       call outputs%load(state)
+      call load_errors(simulation, state)
       call distribute(simulation)
    end subroutine resume
 end module driver_restart

@@ -19,7 +19,7 @@ module driver_run
    implicit none
    private
 
-   public :: limits_t, read_limits, run_to_end
+   public :: choose_step, limits_t, read_limits, run_to_end
 
    !> When a run ends and when it looks after itself.
    type :: limits_t

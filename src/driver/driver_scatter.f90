@@ -13,6 +13,8 @@ module driver_scatter
 
    public :: find_places, scatter_particles, scatter_second
 
+   integer, parameter :: force_before = 4            !! Columns of a patch before the force
+
 contains
 
    !> Mass, momentum and force of all particles to the patches of their tiles, and the patches of
@@ -64,9 +66,41 @@ contains
             end if
             if (grid%axisymmetric) call method%basis%scatter_hoop(grid, start, first, places, &
                store%position, matter%volume, matter%stress, patch)
+            if (allocated(simulation%exact)) call add_body_force(simulation, scratch, index, tile, &
+               patch)
          end associate
       end do
    end subroutine scatter_tile
+
+   !> Body force of an exact solution, to columns 5 to 7.
+   subroutine add_body_force(simulation, scratch, index, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run with a solution
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      real(wp) :: point(3), force(3)
+      integer :: p, q, k
+
+      if (.not. allocated(simulation%exact%material(index)%solution)) return
+      associate (store => simulation%stores(index), &
+         solution => simulation%exact%material(index)%solution)
+         if (.not. solution%forced()) return
+         do p = 1, store%count(tile)
+            q = store%first(tile) + p - 1
+            do k = 1, 3
+               point(k) = store%reference(q, k)
+            end do
+            call solution%body_force(point, simulation%exact%force_time, force)
+            do k = 1, 3
+               scratch%places%vector(p, k) = force(k)
+            end do
+         end do
+         call simulation%method%basis%scatter_product(simulation%grid, store%cell_start(:, tile), &
+            store%first(tile), scratch%places, store%matter%mass, scratch%places%vector, &
+            force_before, patch)
+      end associate
+   end subroutine add_body_force
 
    !> Momentum of the particles to a second patch: that of the present particle velocities, or of
    !! the node velocities seen by the particles.

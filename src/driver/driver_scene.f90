@@ -3,6 +3,7 @@
 module driver_scene
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
+   use driver_exact_deck, only: read_exact
    use driver_method, only: position_of
    use driver_output, only: outputs_t
    use driver_shapes, only: read_shapes, named_shape_t
@@ -41,6 +42,8 @@ contains
       call read_gravity(deck, simulation)
       call read_shapes(deck, simulation%grid, shapes)
       call read_bodies(deck, simulation, shapes, bodies)
+      if (deck%errors() > 0) return
+      call read_exact(deck, simulation, bodies)
       if (deck%errors() > 0) return
       call prepare(simulation)
       traits%body = size(bodies) > 1

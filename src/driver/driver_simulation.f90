@@ -5,6 +5,7 @@ module driver_simulation
    use base_kinds, only: int64, wp
    use base_timer, only: timer_t
    use ddmp_dual, only: dual_t
+   use driver_exact, only: exact_case_t
    use driver_ledger, only: ledger_t
    use driver_method, only: method_t
    use material_matter, only: deformation_t
@@ -67,6 +68,7 @@ module driver_simulation
       type(nodes_t) :: nodes                         !! Node fields
       type(scratch_t), allocatable :: scratch(:)     !! (thread, from 0)
       real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
+      type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
       integer(int64) :: step = 0                     !! Steps done
       real(wp) :: time = 0.0_wp                      !! [s]

@@ -75,6 +75,10 @@ contains
             call simulation%materials(index)%request(store%matter)
             call store%start(simulation%materials(index)%name, simulation%grid%tile_cells, &
                traits)
+            if (allocated(simulation%exact)) then
+               if (allocated(simulation%exact%material(index)%solution)) &
+                  allocate (store%reference(0, 3))
+            end if
             simulation%carries_energy = simulation%carries_energy .or. &
                allocated(store%matter%energy)
          end associate

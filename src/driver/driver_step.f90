@@ -3,6 +3,7 @@
 module driver_step
    use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: int64, wp
+   use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
    use driver_method, only: stress_after, stress_before, stress_remapped, transfer_xpic
    use driver_nodes, only: dual_fields, move_nodes, remap_nodes
@@ -24,6 +25,7 @@ contains
       type(gather_parts_t) :: parts
 
       parts%work = simulation%carries_energy
+      if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time + 0.5_wp*dt
       associate (method => simulation%method)
          if (method%stress == stress_before) then
             call scatter_particles(simulation)
@@ -34,6 +36,7 @@ contains
          call scatter_particles(simulation)
          if (method%dual) call dual_fields(simulation)
          call move_nodes(simulation, dt)
+         if (allocated(simulation%exact)) call book_body_force(simulation, dt)
          if (method%transfer == transfer_xpic) call scatter_second(simulation, from_nodes=.true.)
          parts%strain = method%stress /= stress_before
          parts%velocity = .true.

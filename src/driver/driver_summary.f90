@@ -5,6 +5,7 @@ module driver_summary
    use base_kinds, only: int64, wp
    use base_log, only: log_t
    use base_version, only: git_commit, version_text
+   use driver_exact_error, only: take_errors
    use driver_ledger, only: balance_t, entries, entry_names
    use driver_output, only: outputs_t
    use driver_restart, only: describe_state
@@ -58,6 +59,7 @@ contains
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
       call log%info(balance_text(now, rate, bytes))
       call find_extremes(simulation, range)
+      if (allocated(simulation%exact)) call take_errors(simulation)
       if (simulation%communicator%rank /= 0) return
       call json%add("version", version_text)
       call json%add("git", git_commit)
@@ -76,6 +78,7 @@ contains
       call add_extremes(json, range)
       call add_timers(json, simulation, least, mean, greatest)
       call add_ledger(json, simulation, now)
+      if (allocated(simulation%exact)) call add_exact(json, simulation)
       call add_files(json, outputs)
       call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
    end subroutine summarise
@@ -232,6 +235,25 @@ contains
       call json%end()
       call json%end()
    end subroutine add_ledger
+
+   !> Errors against the exact solution: now, and the greatest of displacement in the histories, also
+   !! over the greatest displacement of the solution.
+   subroutine add_exact(json, simulation)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! With the errors
+
+      associate (case => simulation%exact)
+         call json%begin("exact")
+         call json%add("displacement_error", case%error(1))
+         call json%add("velocity_error", case%error(2))
+         call json%add("stress_error", case%error(3))
+         call json%add("greatest_displacement_error", case%greatest_error)
+         call json%add("greatest_displacement", case%greatest_motion)
+         if (case%greatest_motion > 0.0_wp) call json%add("relative_displacement_error", &
+            case%greatest_error/case%greatest_motion)
+         call json%end()
+      end associate
+   end subroutine add_exact
 
    !> Names of what was written.
    subroutine add_files(json, outputs)

@@ -14,7 +14,7 @@ contains
 
    !> Declare the groups in the order of the echo, and their keys. Those of &material and the ones of
    !! &effects that concern materials are added by the materials themselves, those of &method by the
-   !! methods.
+   !! methods, those of &exact by the solutions.
    subroutine declare_deck(schema)
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
@@ -30,6 +30,8 @@ contains
       call declare_region(schema)
       call declare_body(schema)
       call declare_boundary(schema)
+      call schema%group("exact", "a solution that is known: it gives the first state and, if "// &
+         "it was made up, a body force; histories get its errors")
       call declare_output(schema)
       call declare_checkpoint(schema)
       call declare_parallel(schema)

@@ -13,10 +13,11 @@ module io_fields
 
    integer, parameter, public :: field_name_length = 32  !! Longest name of a field
    !> All names that `fields` of an output may hold, beside "default".
-   character(len=field_name_length), parameter, public :: field_names(18) = &
+   character(len=field_name_length), parameter, public :: field_names(20) = &
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
-      "density", "velocity", "speed", "stress", "pressure", "mises", "viscous_pressure", "energy", &
-      "temperature", "plastic_strain", "plastic_rate", "damage", "failed"]
+      "density", "velocity", "speed", "reference", "stress", "pressure", "mises", &
+      "viscous_pressure", "energy", "temperature", "plastic_strain", "plastic_rate", "damage", &
+      "failed", "deformation_gradient"]
    !> Those of "default", as far as there are.
    character(len=field_name_length), parameter :: usual_names(12) = &
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
@@ -26,7 +27,7 @@ module io_fields
    type :: column_t
       character(len=field_name_length) :: name = ""      !! Name in files
       character(len=field_name_length) :: unit = "1"     !! SI unit
-      integer :: components = 1                          !! 1 number, 3 vector, 6 tensor
+      integer :: components = 1                          !! 1 number, 3 vector, 6 or 9 tensor
       logical :: is_real = .true.                        !! Real, not whole numbers
       logical :: derived = .false.                       !! Follows from fields
    end type column_t

@@ -250,6 +250,8 @@ contains
       end if
       call write_units(file, name, trim(column%name), trim(column%unit))
       if (column%components == 6) call file%attribute(name, "components", "xx yy zz xy yz xz")
+      if (column%components == 9) call file%attribute(name, "components", &
+         "xx yx zx xy yy zy xz yz zz")
    end subroutine write_column
 
    !> Write real numbers in single precision.

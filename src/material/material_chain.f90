@@ -10,7 +10,7 @@ module material_chain
    use material_matter, only: deformation_t, matter_t
    use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
    use material_tension, only: break, cut_tension, drop_failed, drop_melted, fracture_t, &
-      open_voids, spall_t, stiffen, stiffen_intact
+      open_voids, spall_t
    use material_viscosity, only: resist, viscosity_t, viscous_losses
    use material_wishes, only: wishes_t
    implicit none
@@ -36,8 +36,11 @@ module material_chain
       procedure :: wishes => chain_wishes            !! Fields to be carried, and why
       procedure :: request => chain_request          !! Allocates these fields
       procedure :: start => chain_start              !! Initial state of particles
+      procedure :: settle => chain_settle            !! Stress of the state as it is
       procedure :: update => chain_update            !! One time step
+      procedure :: signal_speed => chain_signal_speed         !! Fastest signal of a state
       procedure :: reference_speed => chain_reference_speed   !! Fastest signal at rest
+      procedure :: bulk_in_rate_form => chain_bulk_in_rate_form !! Mean stress follows the volume
       procedure :: stored_energy => chain_stored_energy       !! Internal energy of particles
    end type chain_t
 
@@ -80,6 +83,7 @@ contains
       if (wishes%asked("plastic_strain")) allocate (matter%plastic_strain(n))
       if (wishes%asked("plastic_rate")) allocate (matter%plastic_rate(n))
       if (wishes%asked("damage")) allocate (matter%damage(n))
+      if (wishes%asked("deformation_gradient")) allocate (matter%deformation_gradient(n, 9))
       if (wishes%asked("failed")) allocate (matter%failed(n))
    end subroutine chain_request
 
@@ -98,8 +102,38 @@ contains
       if (allocated(matter%plastic_strain)) matter%plastic_strain(first:last) = 0.0_wp
       if (allocated(matter%plastic_rate)) matter%plastic_rate(first:last) = 0.0_wp
       if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
+      if (allocated(matter%deformation_gradient)) then
+         matter%deformation_gradient(first:last, :) = 0.0_wp
+         matter%deformation_gradient(first:last, [1, 5, 9]) = 1.0_wp
+      end if
       if (allocated(matter%failed)) matter%failed(first:last) = 0
    end subroutine chain_start
+
+   !> Stress of particles at rest whose volume, energy, deformation gradient or deviator of stress
+   !! were set from outside: a step without deformation that takes no time.
+   pure subroutine chain_settle(self, matter, first, last)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(inout) :: matter        !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      ! Short beside every time of matter, and still a divisor that leaves numbers.
+      real(wp), parameter :: instant = 1.0e-100_wp
+      type(deformation_t) :: deformation
+
+      if (last < first) return
+      call deformation%reserve(last - first + 1)
+      deformation%gradient = 0.0_wp
+      call self%update(matter, deformation, first, last, instant, 1.0_wp)
+   end subroutine chain_settle
+
+   !> True if the mean stress follows the dilatation, without equation of state and without a law
+   !! that gives the whole stress.
+   pure logical function chain_bulk_in_rate_form(self) result(follows)
+      class(chain_t), intent(in) :: self             !! The material
+
+      follows = .not. allocated(self%eos)
+      if (follows .and. allocated(self%law)) follows = .not. self%law%whole()
+   end function chain_bulk_in_rate_form
 
    !> Fastest signal [m/s] in the reference state, for the first time step.
    pure real(wp) function chain_reference_speed(self) result(speed)
@@ -107,6 +141,31 @@ contains
 
       speed = sqrt((self%bulk + 4.0_wp/3.0_wp*self%shear)/self%density)
    end function chain_reference_speed
+
+   !> Fastest signal [m/s] of a range of particles in their present state, for the first time step
+   !! of matter that does not start in the reference state.
+   pure real(wp) function chain_signal_speed(self, matter, first, last) result(speed)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(in) :: matter           !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      type(deformation_t) :: deformation
+      integer :: count
+
+      speed = 0.0_wp
+      count = last - first + 1
+      if (count < 1) return
+      call deformation%reserve(count)
+      deformation%wave_speed(:count) = 0.0_wp
+      if (allocated(self%eos)) then
+         call self%eos%update(matter, deformation, first, last)
+      else if (self%bulk_in_rate_form()) then
+         deformation%wave_speed(:count) = self%bulk*matter%volume(first:last) &
+            /matter%mass(first:last)
+      end if
+      if (allocated(self%law)) call self%law%stiffen(matter, deformation, first, last)
+      speed = sqrt(maxval(deformation%wave_speed(:count)))
+   end function chain_signal_speed
 
    !> One time step of a range of particles, with the gradient given and the work of the stress of
    !! the force already in the energy. The order of the chain is that of the calls here.
@@ -124,14 +183,15 @@ contains
       if (count < 1) return
       deformation%plastic_work(:count) = 0.0_wp
       deformation%viscous_work(:count) = 0.0_wp
+      deformation%plastic_increment(:count) = 0.0_wp
       if (allocated(self%law)) then
-         call update_deviator(self, matter, deformation, first, last, dt)
+         call self%law%predict(matter, deformation, first, last)
       else
          call dilate(first, last, deformation%gradient, matter%volume, deformation%old_volume, &
             deformation%dilatation)
-         deformation%plastic_increment(:count) = 0.0_wp
       end if
       call update_pressure(self, matter, deformation, first, last)
+      if (allocated(self%law)) call update_deviator(self, matter, deformation, first, last, dt)
       if (allocated(self%damage)) call self%damage%update(matter, deformation, first, last, dt)
       call limit_tension(self, matter, deformation, first, last)
       if (allocated(self%viscosity)) call viscous_losses(first, last, matter%viscous_pressure, &
@@ -145,30 +205,14 @@ contains
          call square_root(count, deformation%wave_speed)
       end if
       if (allocated(self%law)) then
+         call self%law%damp(matter, deformation, first, last, spacing)
          call assemble(first, last, deformation%pressure, matter%stress)
       else
          call assemble_isotropic(first, last, deformation%pressure, matter%stress)
       end if
    end subroutine chain_update
 
-   !> Volume and deviator of stress.
-   pure subroutine update_deviator(self, matter, deformation, first, last, dt)
-      class(chain_t), intent(in) :: self                 !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
-      real(wp), intent(in) :: dt                         !! Time step [s]
-
-      call self%law%predict(matter, deformation, first, last)
-      ! Before the law, so that what has no strength does not flow plastically.
-      if (allocated(self%fracture)) call drop_failed(first, last, matter%failed, matter%stress)
-      if (allocated(self%melting)) &
-         call drop_melted(first, last, self%melting, matter%temperature, matter%stress)
-      call self%law%update(matter, deformation, first, last, dt)
-   end subroutine update_deviator
-
-   !> Pressure of the material, and the square of its wave speed.
+   !> Pressure of the material, and the square of its wave speed without strength.
    pure subroutine update_pressure(self, matter, deformation, first, last)
       class(chain_t), intent(in) :: self                 !! The material
       type(matter_t), intent(inout) :: matter            !! State of the store
@@ -178,20 +222,32 @@ contains
 
       if (allocated(self%eos)) then
          call self%eos%update(matter, deformation, first, last)
-      else
+      else if (self%bulk_in_rate_form()) then
          if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
             deformation%pressure(:last - first + 1) - matter%viscous_pressure(first:last)
          call follow_rate(first, last, self%bulk, matter%mass, matter%volume, &
             deformation%dilatation, deformation%pressure, deformation%wave_speed)
-      end if
-      if (.not. allocated(self%law)) return
-      if (allocated(self%fracture)) then
-         call stiffen_intact(first, last, self%shear, matter%failed, matter%mass, matter%volume, &
-            deformation%wave_speed)
       else
-         call stiffen(first, last, self%shear, matter%mass, matter%volume, deformation%wave_speed)
+         deformation%wave_speed(:last - first + 1) = 0.0_wp
       end if
    end subroutine update_pressure
+
+   !> Deviator of stress, and what strength adds to the square of the wave speed.
+   pure subroutine update_deviator(self, matter, deformation, first, last, dt)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp), intent(in) :: dt                         !! Time step [s]
+
+      ! Before the law, so that what has no strength does not flow plastically.
+      if (allocated(self%fracture)) call drop_failed(first, last, matter%failed, matter%stress)
+      if (allocated(self%melting)) &
+         call drop_melted(first, last, self%melting, matter%temperature, matter%stress)
+      call self%law%update(matter, deformation, first, last, dt)
+      call self%law%stiffen(matter, deformation, first, last)
+   end subroutine update_deviator
 
    !> Cut the tension or let particles fail.
    pure subroutine limit_tension(self, matter, deformation, first, last)
@@ -225,12 +281,18 @@ contains
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
-      real(wp) :: gamma_density
+      real(wp) :: gamma_density, gamma, share
 
       gamma_density = 0.0_wp
-      if (allocated(self%eos)) gamma_density = self%eos%gamma_density
-      call heat(first, last, self%heat%specific_heat, gamma_density, matter%mass, matter%volume, &
-         deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
+      gamma = 0.0_wp
+      share = 0.9_wp
+      if (allocated(self%eos)) then
+         gamma_density = self%eos%gamma_density
+         gamma = self%eos%constant_gamma
+      end if
+      if (allocated(self%law)) share = self%law%heat_share
+      call heat(first, last, self%heat%specific_heat, gamma_density, gamma, share, matter%mass, &
+         matter%volume, deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
          deformation%plastic_work, deformation%viscous_work, matter%temperature)
    end subroutine update_temperature
 
@@ -241,7 +303,7 @@ contains
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(inout) :: energy(:) !! (range) [J]
-      real(wp) :: limit, pressure, square
+      real(wp) :: limit, pressure
       integer :: i, k
 
       do i = 1, last - first + 1
@@ -250,16 +312,18 @@ contains
             energy(i) = matter%mass(k)*matter%energy(k)
             cycle
          end if
-         limit = -huge(1.0_wp)
-         if (allocated(self%spall)) limit = -self%spall%strength
-         if (allocated(matter%failed)) limit = merge(0.0_wp, limit, matter%failed(k) /= 0)
-         pressure = -sum(matter%stress(k, 1:3))/3.0_wp
-         square = sum((matter%stress(k, 1:3) + pressure)**2) + 2.0_wp*sum(matter%stress(k, 4:6)**2)
          energy(i) = 0.0_wp
-         if (self%shear > 0.0_wp) energy(i) = matter%volume(k)*square/(4.0_wp*self%shear)
+         limit = -huge(1.0_wp)
+         if (allocated(self%law)) then
+            energy(i) = self%law%stored(matter, k)
+            limit = self%law%least_pressure()
+         end if
          if (allocated(self%eos)) then
+            if (allocated(self%spall)) limit = max(limit, -self%spall%strength)
+            if (allocated(matter%failed)) limit = merge(0.0_wp, limit, matter%failed(k) /= 0)
             energy(i) = energy(i) + self%eos%stored(matter%mass(k), matter%volume(k), limit)
-         else
+         else if (self%bulk_in_rate_form()) then
+            pressure = -sum(matter%stress(k, 1:3))/3.0_wp
             if (allocated(matter%viscous_pressure)) pressure = pressure - matter%viscous_pressure(k)
             energy(i) = energy(i) + matter%volume(k)*pressure**2/(2.0_wp*self%bulk)
          end if

@@ -15,7 +15,8 @@ module material_eos
    type, abstract :: eos_t
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
-      real(wp) :: gamma_density = 0.0_wp             !! Grueneisen number times density [kg/m3]
+      real(wp) :: gamma_density = 0.0_wp !! Grueneisen number times density, constant [kg/m3]
+      real(wp) :: constant_gamma = 0.0_wp !! Grueneisen number where it is constant itself [1]
    contains
       procedure :: declare => eos_declare            !! Declares its keys, if it has any
       procedure :: read => eos_read                  !! Reads its keys, if it has any

@@ -5,7 +5,7 @@ module material_kinematics
    implicit none
    private
 
-   public :: centre_gradient, dilate, predict_deviator
+   public :: centre_gradient, deform, dilate, predict_deviator, rotate
 
 contains
 
@@ -87,6 +87,69 @@ contains
          volume(k) = volume(k)*growth(dilatation(i))
       end do
    end subroutine dilate
+
+   !> Volume and deformation gradient after the step: F becomes (I + G) F and the volume grows by
+   !! det(I + G), where C = G (I + G/2)^-1 is given and so G = (I - C/2)^-1 C.
+   ! gate: long kernel because the inverse of a matrix is nine numbers
+   pure subroutine deform(first, last, gradient, volume, deformation_gradient, old_volume, &
+      dilatation)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! C (range, 9) [1]
+      real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]
+      real(wp), contiguous, intent(inout) :: deformation_gradient(:, :)  !! F (store, 9) [1]
+      real(wp), contiguous, intent(inout) :: old_volume(:) !! Volume before (range) [m3]
+      real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
+      ! What turns inside out keeps a volume, so that the run ends for its time step or its stress.
+      real(wp), parameter :: least_growth = 1.0e-3_wp
+      real(wp) :: c(9), a(9), b(9), g(9), f(9), determinant
+      integer :: i, k, row
+
+      !$omp simd private(c, a, b, g, f, determinant, k, row)
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         do row = 1, 9
+            c(row) = gradient(i, row)
+            a(row) = -0.5_wp*c(row)
+            f(row) = deformation_gradient(k, row)
+         end do
+         dilatation(i) = c(1) + c(5) + c(9)
+         a(1) = 1.0_wp + a(1)
+         a(5) = 1.0_wp + a(5)
+         a(9) = 1.0_wp + a(9)
+         b(1) = a(5)*a(9) - a(8)*a(6)
+         b(2) = a(8)*a(3) - a(2)*a(9)
+         b(3) = a(2)*a(6) - a(5)*a(3)
+         b(4) = a(7)*a(6) - a(4)*a(9)
+         b(5) = a(1)*a(9) - a(7)*a(3)
+         b(6) = a(4)*a(3) - a(1)*a(6)
+         b(7) = a(4)*a(8) - a(7)*a(5)
+         b(8) = a(7)*a(2) - a(1)*a(8)
+         b(9) = a(1)*a(5) - a(4)*a(2)
+         ! It is 1/det(I + G/2) and not far from 1 in a step that is not absurd.
+         determinant = max(a(1)*b(1) + a(4)*b(2) + a(7)*b(3), least_growth)
+         do row = 1, 3
+            g(row) = (b(row)*c(1) + b(row + 3)*c(2) + b(row + 6)*c(3))/determinant
+            g(row + 3) = (b(row)*c(4) + b(row + 3)*c(5) + b(row + 6)*c(6))/determinant
+            g(row + 6) = (b(row)*c(7) + b(row + 3)*c(8) + b(row + 6)*c(9))/determinant
+         end do
+         do row = 1, 3
+            deformation_gradient(k, row) = f(row) &
+               + (g(row)*f(1) + g(row + 3)*f(2) + g(row + 6)*f(3))
+            deformation_gradient(k, row + 3) = f(row + 3) &
+               + (g(row)*f(4) + g(row + 3)*f(5) + g(row + 6)*f(6))
+            deformation_gradient(k, row + 6) = f(row + 6) &
+               + (g(row)*f(7) + g(row + 3)*f(8) + g(row + 6)*f(9))
+         end do
+         g(1) = 1.0_wp + g(1)
+         g(5) = 1.0_wp + g(5)
+         g(9) = 1.0_wp + g(9)
+         determinant = g(1)*(g(5)*g(9) - g(8)*g(6)) - g(4)*(g(2)*g(9) - g(8)*g(3)) &
+            + g(7)*(g(2)*g(6) - g(5)*g(3))
+         old_volume(i) = volume(k)
+         volume(k) = volume(k)*max(determinant, least_growth)
+      end do
+   end subroutine deform
 
    !> Volume and elastic trial deviator of stress after the step, with the Jaumann rate.
    !!

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a law of strength is: it corrects the deviator of the stress after an elastic trial.
+!> What a law of strength is: it corrects the deviator of the stress after an elastic trial, or
+!> gives the whole stress itself.
 module material_law
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -7,6 +8,7 @@ module material_law
    use material_effects, only: effects_t
    use material_kinematics, only: predict_deviator
    use material_matter, only: deformation_t, matter_t
+   use material_tension, only: stiffen, stiffen_intact
    use material_wishes, only: wishes_t
    implicit none
    private
@@ -16,13 +18,23 @@ module material_law
    !> A law of strength. The material holds none if it has no strength.
    type, abstract :: law_t
       real(wp) :: shear = 0.0_wp                     !! Shear modulus [Pa]
+      real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
+      real(wp) :: heat_share = 0.9_wp !! Of plastic work, becomes heat (Taylor, Quinney 1934) [1]
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
+      procedure :: select => law_select              !! Reads what decides on other models
       procedure :: read => law_read                  !! Reads its keys
-      procedure :: plastic => law_plastic            !! True if it flows plastically
+      procedure :: whole => law_whole                !! True if it gives the whole stress
+      procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
+      procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
+      procedure :: plastic => law_plastic            !! True if it flows and so takes energy
       procedure(request_i), deferred :: request      !! Asks for the fields it needs
       procedure :: predict => law_predict            !! Trial deviator of the step
       procedure(update_i), deferred :: update        !! Corrects the trial deviator
+      procedure :: stiffen => law_stiffen            !! Its share of the square of the wave speed
+      procedure :: damp => law_damp                  !! What its viscosity asks of the time step
+      procedure :: stored => law_stored              !! Energy stored in a particle
+      procedure :: least_pressure => law_least_pressure !! Least pressure it can bear
    end type law_t
 
    abstract interface
@@ -34,7 +46,8 @@ module material_law
       end subroutine request_i
 
       !> On entry the stress holds the trial deviator, on return the deviator. Plastic increment and
-      !! plastic work are zero on entry.
+      !! plastic work are zero on entry. The pressure is that after the step, the wave speed holds
+      !! the square of the bulk sound speed. A law that gives the whole stress sets the pressure.
       pure subroutine update_i(self, matter, deformation, first, last, dt)
          import :: deformation_t, law_t, matter_t, wp
          implicit none
@@ -62,7 +75,36 @@ contains
       type(effects_t), intent(in) :: effects                   !! What is asked for
    end subroutine law_read
 
-   !> True if the law flows plastically, which damage by plastic strain needs.
+   !> Read the words that decide which other models the material has, before the deck is known to be
+   !! right.
+   pure subroutine law_select(self, group)
+      class(law_t), intent(inout) :: self                      !! The law
+      type(group_t), intent(in) :: group                       !! &material
+   end subroutine law_select
+
+   !> True if the law gives the whole stress. Then the material has no equation of state and no
+   !! limit of tension, and there is no elastic trial but what the law makes of it.
+   pure logical function law_whole(self) result(whole)
+      class(law_t), intent(in) :: self                         !! The law
+
+      whole = .false.
+   end function law_whole
+
+   !> True if the law has a shear modulus.
+   pure logical function law_has_shear(self) result(has)
+      class(law_t), intent(in) :: self                         !! The law
+
+      has = .true.
+   end function law_has_shear
+
+   !> True if the law cannot do with a mean stress in rate form.
+   pure logical function law_needs_eos(self) result(needs)
+      class(law_t), intent(in) :: self                         !! The law
+
+      needs = .false.
+   end function law_needs_eos
+
+   !> True if the law flows: it takes energy, and damage by plastic strain can follow it.
    pure logical function law_plastic(self) result(plastic)
       class(law_t), intent(in) :: self                         !! The law
 
@@ -80,6 +122,55 @@ contains
       call predict_deviator(first, last, self%shear, deformation%gradient, matter%volume, &
          matter%stress, deformation%old_volume, deformation%dilatation, deformation%pressure)
    end subroutine law_predict
+
+   !> Add to the square of the wave speed what the law contributes. A law that gives the whole
+   !! stress finds 0 and leaves the square of its fastest wave.
+   pure subroutine law_stiffen(self, matter, deformation, first, last)
+      class(law_t), intent(in) :: self                         !! The law
+      type(matter_t), intent(in) :: matter                     !! State of the store
+      type(deformation_t), intent(inout) :: deformation        !! Step of the range
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+
+      if (allocated(matter%failed)) then
+         call stiffen_intact(first, last, self%shear, matter%failed, matter%mass, matter%volume, &
+            deformation%wave_speed)
+      else
+         call stiffen(first, last, self%shear, matter%mass, matter%volume, deformation%wave_speed)
+      end if
+   end subroutine law_stiffen
+
+   !> Raise the wave speed that limits the time step where the law has a viscosity.
+   pure subroutine law_damp(self, matter, deformation, first, last, spacing)
+      class(law_t), intent(in) :: self                         !! The law
+      type(matter_t), intent(in) :: matter                     !! State of the store
+      type(deformation_t), intent(inout) :: deformation        !! Step of the range
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+      real(wp), intent(in) :: spacing                          !! Cell size [m]
+   end subroutine law_damp
+
+   !> Energy [J] stored in the deviator of the stress of one particle; in the whole stress for a law
+   !! that gives it.
+   pure real(wp) function law_stored(self, matter, particle) result(energy)
+      class(law_t), intent(in) :: self                         !! The law
+      type(matter_t), intent(in) :: matter                     !! State of the store
+      integer, intent(in) :: particle                          !! Which particle
+      real(wp) :: mean
+
+      energy = 0.0_wp
+      if (self%shear <= 0.0_wp) return
+      mean = sum(matter%stress(particle, 1:3))/3.0_wp
+      energy = matter%volume(particle)*(sum((matter%stress(particle, 1:3) - mean)**2) &
+         + 2.0_wp*sum(matter%stress(particle, 4:6)**2))/(4.0_wp*self%shear)
+   end function law_stored
+
+   !> Least pressure that the law can bear [Pa].
+   pure real(wp) function law_least_pressure(self) result(pressure)
+      class(law_t), intent(in) :: self                         !! The law
+
+      pressure = -huge(1.0_wp)
+   end function law_least_pressure
 
    !> Equivalent stress of von Mises of deviators: sqrt(3/2 s:s).
    pure subroutine equivalent_stress(first, last, stress, equivalent)

@@ -20,6 +20,8 @@ module material_matter
       real(wp), allocatable :: plastic_strain(:)     !! Equivalent plastic strain [1]
       real(wp), allocatable :: plastic_rate(:)       !! Its rate [1/s]
       real(wp), allocatable :: damage(:)             !! 0 intact to 1 failed [1]
+      !> Gradient of place now to place at the start, dx_k/dX_l, column k + 3 (l - 1) (:, 9) [1].
+      real(wp), allocatable :: deformation_gradient(:, :)
       integer(int64), allocatable :: failed(:)       !! Failure flag, 0 or 1, never averaged
    contains
       procedure :: walk => matter_walk               !! Shows each allocated field to a worker
@@ -61,6 +63,8 @@ contains
          call worker%scalar("plastic_strain", "1", self%plastic_strain)
       if (allocated(self%plastic_rate)) call worker%scalar("plastic_rate", "1/s", self%plastic_rate)
       if (allocated(self%damage)) call worker%scalar("damage", "1", self%damage)
+      if (allocated(self%deformation_gradient)) &
+         call worker%vector("deformation_gradient", "1", self%deformation_gradient)
       if (allocated(self%failed)) call worker%whole("failed", "1", self%failed)
    end subroutine matter_walk
 

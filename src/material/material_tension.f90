@@ -76,7 +76,7 @@ contains
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: strength               !! Tension at failure [Pa]
       real(wp), intent(in) :: shear                  !! Shear modulus, 0 without deviator [Pa]
-      real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
+      real(wp), intent(in) :: bulk                   !! Bulk modulus, 0 for a gas [Pa]
       real(wp), contiguous, intent(in) :: volume(:)            !! (store) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :)      !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
@@ -93,7 +93,8 @@ contains
             if (damage(k) < 1.0_wp .and. pressure(i) > -strength) cycle
             failed(k) = 1
             damage(k) = 1.0_wp
-            plastic_work(i) = plastic_work(i) + volume(k)*0.5_wp*min(pressure(i), 0.0_wp)**2/bulk
+            if (bulk > 0.0_wp) plastic_work(i) = plastic_work(i) &
+               + volume(k)*0.5_wp*min(pressure(i), 0.0_wp)**2/bulk
             if (shear > 0.0_wp) plastic_work(i) = plastic_work(i) + volume(k)*0.25_wp/shear &
                *(stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
                + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2))

@@ -140,12 +140,29 @@ contains
       if (effects%strength .and. word == "isotropic") then
          call group%get("strength_model", word)
          call choose_law(word, material%law)
+         if (allocated(material%law)) call material%law%select(group)
       end if
       call group%get("eos_model", word)
-      if (effects%eos) call choose_eos(word, material%eos)
+      if (effects%eos .and. .not. gives_whole(material)) call choose_eos(word, material%eos)
       call group%get("damage_model", word)
       if (effects%damage) call choose_damage(word, material%damage)
    end subroutine choose_models
+
+   !> True if the law gives the whole stress.
+   pure logical function gives_whole(material) result(whole)
+      class(material_t), intent(in) :: material      !! The material with its law chosen
+
+      whole = .false.
+      if (allocated(material%law)) whole = material%law%whole()
+   end function gives_whole
+
+   !> True if the material has a shear modulus.
+   pure logical function has_shear(material) result(has)
+      class(material_t), intent(in) :: material      !! The material with its law chosen
+
+      has = .false.
+      if (allocated(material%law)) has = material%law%has_shear()
+   end function has_shear
 
    !> Exactly one way to give the moduli, and nothing that is not used.
    subroutine check_moduli(material, group, deck)
@@ -158,7 +175,7 @@ contains
       poisson = group%given("poisson")
       bulk = group%given("bulk")
       shear = group%given("shear")
-      strong = allocated(material%law)
+      strong = has_shear(material)
       derived = .false.
       if (allocated(material%eos)) derived = material%eos%sets_bulk()
       if ((young .or. poisson) .and. (bulk .or. shear)) then
@@ -199,6 +216,10 @@ contains
          "damage_model")
       if (.not. allocated(material%law) .and. .not. effects%eos) call deck%complain(group, &
          "a material without strength needs &effects eos = .true.")
+      if (allocated(material%law) .and. .not. effects%eos) then
+         if (material%law%needs_eos()) call deck%complain(group, &
+            "this strength_model needs &effects eos = .true.", "strength_model")
+      end if
       call group%get("strength_model", strength)
       call group%get("damage_model", damage)
       ! The default itself is let pass, as the echo of a deck holds it for every material.
@@ -206,6 +227,10 @@ contains
       if (group%given("jc_rate") .and. abs(rate - 1.0_wp) > 0.0_wp .and. &
          strength /= "johnson_cook" .and. damage /= "johnson_cook") &
          call deck%complain(group, "jc_rate is given but no model of Johnson and Cook", "jc_rate")
+      if (gives_whole(material)) then
+         call check_whole(material, group, deck)
+         return
+      end if
       if (.not. effects%thermal) return
       if (group%given("t_melt")) then
          if (.not. (group%known("t_melt") .and. group%known("t_ref"))) return
@@ -217,6 +242,27 @@ contains
          call deck%complain(group, "t_melt must be set [K]")
       end if
    end subroutine check_models
+
+   !> A law that gives the whole stress stands alone.
+   subroutine check_whole(material, group, deck)
+      class(material_t), intent(in) :: material      !! The material with its models chosen
+      type(group_t), intent(in) :: group             !! &material
+      type(deck_t), intent(inout) :: deck            !! Notes what is wrong
+      character(len=:), allocatable :: strength, eos
+
+      call group%get("strength_model", strength)
+      call group%get("eos_model", eos)
+      ! The default itself is let pass, as the echo of a deck holds it for every material.
+      if (group%given("eos_model") .and. eos /= "linear") call deck%complain(group, &
+         "eos_model is not used, as strength_model = '"//strength//"' gives the whole stress; "// &
+         "remove it", "eos_model")
+      if (allocated(material%damage) .and. material%law%plastic()) call deck%complain(group, &
+         "damage_model is not used by strength_model = '"//strength//"'; remove it", "damage_model")
+      if (group%given("spall")) call deck%complain(group, &
+         "spall is not used by strength_model = '"//strength//"'; remove it", "spall")
+      if (group%given("t_melt")) call deck%complain(group, "t_melt is not used by "// &
+         "strength_model = '"//strength//"', which does not melt; remove it", "t_melt")
+   end subroutine check_whole
 
    !> True if strength or damage follows the temperature up to melting.
    logical function needs_melting(material, group) result(needed)
@@ -245,7 +291,7 @@ contains
          if (group%given("bulk")) call group%get("bulk", material%bulk)
          if (group%given("shear")) call group%get("shear", material%shear)
       end if
-      if (.not. allocated(material%law)) material%shear = 0.0_wp
+      if (.not. has_shear(material)) material%shear = 0.0_wp
    end subroutine read_moduli
 
    !> The models with their constants.
@@ -263,6 +309,7 @@ contains
       end if
       if (allocated(material%law)) then
          material%law%shear = material%shear
+         material%law%bulk = material%bulk
          call material%law%read(group, effects)
       end if
       if (allocated(material%damage)) call material%damage%read(group, effects)
@@ -282,7 +329,7 @@ contains
          allocate (material%heat)
          call group%get("specific_heat", material%heat%specific_heat)
       end if
-      if (effects%melting) then
+      if (effects%melting .and. .not. gives_whole(material)) then
          allocate (material%melting)
          call group%get("t_melt", material%melting)
       end if

@@ -38,6 +38,7 @@ module particle_store
       real(wp), allocatable :: domain(:, :)
       !> (particle, 9) Slope (k, l) of the velocity round it in column k + 3 (l - 1) [1/s]
       real(wp), allocatable :: affine(:, :)
+      real(wp), allocatable :: reference(:, :) !! (particle, 3) Position at rest (if asked for) [m]
       type(matter_t) :: matter                        !! State that the laws see
       integer, allocatable :: home(:)                 !! Cell after the move, < 0 = left the tile
       integer, allocatable :: first(:)                !! (tile) First particle of the range
@@ -140,6 +141,7 @@ contains
       if (allocated(self%extent)) call worker%vector("extent", "m", self%extent)
       if (allocated(self%domain)) call worker%vector("domain", "m", self%domain)
       if (allocated(self%affine)) call worker%vector("affine", "1/s", self%affine)
+      if (allocated(self%reference)) call worker%vector("reference", "m", self%reference)
       call self%matter%walk(worker)
    end subroutine store_walk
 

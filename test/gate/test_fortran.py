@@ -24,7 +24,8 @@ ARROWS = {
     "driver": {"base", "mesh", "material", "particle", "transfer", "io", "ddmp"},
 }
 # Families of modules whose names begin otherwise than their folder.
-FAMILIES = {"law": "material", "eos": "material", "damage": "material", "basis": "transfer"}
+FAMILIES = {"law": "material", "eos": "material", "damage": "material", "basis": "transfer",
+            "exact": "driver"}
 SOURCES = project_files(".f90", under="src")
 MODULES = [Module(path) for path in SOURCES if path.name != "main.f90"]
 

@@ -1,0 +1,89 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The first state of a run that follows an exact solution.
+module driver_exact_start
+   use base_error, only: error_t, exit_input, fail
+   use base_kinds, only: wp
+   use driver_exact, only: determinant, exact_t
+   use driver_simulation, only: simulation_t
+   use driver_step, only: sort_particles
+   use particle_place, only: place_tile
+   use particle_store, only: moved_out, store_t
+   implicit none
+   private
+
+   public :: place_exact, strain_exact
+
+contains
+
+   !> Move the particles from their lattice to where the solution has them at the start, with their
+   !! velocities, and bring them to their tiles and ranks. The lattice remains their reference.
+   subroutine place_exact(simulation, error)
+      type(simulation_t), intent(inout) :: simulation !! The run, particles on their lattice
+      type(error_t), allocatable, intent(out) :: error !! Some particle would be outside of the box
+      integer :: index, tile
+      logical :: outside
+
+      if (.not. allocated(simulation%exact)) return
+      outside = .false.
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index), holder => simulation%exact%material(index))
+            if (.not. allocated(holder%solution)) cycle
+            do tile = 1, simulation%tiles%own
+               call move_tile(holder%solution, store, tile)
+               call place_tile(simulation%grid, simulation%boundary, &
+                  simulation%tiles%coordinate(:, tile), store, tile)
+               outside = outside .or. any(store%home(store%first(tile):store%first(tile) &
+                  + store%count(tile) - 1) == moved_out)
+            end do
+         end associate
+      end do
+      if (simulation%communicator%any(outside)) then
+         call fail(error, exit_input, "&exact puts particles outside of the grid; widen &grid")
+         return
+      end if
+      call sort_particles(simulation)
+   end subroutine place_exact
+
+   !> Keep the lattice as reference and place the particles of a tile.
+   subroutine move_tile(solution, store, tile)
+      class(exact_t), intent(in) :: solution         !! The solution
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: point(3), position(3), velocity(3)
+      integer :: p
+
+      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+         point = store%position(p, :)
+         call solution%place(point, 0.0_wp, position, velocity)
+         store%reference(p, :) = point
+         store%position(p, :) = position
+         store%velocity(p, :) = velocity
+      end do
+   end subroutine move_tile
+
+   !> Give the particles volume and stress of the solution. Stress is half a step off the velocity
+   !! (`method%lead`), so the length of the first step must be known.
+   subroutine strain_exact(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run, particles in place
+      real(wp), intent(in) :: dt                     !! Length of the first step [s]
+      real(wp) :: gradient(3, 3), stress(6), point(3)
+      integer :: index, tile, p
+
+      if (.not. allocated(simulation%exact)) return
+      simulation%exact%first_step = dt
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index), holder => simulation%exact%material(index))
+            if (.not. allocated(holder%solution)) cycle
+            do tile = 1, simulation%tiles%own
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  point = store%reference(p, :)
+                  call holder%solution%gradient(point, simulation%method%lead()*dt, gradient)
+                  call holder%solution%stress(gradient, stress)
+                  store%matter%stress(p, :) = stress
+                  store%matter%volume(p) = determinant(gradient)*store%matter%volume(p)
+               end do
+            end do
+         end associate
+      end do
+   end subroutine strain_exact
+end module driver_exact_start
