@@ -5,6 +5,7 @@ module driver_check
    use driver_run, only: limits_t
    use driver_simulation, only: simulation_t
    use driver_start, only: survey_t
+   use material_matter, only: matter_t
    use material_wishes, only: wishes_t
    use mesh_tiles, only: neighbors
    use particle_fill, only: body_t
@@ -149,17 +150,24 @@ contains
          + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
    end function memory
 
-   !> Stable time step for materials at rest and bodies at their speeds [s].
+   !> Stable time step for bodies as they begin [s].
    pure real(wp) function least_step(simulation, bodies) result(dt)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(matter_t) :: matter
       real(wp) :: fastest
       integer :: n
 
       fastest = 0.0_wp
       do n = 1, size(bodies)
-         fastest = max(fastest, simulation%materials(bodies(n)%store)%reference_speed() &
-            + norm2(bodies(n)%velocity))
+         associate (material => simulation%materials(bodies(n)%store))
+            call material%request(matter, 1)
+            matter%mass = material%density
+            matter%volume = 1.0_wp
+            call material%start(matter, 1, 1, bodies(n)%temperature)
+            if (allocated(matter%energy)) matter%energy = bodies(n)%energy
+            fastest = max(fastest, material%signal_speed(matter, 1, 1) + norm2(bodies(n)%velocity))
+         end associate
       end do
       dt = huge(dt)
       if (fastest > 0.0_wp) dt = simulation%method%cfl*simulation%grid%spacing/fastest

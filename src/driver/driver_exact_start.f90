@@ -81,7 +81,12 @@ contains
                   call holder%solution%stress(gradient, stress)
                   store%matter%stress(p, :) = stress
                   store%matter%volume(p) = determinant(gradient)*store%matter%volume(p)
+                  if (allocated(store%matter%deformation_gradient)) &
+                     store%matter%deformation_gradient(p, :) = reshape(gradient, [9])
                end do
+               ! what follows from these by the laws, such as the pressure of an equation of state
+               call simulation%materials(index)%settle(store%matter, store%first(tile), &
+                  store%first(tile) + store%count(tile) - 1)
             end do
          end associate
       end do

@@ -12,6 +12,8 @@ module driver_scene
    use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
       version_text
    use io_checkpoint, only: checkpoint_place_t
+   use material_type, only: material_t
+   use material_wishes, only: wishes_t
    use mesh_boundary, only: face_names, face_outflow, face_periodic, face_symmetry, face_types
    use particle_fill, only: body_t
    use particle_store, only: traits_t
@@ -185,6 +187,7 @@ contains
             call group%get("velocity", body%velocity)
             call group%get("spin", body%spin)
             call group%get("temperature", body%temperature)
+            call read_energy(deck, group, simulation%materials(body%store), body)
             body%density = simulation%materials(body%store)%density
             where (.not. simulation%grid%active)
                body%per_cell = 1
@@ -193,6 +196,21 @@ contains
          end associate
       end do
    end subroutine read_bodies
+
+   !> Internal energy at the start, of a material that carries it.
+   subroutine read_energy(deck, group, material, body)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(group_t), intent(in) :: group             !! The &body
+      type(material_t), intent(in) :: material       !! Its material
+      type(body_t), intent(inout) :: body            !! Gets the energy
+      type(wishes_t) :: wishes
+
+      call group%get("specific_energy", body%energy)
+      wishes = material%wishes()
+      if (body%energy > 0.0_wp .and. .not. wishes%asked("energy")) call deck%complain(group, &
+         "material '"//material%name//"' carries no internal energy; remove specific_energy or "// &
+         "choose an eos_model that depends on it", "specific_energy")
+   end subroutine read_energy
 
    !> Names of the run: folder, case, and what files say of it.
    subroutine describe_run(deck, simulation, bodies, deck_text, folder, outputs, place)

@@ -123,9 +123,14 @@ contains
             call fill_bodies(simulation%grid, bodies, simulation%tiles%coordinate, index, store)
             do tile = 1, size(own)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  body = body_of(bodies, store%identity(p))
                   call simulation%materials(index)%start(store%matter, p, p, &
-                     temperature_of(bodies, store%identity(p)))
+                     bodies(body)%temperature)
+                  if (bodies(body)%energy > 0.0_wp) store%matter%energy(p) = bodies(body)%energy
                end do
+               if (any(bodies%energy > 0.0_wp .and. bodies%store == index)) &
+                  call simulation%materials(index)%settle(store%matter, store%first(tile), &
+                  store%first(tile) + store%count(tile) - 1)
             end do
          end associate
       end do
@@ -179,17 +184,16 @@ contains
       end do
    end subroutine spin_bodies
 
-   !> Initial temperature of the body that a particle belongs to [K].
-   pure real(wp) function temperature_of(bodies, identity) result(temperature)
+   !> Index of the body that a particle belongs to.
+   pure integer function body_of(bodies, identity) result(body)
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       integer(int64), intent(in) :: identity         !! Of the particle
-      integer :: body
 
-      temperature = bodies(1)%temperature
-      do body = 1, size(bodies)
-         if (identity >= bodies(body)%first_identity) temperature = bodies(body)%temperature
+      do body = size(bodies), 2, -1
+         if (identity >= bodies(body)%first_identity) return
       end do
-   end function temperature_of
+      body = 1
+   end function body_of
 
    !> Share the particles out among the ranks anew and bring each to its tile; what tiles there were
    !! is forgotten. For particles that were just read, each store in one range.
@@ -265,18 +269,19 @@ contains
    !> Stable time step for the initial state [s].
    subroutine first_step(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp) :: fastest, speed
+      real(wp) :: fastest, signal, speed
       integer :: index, tile, p
 
       fastest = 0.0_wp
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
             do tile = 1, size(store%count)
+               signal = simulation%materials(index)%signal_speed(store%matter, &
+                  store%first(tile), store%first(tile) + store%count(tile) - 1)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  speed = simulation%materials(index)%reference_speed() &
-                     + sqrt(store%velocity(p, 1)**2 + store%velocity(p, &
-                        2)**2 + store%velocity(p, 3)**2)
-                  fastest = max(fastest, speed)
+                  speed = sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 &
+                     + store%velocity(p, 3)**2)
+                  fastest = max(fastest, signal + speed)
                end do
             end do
          end associate

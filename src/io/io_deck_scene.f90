@@ -61,6 +61,8 @@ contains
       call schema%real("body", "temperature", "temperature at the start", unit="K", &
          default="293.0", &
          range=">= 0", owner="effects.thermal")
+      call schema%real("body", "specific_energy", "internal energy per mass at the start; for "// &
+         "materials that carry it", unit="J/kg", default="0.0", range=">= 0")
       call schema%require("body", "name region material")
       call schema%refer("body", "region", "region")
       call schema%refer("body", "material", "material")

@@ -27,6 +27,7 @@ module particle_fill
       real(wp) :: velocity(3) = 0.0_wp                !! [m/s]
       real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
       real(wp) :: temperature = 293.0_wp              !! [K]
+      real(wp) :: energy = 0.0_wp                     !! Internal, per mass, at the start [J/kg]
       integer(int64) :: first_identity = 1            !! Identity of the first site of the box
    contains
       procedure :: sites => body_sites                !! Sites of the whole box
