@@ -57,7 +57,7 @@ contains
                q = store%first(tile) + p - 1
                do k = 1, 3
                   point(k) = store%reference(q, k)
-                  place(k) = store%position(q, k) + 0.5_wp*dt*scratch%vector(p, k)
+                  place(k) = store%position(q, k) + 0.5_wp*dt*scratch%places%vector(p, k)
                end do
                call solution%body_force(point, simulation%exact%force_time, force)
                force = store%matter%mass(q)*dt*force
