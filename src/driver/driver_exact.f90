@@ -131,7 +131,8 @@ contains
    !> Cauchy stress of the material at a deformation gradient F that began without stress.
    !!
    !! Neo-Hooke: sigma = lambda ln J/J 1 + mu/J (F F^T - 1). Else the laws integrate rates, which
-   !! without turning axes of strain gives sigma = lambda tr(e) 1 + 2 mu e with e = ln(F F^T)/2, here
+   !! without turning axes of strain gives sigma = lambda tr(e) 1 + 2 mu e with e = ln(F F^T)/2,
+   !! here
    !! by (B - 1)(B + 1)^-1 with B = F F^T, which is right to the third power of the strain.
    pure subroutine exact_stress(self, gradient, stress)
       class(exact_t), intent(in) :: self             !! The solution

@@ -66,7 +66,8 @@ contains
       call schema%words("method", "alpha", alpha_names)
       call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
          range=">= 0 <= 1", owner="run.method = ddmp")
-      call schema%text("method", "free_surface", "cell weights of the dual gradient: least fill "// &
+      call schema%text("method", "free_surface", &
+         "cell weights of the dual gradient: least fill "// &
          "of the nodes; 1 in cells without an empty node; 1 everywhere", default="fill", &
          owner="run.method = ddmp")
       call schema%words("method", "free_surface", surface_names)
@@ -91,7 +92,8 @@ contains
       call group%get("basis", basis)
       call group%get("quadrature", quadrature)
       call self%choose(word == "ddmp", basis, quadrature)
-      if (self%dual .and. basis /= "linear" .and. group%valid(["basis"])) call deck%complain(group, &
+      if (self%dual .and. basis /= "linear" .and. group%valid(["basis"])) &
+         call deck%complain(group, &
          "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions", "basis")
       if (allocated(self%quadrature)) then
          call group%get("alpha", word)

@@ -53,7 +53,8 @@ contains
          associate (grid => simulation%grid, store => simulation%stores(index), &
             method => simulation%method, places => scratch%places, &
             start => simulation%stores(index)%cell_start(:, tile), &
-            first => simulation%stores(index)%first(tile), matter => simulation%stores(index)%matter)
+            first => simulation%stores(index)%first(tile), &
+               matter => simulation%stores(index)%matter)
             call find_places(simulation, scratch, store, tile)
             call method%basis%scatter_motion(grid, start, first, places, matter%mass, &
                store%velocity, patch)

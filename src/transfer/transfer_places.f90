@@ -71,7 +71,8 @@ contains
       allocate (self%share(n, line, 3), self%rest(n, line, 3))
    end subroutine places_reserve_split
 
-   !> Length of columns: not as long as the particles are many, since a length that is a power of two
+   !> Length of columns: not as long as the particles are many, since a length that is a power of
+   !! two
    !! would put all columns into the same few places of the cache.
    pure integer function room_for(particles) result(room)
       integer, intent(in) :: particles               !! Particles of a tile

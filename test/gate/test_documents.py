@@ -15,7 +15,7 @@ from pathlib import Path
 
 from sources import ROOT, lines_of, place, project_files
 
-LONGEST = 250
+LONGEST = 250    # but for the table of keys, which the program writes
 DOCUMENTS = project_files(".md")
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 NAMED = re.compile(r"`((?:src|scripts|test|cmake|doc|input)/[a-z0-9_./]+)`")
@@ -61,7 +61,8 @@ class DocumentGate(unittest.TestCase):
 
     def test_length(self):
         self.none([f"{place(path, 1)} has {len(lines_of(path))} lines, limit {LONGEST}"
-                   for path in DOCUMENTS if len(lines_of(path)) > LONGEST])
+                   for path in DOCUMENTS
+                   if len(lines_of(path)) > LONGEST and path.name != "keys.md"])
 
     def test_links(self):
         offences, found = [], 0
