@@ -5,7 +5,7 @@ module material_kinematics
    implicit none
    private
 
-   public :: centre_gradient, deform, dilate, predict_deviator, rotate
+   public :: centre_gradient, deform, dilate, follow_motion, predict_deviator
 
 contains
 
@@ -150,6 +150,54 @@ contains
          volume(k) = volume(k)*max(determinant, least_growth)
       end do
    end subroutine deform
+
+   !> Turn the gradient C that is referred to the middle of the step into dt L, where L is the
+   !! velocity gradient that is constant over the step and makes the same motion, and take the
+   !! volume and the mean from the stress.
+   !!
+   !! From exp(dt L) = I + G follows dt L = 2 artanh(C/2) = C + C**3/12 + C**5/80 + C**7/448 + ...
+   !! The next term is C**9/2304.
+   pure subroutine follow_motion(first, last, gradient, volume, stress, old_volume, dilatation, &
+      pressure)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(inout) :: gradient(:, :) !! C in, dt L out (range, 9) [1]
+      real(wp), contiguous, intent(inout) :: volume(:)      !! Volume (store) [m3]
+      real(wp), contiguous, intent(inout) :: stress(:, :)   !! Deviator on return (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: old_volume(:)  !! Volume before (range) [m3]
+      real(wp), contiguous, intent(inout) :: dilatation(:)  !! Trace of strain (range) [1]
+      real(wp), contiguous, intent(inout) :: pressure(:)    !! Old mean pressure (range) [Pa]
+      real(wp) :: c(3, 3), square(3, 3), rest(3, 3), mean
+      integer :: i, k, axis
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         c(:, 1) = gradient(i, 1:3)
+         c(:, 2) = gradient(i, 4:6)
+         c(:, 3) = gradient(i, 7:9)
+         square = matmul(c, c)
+         rest = square/448.0_wp
+         do axis = 1, 3
+            rest(axis, axis) = rest(axis, axis) + 1.0_wp/80.0_wp
+         end do
+         rest = matmul(square, rest)
+         do axis = 1, 3
+            rest(axis, axis) = rest(axis, axis) + 1.0_wp/12.0_wp
+         end do
+         c = c + matmul(c, matmul(square, rest))
+         gradient(i, 1:3) = c(:, 1)
+         gradient(i, 4:6) = c(:, 2)
+         gradient(i, 7:9) = c(:, 3)
+         dilatation(i) = c(1, 1) + c(2, 2) + c(3, 3)
+         old_volume(i) = volume(k)
+         volume(k) = volume(k)*growth(dilatation(i))
+         mean = (stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
+         pressure(i) = -mean
+         stress(k, 1) = stress(k, 1) - mean
+         stress(k, 2) = stress(k, 2) - mean
+         stress(k, 3) = stress(k, 3) - mean
+      end do
+   end subroutine follow_motion
 
    !> Volume and elastic trial deviator of stress after the step, with the Jaumann rate.
    !!

@@ -13,7 +13,7 @@ module material_law
    implicit none
    private
 
-   public :: equivalent_stress, law_t
+   public :: equivalent_stress, law_stiffen, law_stored, law_t
 
    !> A law of strength. The material holds none if it has no strength.
    type, abstract :: law_t
@@ -23,6 +23,7 @@ module material_law
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
       procedure :: select => law_select              !! Reads what decides on other models
+      procedure :: fault => law_fault                !! What is wrong with its keys together
       procedure :: read => law_read                  !! Reads its keys
       procedure :: whole => law_whole                !! True if it gives the whole stress
       procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
@@ -81,6 +82,16 @@ contains
       class(law_t), intent(inout) :: self                      !! The law
       type(group_t), intent(in) :: group                       !! &material
    end subroutine law_select
+
+   !> What is wrong with the keys of the law taken together, which the single ones cannot tell;
+   !! empty if nothing is.
+   pure function law_fault(self, group) result(text)
+      class(law_t), intent(in) :: self                         !! The law
+      type(group_t), intent(in) :: group                       !! &material
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function law_fault
 
    !> True if the law gives the whole stress. Then the material has no equation of state and no
    !! limit of tension, and there is no elastic trial but what the law makes of it.

@@ -205,7 +205,7 @@ contains
       type(group_t), intent(in) :: group             !! Its &material
       type(effects_t), intent(in) :: effects         !! What is asked for
       type(deck_t), intent(inout) :: deck            !! Notes what is wrong
-      character(len=:), allocatable :: strength, damage
+      character(len=:), allocatable :: strength, damage, fault
       real(wp) :: rate, reference, melting
       logical :: plastic
 
@@ -216,6 +216,10 @@ contains
          "damage_model")
       if (.not. allocated(material%law) .and. .not. effects%eos) call deck%complain(group, &
          "a material without strength needs &effects eos = .true.")
+      if (allocated(material%law)) then
+         fault = material%law%fault(group)
+         if (len(fault) > 0) call deck%complain(group, fault)
+      end if
       if (allocated(material%law) .and. .not. effects%eos) then
          if (material%law%needs_eos()) call deck%complain(group, &
             "this strength_model needs &effects eos = .true.", "strength_model")
