@@ -22,8 +22,7 @@ module driver_exact_error
 contains
 
    !> Root mean squares, weighted by mass, over all particles that have a solution. Sums of tiles
-   !! are
-   !! exact, so they are the same for any ranks. Once a step. Collective.
+   !! are exact, so they are the same for any ranks. Once a step. Collective.
    !!
    !! The stress began half a step off the velocity (`method%lead`) and remains so: its clock runs
    !! with the same steps.

@@ -237,8 +237,7 @@ contains
    end subroutine add_ledger
 
    !> Errors against the exact solution: now, and the greatest of displacement in the histories,
-   !! also
-   !! over the greatest displacement of the solution.
+   !! also over the greatest displacement of the solution.
    subroutine add_exact(json, simulation)
       type(json_t), intent(inout) :: json            !! The summary
       type(simulation_t), intent(in) :: simulation   !! With the errors
