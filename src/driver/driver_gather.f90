@@ -15,6 +15,7 @@ module driver_gather
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_store, only: store_t
+   use transfer_even, only: even_gradient
    implicit none
    private
 
@@ -236,6 +237,8 @@ contains
          end if
          if (grid%axisymmetric) call method%basis%gather_hoop(grid, start, store%first(tile), &
             places, store%position, velocity, dt, scratch%deformation%gradient)
+         if (method%even) call even_gradient(grid, start, store%first(tile), &
+            store%matter%volume, scratch%deformation%gradient)
       end associate
    end subroutine find_gradient
 

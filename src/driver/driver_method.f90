@@ -33,6 +33,7 @@ module driver_method
       class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
+      logical :: even = .false.                      !! Even dilatation in a cell?
       integer :: transfer = transfer_flip            !! How velocities come back to particles
       real(wp) :: flip = 0.999_wp                    !! Share of increments in flip [1]
       real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
@@ -77,6 +78,9 @@ contains
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
          "new velocities; default usl with ddmp, musl with mpm", words="usl usf musl")
+      call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
+         "material in a cell share their mean dilatation and pressure", default="none", &
+         words="none bbar")
    end subroutine declare_method
 
    !> Make the method from the deck.
@@ -111,6 +115,8 @@ contains
       call group%get("transfer", word)
       self%transfer = max(position_of(word, transfer_names), 1)
       call group%get("flip", self%flip)
+      call group%get("antilock", word)
+      self%even = word == "bbar"
       group = deck%group("time", 1)
       call group%get("cfl", self%cfl)
    end subroutine method_read

@@ -7,6 +7,7 @@ module driver_scatter
    use mesh_patch, only: ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
+   use transfer_places, only: places_t
    use transfer_scatter, only: dual_columns, motion_columns
    implicit none
    private
@@ -58,20 +59,43 @@ contains
             call find_places(simulation, scratch, store, tile)
             call method%basis%scatter_motion(grid, start, first, places, matter%mass, &
                store%velocity, patch)
-            if (method%dual) then
-               call method%quadrature%scatter_force(grid, start, first, places, matter%volume, &
-                  matter%stress, patch)
+            if (method%even) then
+               call scratch%even%reserve(store%count(tile))
+               call scratch%even%fill(grid, start, first, store%position, matter%volume, &
+                  matter%stress)
+               call push_nodes(simulation, places, start, 1, scratch%even%position, &
+                  scratch%even%volume, scratch%even%stress, patch)
             else
-               call method%basis%spread_stress(grid, start, first, places, matter%volume, &
+               call push_nodes(simulation, places, start, first, store%position, matter%volume, &
                   matter%stress, patch)
             end if
-            if (grid%axisymmetric) call method%basis%scatter_hoop(grid, start, first, places, &
-               store%position, matter%volume, matter%stress, patch)
             if (allocated(simulation%exact)) call add_body_force(simulation, scratch, index, tile, &
                patch)
          end associate
       end do
    end subroutine scatter_tile
+
+   !> Force of the stress of the particles of a tile.
+   subroutine push_nodes(simulation, places, start, first, position, volume, stress, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(places_t), intent(inout) :: places        !! Of the tile
+      integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                   !! First particle of the tile in the arrays
+      real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) Radius in column 1 [m]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :) !! (particle, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+
+      associate (grid => simulation%grid, method => simulation%method)
+         if (method%dual) then
+            call method%quadrature%scatter_force(grid, start, first, places, volume, stress, patch)
+         else
+            call method%basis%spread_stress(grid, start, first, places, volume, stress, patch)
+         end if
+         if (grid%axisymmetric) call method%basis%scatter_hoop(grid, start, first, places, &
+            position, volume, stress, patch)
+      end associate
+   end subroutine push_nodes
 
    !> Body force of an exact solution, to columns 5 to 7.
    subroutine add_body_force(simulation, scratch, index, tile, patch)

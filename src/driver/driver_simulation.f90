@@ -14,6 +14,7 @@ module driver_simulation
    use mesh_grid, only: grid_t
    use mesh_tiles, only: tiles_t
    use particle_store, only: store_t
+   use transfer_even, only: even_t
    use transfer_places, only: places_t
    implicit none
    private
@@ -42,6 +43,7 @@ module driver_simulation
    !> Scratch space of one thread.
    type :: scratch_t
       type(places_t) :: places                       !! Particles of the tile as the basis sees them
+      type(even_t) :: even                           !! Their stress without locking, if asked for
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       type(ledger_t) :: ledger                       !! Sums of this thread
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
