@@ -17,6 +17,7 @@ module ddmp_quadrature
    type, abstract :: quadrature_t
       integer :: alpha = alpha_split                 !! Form of alpha
       real(wp) :: alpha_centre = 1.0_wp              !! alpha at the centre of a cell [1]
+      logical :: smooth = .true.                     !! Does the gradient have no kinks?
    contains
       procedure :: margin => quadrature_margin       !! Layers of nodes reached beyond a tile
       procedure :: request => quadrature_request     !! Asks for what particles must carry

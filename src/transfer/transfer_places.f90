@@ -13,6 +13,7 @@ module transfer_places
    type :: places_t
       real(wp), allocatable :: local(:, :)           !! (particle, 3) Place in its cell, 0 to 1
       real(wp), allocatable :: alpha(:, :)           !! (particle, 3) Share of the own cell
+      real(wp), allocatable :: blend(:, :)           !! (particle, 3) Place with a smooth start
       !> (particle, node, direction) Functions of the nodes -1, 0, 1, 2 of the cell along a line
       real(wp), allocatable :: weight(:, :, :)
       real(wp), allocatable :: slope(:, :, :)        !! The same: their mean derivatives [1/m]
@@ -37,10 +38,11 @@ contains
 
       if (allocated(self%local)) then
          if (size(self%local, 1) >= particles) return
-         deallocate (self%local, self%alpha, self%vector, self%values)
+         deallocate (self%local, self%alpha, self%blend, self%vector, self%values)
       end if
       n = room_for(particles)
-      allocate (self%local(n, 3), self%alpha(n, 3), self%vector(n, 3), self%values(n, 9))
+      allocate (self%local(n, 3), self%alpha(n, 3), self%blend(n, 3), self%vector(n, 3), &
+         self%values(n, 9))
    end subroutine places_reserve
 
    !> Make room for the functions of wide stencils. What was there is lost.
