@@ -43,7 +43,6 @@ module driver_exact
    type :: exact_case_t
       type(exact_holder_t), allocatable :: material(:) !! (material)
       logical :: forced = .false.                    !! Does some material feel a body force?
-      real(wp) :: first_step = 0.0_wp                !! Length of the first step [s]
       real(wp) :: force_time = 0.0_wp                !! Time of the body force of this step [s]
       real(wp) :: error(3) = 0.0_wp !! Of displacement [m], velocity [m/s], stress [Pa], last seen
       real(wp) :: greatest_error = 0.0_wp            !! Greatest of displacement so far [m]

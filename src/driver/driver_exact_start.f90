@@ -61,23 +61,20 @@ contains
       end do
    end subroutine move_tile
 
-   !> Give the particles volume and stress of the solution. Stress is half a step off the velocity
-   !! (`method%lead`), so the length of the first step must be known.
-   subroutine strain_exact(simulation, dt)
+   !> Give the particles volume and stress of the solution.
+   subroutine strain_exact(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run, particles in place
-      real(wp), intent(in) :: dt                     !! Length of the first step [s]
       real(wp) :: gradient(3, 3), stress(6), point(3)
       integer :: index, tile, p
 
       if (.not. allocated(simulation%exact)) return
-      simulation%exact%first_step = dt
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index), holder => simulation%exact%material(index))
             if (.not. allocated(holder%solution)) cycle
             do tile = 1, simulation%tiles%own
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   point = store%reference(p, :)
-                  call holder%solution%gradient(point, simulation%method%lead()*dt, gradient)
+                  call holder%solution%gradient(point, 0.0_wp, gradient)
                   call holder%solution%stress(gradient, stress)
                   store%matter%stress(p, :) = stress
                   store%matter%volume(p) = determinant(gradient)*store%matter%volume(p)

@@ -75,7 +75,7 @@ contains
             call find_places(simulation, scratch, store, tile)
             call scratch%deformation%reserve(store%count(tile))
             if (parts%work .and. allocated(store%matter%energy)) &
-               call add_work(simulation, scratch, store, tile, view, dt)
+               call add_work(simulation, scratch, store, tile, view)
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
             associate (grid => simulation%grid, basis => simulation%method%basis, &
                start => store%cell_start(:, tile), first => store%first(tile), &
@@ -110,24 +110,26 @@ contains
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t), intent(out) :: view              !! What the particles see
+      real(wp) :: kick
       integer :: nodes
 
       nodes = simulation%grid%tile_nodes
-      if (parts%velocity) call find_push(simulation, tile, dt, view%push)
+      kick = simulation%kick
+      if (parts%velocity) call find_push(simulation, tile, kick, view%push)
       associate (velocity => simulation%nodes%velocity(:, :, tile), &
          acceleration => simulation%nodes%acceleration(:, :, tile))
-         ! the position moves with the velocity in the middle of the step, as in the seed of DDMP
-         if (parts%position .or. parts%work .or. parts%velocity) then
+         ! the velocity in the middle of the step, which for the scheme of the seed is a mean
+         if (parts%position) then
             allocate (view%carry(3, nodes))
-            view%carry = velocity + 0.5_wp*dt*acceleration
+            view%carry = velocity + simulation%method%advance()*kick*acceleration
          end if
          if (parts%velocity .and. simulation%carries_energy .and. &
             simulation%method%transfer /= transfer_xpic) then
             allocate (view%heat(7, nodes))
             view%heat(1:3, :) = view%push
-            view%heat(4:6, :) = view%carry
-            view%heat(7, :) = 0.5_wp*dt**2*sum(acceleration**2, dim=1) &
-               + (1.0_wp - simulation%method%keep())*sum(velocity*(velocity + dt*acceleration), &
+            view%heat(4:6, :) = velocity + 0.5_wp*kick*acceleration
+            view%heat(7, :) = 0.5_wp*kick**2*sum(acceleration**2, dim=1) &
+               + (1.0_wp - simulation%method%keep())*sum(velocity*(velocity + kick*acceleration), &
                   dim=1)
          end if
       end associate
@@ -191,18 +193,20 @@ contains
          gradient)
    end subroutine node_gradient
 
-   !> Work of the stress that made the force on the velocity in the middle of the step, so that what
+   !> Work of the stress that made the force on the mean of the velocities of the nodes, so that what
    !! the nodes lose in kinetic energy is what the particles gain in internal energy.
-   subroutine add_work(simulation, scratch, store, tile, view, dt)
+   subroutine add_work(simulation, scratch, store, tile, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(inout) :: store          !! The particles
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
-      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: middle(3, simulation%grid%tile_nodes)
       integer :: p, q, first
 
-      call find_gradient(simulation, scratch, store, tile, view%carry, view%middle, dt)
+      middle = simulation%nodes%velocity(:, :, tile) &
+         + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, :, tile)
+      call find_gradient(simulation, scratch, store, tile, middle, view%middle, simulation%kick)
       first = store%first(tile)
       associate (stress => store%matter%stress, gradient => scratch%deformation%gradient)
          do p = 1, store%count(tile)

@@ -33,6 +33,7 @@ module driver_method
       class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
+      logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
       integer :: transfer = transfer_flip            !! How velocities come back to particles
       real(wp) :: flip = 0.999_wp                    !! Share of increments in flip [1]
@@ -44,7 +45,9 @@ module driver_method
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
       procedure :: keep => method_keep               !! Share of its velocity that a particle keeps
-      procedure :: lead => method_lead !! Share of a step by which stress is ahead of velocity
+      procedure :: kick => method_kick               !! Time over which the forces act
+      procedure :: advance => method_advance         !! Share of the acceleration that moves
+      procedure :: lag => method_lag                 !! Time by which velocities are behind
    end type method_t
 
 contains
@@ -178,14 +181,32 @@ contains
       position = 0
    end function position_of
 
-   !> Share of a step by which the time of the stress is ahead of that of position and velocity.
+   !> Time over which the forces of a step act [s].
    !!
-   !! The stress takes the strain of a whole step at once, with the velocity at its end (usl, musl)
-   !! or its beginning (usf): that is the velocity in the middle of the time over which the stress
-   !! goes on only if stress and velocity are half a step apart.
-   pure real(wp) function method_lead(self) result(lead)
+   !! Position and stress stand at the times of the steps, velocities half a step before: forces lead
+   !! from the middle of the last step to the middle of this one, and the velocity there moves and
+   !! strains through the whole step (leapfrog), which is of second order. The scheme of the seed
+   !! has the velocity at the time of the position.
+   pure real(wp) function method_kick(self, last, dt) result(kick)
+      class(method_t), intent(in) :: self            !! The method
+      real(wp), intent(in) :: last                   !! Length of the last step, 0 at the start [s]
+      real(wp), intent(in) :: dt                     !! Length of this step [s]
+
+      kick = merge(0.5_wp*(last + dt), dt, self%leapfrog)
+   end function method_kick
+
+   !> Share of the acceleration in the velocity that moves the particles, times the kick.
+   pure real(wp) function method_advance(self) result(share)
       class(method_t), intent(in) :: self            !! The method
 
-      lead = merge(-0.5_wp, 0.5_wp, self%stress == stress_before)
-   end function method_lead
+      share = merge(1.0_wp, 0.5_wp, self%leapfrog)
+   end function method_advance
+
+   !> Time by which velocities are behind positions [s].
+   pure real(wp) function method_lag(self, last) result(lag)
+      class(method_t), intent(in) :: self            !! The method
+      real(wp), intent(in) :: last                   !! Length of the last step, 0 at the start [s]
+
+      lag = merge(0.5_wp*last, 0.0_wp, self%leapfrog)
+   end function method_lag
 end module driver_method

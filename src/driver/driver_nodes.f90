@@ -116,7 +116,7 @@ contains
    !! strains.
    subroutine move_nodes(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp), intent(in) :: dt                     !! Time step, 0 = none [s]
+      real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       integer :: tile
 
       call simulation%timer%start(simulation%phase%grid)
@@ -144,7 +144,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp) :: force(3, simulation%grid%tile_nodes)
       real(wp) :: mass(simulation%grid%tile_nodes)
       integer :: component
@@ -190,7 +190,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp), intent(in) :: mass(:)                !! (node) [kg]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]

@@ -75,6 +75,7 @@ module driver_simulation
       integer(int64) :: step = 0                     !! Steps done
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: dt = 0.0_wp                        !! Last time step [s]
+      real(wp) :: kick = 0.0_wp                      !! Time that the forces act in this step [s]
       real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
       integer(int64) :: updates = 0                  !! Particle updates of this rank
       type(ledger_t) :: ledger                       !! The books

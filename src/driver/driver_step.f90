@@ -25,18 +25,21 @@ contains
       type(gather_parts_t) :: parts
 
       parts%work = simulation%carries_energy
-      if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time + 0.5_wp*dt
+      if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time
+      simulation%kick = simulation%method%kick(simulation%dt, dt)
       associate (method => simulation%method)
          if (method%stress == stress_before) then
             call scatter_particles(simulation)
             if (method%dual) call dual_fields(simulation)
             call move_nodes(simulation, 0.0_wp)
-            call gather_particles(simulation, gather_parts_t(strain=.true.), dt)
+            ! positions have moved already through the last step, with the velocity before this one
+            call gather_particles(simulation, gather_parts_t(strain=.true.), &
+               merge(simulation%dt, dt, method%leapfrog))
          end if
          call scatter_particles(simulation)
          if (method%dual) call dual_fields(simulation)
-         call move_nodes(simulation, dt)
-         if (allocated(simulation%exact)) call book_body_force(simulation, dt)
+         call move_nodes(simulation, simulation%kick)
+         if (allocated(simulation%exact)) call book_body_force(simulation, simulation%kick)
          if (method%transfer == transfer_xpic) call scatter_second(simulation, from_nodes=.true.)
          parts%strain = method%stress /= stress_before
          parts%velocity = .true.
