@@ -42,6 +42,7 @@ module driver_method
    contains
       procedure :: read => method_read               !! Make it from the deck
       procedure :: choose => method_choose           !! Make it from words
+      procedure :: controlled => method_controlled   !! Is a mean stress taken out?
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
       procedure :: keep => method_keep               !! Share of its velocity that a particle keeps
@@ -105,6 +106,8 @@ contains
       if (allocated(self%quadrature)) then
          call group%get("alpha", word)
          self%quadrature%alpha = max(position_of(word, alpha_names), 1)
+         ! a smooth blend makes the other forms noisier
+         self%quadrature%smooth = self%quadrature%alpha == alpha_split
          call group%get("alpha_0", self%quadrature%alpha_centre)
          call group%get("free_surface", word)
          self%surface = max(position_of(word, surface_names), 1)
@@ -140,6 +143,14 @@ contains
       if (.not. allocated(self%quadrature)) call choose_quadrature("point", self%quadrature)
       self%quadrature%alpha = alpha_split
    end subroutine method_choose
+
+   !> True if a mean stress of the nodes is taken out of the particles.
+   pure logical function method_controlled(self) result(controlled)
+      class(method_t), intent(in) :: self            !! The method
+
+      controlled = .false.
+      if (allocated(self%quadrature)) controlled = self%quadrature%controlled()
+   end function method_controlled
 
    !> Layers of nodes beyond a tile that its particles reach.
    pure integer function method_margin(self) result(margin)

@@ -7,6 +7,7 @@ module driver_scatter
    use mesh_patch, only: ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
+   use transfer_even, only: even_stress
    use transfer_places, only: places_t
    use transfer_scatter, only: dual_columns, motion_columns
    implicit none
@@ -59,12 +60,10 @@ contains
             call find_places(simulation, scratch, store, tile)
             call method%basis%scatter_motion(grid, start, first, places, matter%mass, &
                store%velocity, patch)
-            if (method%even) then
-               call scratch%even%reserve(store%count(tile))
-               call scratch%even%fill(grid, start, first, store%position, matter%volume, &
-                  matter%stress)
-               call push_nodes(simulation, places, start, 1, scratch%even%position, &
-                  scratch%even%volume, scratch%even%stress, patch)
+            if (method%even .or. method%controlled()) then
+               call change_stress(simulation, scratch, store, tile)
+               call push_nodes(simulation, places, start, 1, scratch%pushed%position, &
+                  scratch%pushed%volume, scratch%pushed%stress, patch)
             else
                call push_nodes(simulation, places, start, first, store%position, matter%volume, &
                   matter%stress, patch)
@@ -74,6 +73,26 @@ contains
          end associate
       end do
    end subroutine scatter_tile
+
+   !> The stress that particles of a tile push the nodes with, where it is not their own.
+   subroutine change_stress(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+
+      associate (grid => simulation%grid, start => store%cell_start(:, tile), &
+         pushed => scratch%pushed, places => scratch%places)
+         call pushed%copy(store%first(tile), store%count(tile), store%position, &
+            store%matter%volume, store%matter%stress)
+         if (simulation%method%even) call even_stress(grid, start, pushed%volume, pushed%stress)
+         if (simulation%method%controlled()) then
+            call simulation%method%basis%collect(grid, start, places, &
+               simulation%nodes%star(:, :, tile), places%values)
+            call pushed%subtract(store%count(tile), places%values)
+         end if
+      end associate
+   end subroutine change_stress
 
    !> Force of the stress of the particles of a tile.
    subroutine push_nodes(simulation, places, start, first, position, volume, stress, patch)

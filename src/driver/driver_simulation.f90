@@ -14,8 +14,8 @@ module driver_simulation
    use mesh_grid, only: grid_t
    use mesh_tiles, only: tiles_t
    use particle_store, only: store_t
-   use transfer_even, only: even_t
    use transfer_places, only: places_t
+   use transfer_pushed, only: pushed_t
    implicit none
    private
 
@@ -32,6 +32,8 @@ module driver_simulation
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
       real(wp), allocatable :: extra(:, :, :) !! Patch (3): momentum mapped a second time [kg m/s]
       real(wp), allocatable :: strain(:, :, :)       !! (3) Velocity of the strain increment [m/s]
+      real(wp), allocatable :: mean(:, :, :)         !! Patch (7): volume, stress times volume
+      real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress, taken out of particles [Pa]
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
@@ -43,7 +45,7 @@ module driver_simulation
    !> Scratch space of one thread.
    type :: scratch_t
       type(places_t) :: places                       !! Particles of the tile as the basis sees them
-      type(even_t) :: even                           !! Their stress without locking, if asked for
+      type(pushed_t) :: pushed                       !! Their stress, if changed on its way to nodes
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       type(ledger_t) :: ledger                       !! Sums of this thread
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]

@@ -3,6 +3,7 @@
 module driver_step
    use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: int64, wp
+   use driver_control, only: find_star
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
    use driver_method, only: stress_after, stress_before, stress_remapped, transfer_xpic
@@ -29,6 +30,7 @@ contains
       simulation%kick = simulation%method%kick(simulation%dt, dt)
       associate (method => simulation%method)
          if (method%stress == stress_before) then
+            if (method%controlled()) call find_star(simulation)
             call scatter_particles(simulation)
             if (method%dual) call dual_fields(simulation)
             call move_nodes(simulation, 0.0_wp)
@@ -36,6 +38,7 @@ contains
             call gather_particles(simulation, gather_parts_t(strain=.true.), &
                merge(simulation%dt, dt, method%leapfrog))
          end if
+         if (method%controlled()) call find_star(simulation)
          call scatter_particles(simulation)
          if (method%dual) call dual_fields(simulation)
          call move_nodes(simulation, simulation%kick)

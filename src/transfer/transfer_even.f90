@@ -13,17 +13,7 @@ module transfer_even
    implicit none
    private
 
-   public :: even_gradient, even_t
-
-   !> What the particles of a tile push the nodes with.
-   type :: even_t
-      real(wp), allocatable :: position(:, :)        !! (particle of the tile, 3) [m]
-      real(wp), allocatable :: volume(:)             !! (particle of the tile) [m3]
-      real(wp), allocatable :: stress(:, :)          !! (particle of the tile, 6) [Pa]
-   contains
-      procedure :: reserve => even_reserve           !! Room for the particles of a tile
-      procedure :: fill => even_fill                 !! Stresses with the mean pressure of each cell
-   end type even_t
+   public :: even_gradient, even_stress
 
 contains
 
@@ -69,56 +59,36 @@ contains
       end do
    end subroutine even_gradient
 
-   !> Make room for a number of particles. What was there is lost.
-   pure subroutine even_reserve(self, particles)
-      class(even_t), intent(inout) :: self                   !! The stresses
-      integer, intent(in) :: particles                       !! Most particles in a tile
-
-      if (allocated(self%volume)) then
-         if (size(self%volume) >= particles) return
-         deallocate (self%position, self%volume, self%stress)
-      end if
-      allocate (self%position(particles, 3), self%volume(particles), self%stress(particles, 6))
-   end subroutine even_reserve
-
-   !> Copy the particles of a tile and give those of each cell the mean of their pressures.
-   pure subroutine even_fill(self, grid, start, first, position, volume, stress)
-      class(even_t), intent(inout) :: self                   !! The stresses
+   !> Give the particles of each cell the mean of their pressures.
+   pure subroutine even_stress(grid, start, volume, stress)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) [m]
-      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
-      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) [Pa]
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle of the tile) [m3]
+      real(wp), contiguous, intent(inout) :: stress(:, :)    !! (particle of the tile, 6) [Pa]
       real(wp) :: total, whole, shift
       logical :: share(3)
       integer :: cell, p, k
 
       share = sharing(grid)
-      do p = 1, start(grid%tile_cells)
-         self%position(p, :) = position(first + p - 1, :)
-         self%volume(p) = volume(first + p - 1)
-         self%stress(p, :) = stress(first + p - 1, :)
-      end do
       do cell = 0, grid%tile_cells - 1
          total = 0.0_wp
          whole = 0.0_wp
          do p = start(cell) + 1, start(cell + 1)
-            whole = whole + self%volume(p)
+            whole = whole + volume(p)
             do k = 1, 3
-               if (share(k)) total = total + self%volume(p)*self%stress(p, k)
+               if (share(k)) total = total + volume(p)*stress(p, k)
             end do
          end do
          do p = start(cell) + 1, start(cell + 1)
             shift = total/whole
             do k = 1, 3
-               if (share(k)) shift = shift - self%stress(p, k)
+               if (share(k)) shift = shift - stress(p, k)
             end do
             shift = shift/real(count(share), wp)
             do k = 1, 3
-               if (share(k)) self%stress(p, k) = self%stress(p, k) + shift
+               if (share(k)) stress(p, k) = stress(p, k) + shift
             end do
          end do
       end do
-   end subroutine even_fill
+   end subroutine even_stress
 end module transfer_even
