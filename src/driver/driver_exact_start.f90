@@ -3,7 +3,7 @@
 module driver_exact_start
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
-   use driver_exact, only: determinant, exact_t
+   use driver_exact, only: determinant, exact_t, inverse
    use driver_simulation, only: simulation_t
    use driver_step, only: sort_particles
    use particle_place, only: place_tile
@@ -83,6 +83,8 @@ contains
                   store%matter%volume(p) = determinant(gradient)*store%matter%volume(p)
                   if (allocated(store%matter%deformation_gradient)) &
                      store%matter%deformation_gradient(p, :) = reshape(gradient, [9])
+                  if (allocated(store%affine)) &
+                     store%affine(p, :) = velocity_gradient(holder%solution, point, dt)
                end do
                ! what follows from these by the laws, such as the pressure of an equation of state
                call simulation%materials(index)%settle(store%matter, store%first(tile), &
@@ -91,4 +93,17 @@ contains
          end associate
       end do
    end subroutine strain_exact
+
+   !> Velocity gradient of the solution at the start, dF/dt F**-1, component (k, l) at k + 3 (l - 1).
+   pure function velocity_gradient(solution, point, dt) result(slopes)
+      class(exact_t), intent(in) :: solution         !! The solution
+      real(wp), intent(in) :: point(3)               !! Place at rest [m]
+      real(wp), intent(in) :: dt                     !! Over which F is compared, a step [s]
+      real(wp) :: slopes(9), before(3, 3), after(3, 3), now(3, 3)
+
+      call solution%gradient(point, -0.5_wp*dt, before)
+      call solution%gradient(point, 0.5_wp*dt, after)
+      call solution%gradient(point, 0.0_wp, now)
+      slopes = reshape(matmul((after - before)/dt, inverse(now)), [9])
+   end function velocity_gradient
 end module driver_exact_start

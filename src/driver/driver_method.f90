@@ -10,7 +10,8 @@ module driver_method
    use ddmp_quadrature, only: quadrature_t
    use particle_store, only: traits_t
    use transfer_basis, only: basis_t
-   use transfer_catalogue, only: basis_names, choose_basis
+   use transfer_catalogue, only: basis_names, choose_basis, choose_velocity, velocity_names
+   use transfer_velocity, only: velocity_t
    implicit none
    private
 
@@ -21,11 +22,6 @@ module driver_method
    integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
    character(len=4), parameter, public :: stress_names(3) = ["usl ", "usf ", "musl"]
 
-   integer, parameter, public :: transfer_flip = 1   !! Increments, with a share of pic
-   integer, parameter, public :: transfer_pic = 2    !! Values
-   integer, parameter, public :: transfer_xpic = 3   !! Values without the loss of the smooth part
-   character(len=4), parameter, public :: transfer_names(3) = ["flip", "pic ", "xpic"]
-
    !> Choices of the numerical method.
    type :: method_t
       logical :: dual = .true.                       !! Dual domain gradient, else the plain one
@@ -33,8 +29,7 @@ module driver_method
       class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
-      integer :: transfer = transfer_flip            !! How velocities come back to particles
-      real(wp) :: flip = 0.999_wp                    !! Share of increments in flip [1]
+      class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
       real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
    contains
@@ -42,7 +37,6 @@ module driver_method
       procedure :: choose => method_choose           !! Make it from words
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
-      procedure :: keep => method_keep               !! Share of its velocity that a particle keeps
       procedure :: lead => method_lead !! Share of a step by which stress is ahead of velocity
    end type method_t
 
@@ -51,16 +45,19 @@ contains
    !> Declare the keys of &method that are not those of materials.
    subroutine declare_method(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(velocity_t), allocatable :: transfer
+      integer :: n
 
       call schema%group("method", "numerical method")
       call schema%text("method", "basis", "node functions; ddmp needs linear", default="linear")
       call schema%words("method", "basis", basis_names)
       call schema%text("method", "transfer", "how node velocities come back to particles", &
-         default="flip", words="flip pic xpic")
-      call schema%real("method", "flip", "share of FLIP, the rest is PIC", default="0.999", &
-         range=">= 0 <= 1", owner="transfer = flip")
-      call schema%integer("method", "order_k", "order of xpic", default="2", range=">= 2 <= 2", &
-         owner="transfer = xpic")
+         default="flip")
+      call schema%words("method", "transfer", velocity_names)
+      do n = 1, size(velocity_names)
+         call choose_velocity(velocity_names(n), transfer)
+         call transfer%declare(schema)
+      end do
       call schema%text("method", "alpha", "share of the own cell in the gradient: one bubble a "// &
          "direction, their product, or its square", default="split", owner="run.method = ddmp")
       call schema%words("method", "alpha", alpha_names)
@@ -107,8 +104,9 @@ contains
       call group%get("stress_update", word)
       self%stress = max(position_of(word, stress_names), 1)
       call group%get("transfer", word)
-      self%transfer = max(position_of(word, transfer_names), 1)
-      call group%get("flip", self%flip)
+      call choose_velocity(word, self%transfer)
+      if (.not. allocated(self%transfer)) call choose_velocity("flip", self%transfer)
+      call self%transfer%read(deck, group)
       group = deck%group("time", 1)
       call group%get("cfl", self%cfl)
    end subroutine method_read
@@ -123,6 +121,7 @@ contains
       self%dual = dual
       call choose_basis(basis, self%basis)
       if (.not. allocated(self%basis)) call choose_basis("linear", self%basis)
+      if (.not. allocated(self%transfer)) call choose_velocity("flip", self%transfer)
       if (allocated(self%quadrature)) deallocate (self%quadrature)
       if (.not. dual) return
       call choose_quadrature(quadrature, self%quadrature)
@@ -144,20 +143,9 @@ contains
       type(traits_t), intent(inout) :: traits        !! Fields of the stores
 
       call self%basis%request(traits)
+      traits%affine = traits%affine .or. self%transfer%affine()
       if (allocated(self%quadrature)) call self%quadrature%request(traits)
    end subroutine method_request
-
-   !> Share of its own velocity that a particle keeps in a step.
-   pure real(wp) function method_keep(self) result(keep)
-      class(method_t), intent(in) :: self            !! The method
-
-      select case (self%transfer)
-      case (transfer_flip)
-         keep = self%flip
-      case default
-         keep = 0.0_wp
-      end select
-   end function method_keep
 
    !> Place of a word in a list, 0 if it is not there.
    pure integer function position_of(word, list) result(position)
