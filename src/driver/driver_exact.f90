@@ -11,7 +11,7 @@ module driver_exact
    implicit none
    private
 
-   public :: determinant, exact_case_t, exact_holder_t, exact_t
+   public :: determinant, exact_case_t, exact_holder_t, exact_t, inverse
 
    !> An exact solution in one material.
    type, abstract :: exact_t

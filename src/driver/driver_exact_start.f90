@@ -3,11 +3,12 @@
 module driver_exact_start
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
-   use driver_exact, only: determinant, exact_t
+   use driver_exact, only: determinant, exact_t, inverse
    use driver_simulation, only: simulation_t
    use driver_step, only: sort_particles
    use particle_place, only: place_tile
    use particle_store, only: moved_out, store_t
+   use transfer_affine, only: keep_affine
    implicit none
    private
 
@@ -81,6 +82,9 @@ contains
                   if (allocated(store%matter%deformation_gradient)) &
                      store%matter%deformation_gradient(p, :) = reshape(gradient, [9])
                end do
+               if (simulation%method%transfer%affine()) call slope_tile(holder%solution, store, &
+                  tile, 0.1_wp*simulation%grid%spacing &
+                  /simulation%materials(index)%reference_speed())
                ! what follows from these by the laws, such as the pressure of an equation of state
                call simulation%materials(index)%settle(store%matter, store%first(tile), &
                   store%first(tile) + store%count(tile) - 1)
@@ -88,4 +92,33 @@ contains
          end associate
       end do
    end subroutine strain_exact
+
+   !> Linear velocity fields of the particles of a tile.
+   subroutine slope_tile(solution, store, tile, dt)
+      class(exact_t), intent(in) :: solution         !! The solution
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! A short time [s]
+      real(wp) :: slopes(store%count(tile), 9), point(3)
+      integer :: p
+
+      do p = 1, store%count(tile)
+         point = store%reference(store%first(tile) + p - 1, :)
+         slopes(p, :) = velocity_gradient(solution, point, dt)
+      end do
+      call keep_affine(store, tile, 1.0_wp, slopes)
+   end subroutine slope_tile
+
+   !> Velocity gradient of the solution at the start, dF/dt F**-1, component (k, l) at k + 3 (l - 1).
+   pure function velocity_gradient(solution, point, dt) result(slopes)
+      class(exact_t), intent(in) :: solution         !! The solution
+      real(wp), intent(in) :: point(3)               !! Place at rest [m]
+      real(wp), intent(in) :: dt                     !! Over which F is compared, a step [s]
+      real(wp) :: slopes(9), before(3, 3), after(3, 3), now(3, 3)
+
+      call solution%gradient(point, -0.5_wp*dt, before)
+      call solution%gradient(point, 0.5_wp*dt, after)
+      call solution%gradient(point, 0.0_wp, now)
+      slopes = reshape(matmul((after - before)/dt, inverse(now)), [9])
+   end function velocity_gradient
 end module driver_exact_start

@@ -4,10 +4,11 @@
 module driver_gather
    use base_kinds, only: int64, wp
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
-   use driver_method, only: transfer_flip, transfer_xpic
-   use driver_nodes, only: divide, empty_mass
+   use driver_method, only: method_t, stress_after
+   use driver_nodes, only: divide
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
+   use driver_sweep, only: find_filtered
    use material_kinematics, only: centre_gradient
    use material_matter, only: deformation_t, matter_t
    use material_type, only: material_t
@@ -15,6 +16,8 @@ module driver_gather
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_store, only: store_t
+   use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
+   use transfer_basis, only: expand_spin
    use transfer_even, only: even_gradient
    implicit none
    private
@@ -25,18 +28,21 @@ module driver_gather
    type :: gather_parts_t
       logical :: work = .false.                      !! Work of the stress of the force
       logical :: strain = .false.                    !! Strain and stress
-      logical :: velocity = .false.                  !! Particle velocities
-      logical :: position = .false.                  !! Particle positions and cells
+      logical :: motion = .false.                    !! Particle velocities, positions and cells
    end type gather_parts_t
 
-   !> Node fields of one tile that the particles see.
+   !> Node fields of one tile that the particles see. What is not called for is not allocated.
    type :: view_t
+      real(wp), allocatable :: centre(:, :)          !! (3, node) Mid-step velocity [m/s]
       real(wp), allocatable :: push(:, :) !! (3, node) Adds to what a particle keeps [m/s]
       real(wp), allocatable :: carry(:, :)           !! (3, node) Moves the particles [m/s]
+      real(wp), allocatable :: after(:, :)           !! (3, node) Velocity after the step [m/s]
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
-      !> (7, node) push, carry, and the kinetic energy that gets lost [J/kg]
-      real(wp), allocatable :: heat(:, :)
+      real(wp), allocatable :: heat(:, :)            !! (column, node) For lost kinetic energy
+      real(wp), allocatable :: scalar(:, :)          !! (1, node) The same [J/kg]
+      real(wp), allocatable :: turn(:, :) !! (3, node) The same for linear velocity fields [m/s]
+      real(wp), allocatable :: moments(:, :)         !! (9, node) Its moments [m2/s]
    end type view_t
 
 contains
@@ -68,7 +74,7 @@ contains
       type(view_t) :: view
       integer :: index
 
-      call look(simulation, tile, parts, dt, view)
+      call look(simulation, tile, parts, view)
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
@@ -77,24 +83,10 @@ contains
             if (parts%work .and. allocated(store%matter%energy)) &
                call add_work(simulation, scratch, store, tile, view)
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
-            associate (grid => simulation%grid, basis => simulation%method%basis, &
-               start => store%cell_start(:, tile), first => store%first(tile), &
-               places => scratch%places, keep => simulation%method%keep())
-               if (allocated(view%heat) .and. allocated(store%matter%energy)) &
-                  call basis%gather_heat(grid, start, first, places, view%heat, 1.0_wp - keep, &
-                  store%velocity, store%matter%energy)
-               if (parts%velocity .and. parts%position) then
-                  call basis%gather_motion(grid, start, first, places, view%push, view%carry, &
-                     keep, dt, store%velocity, store%position)
-               else if (parts%velocity) then
-                  call basis%gather_vector(grid, start, first, places, view%push, keep, 1.0_wp, &
-                     store%velocity)
-               else if (parts%position) then
-                  call basis%gather_vector(grid, start, first, places, view%carry, 1.0_wp, dt, &
-                     store%position)
-               end if
-            end associate
-            if (parts%position) then
+            if (parts%motion) then
+               if (allocated(store%matter%energy)) call add_heat(simulation, scratch, store, tile, &
+                  view)
+               call move_particles(simulation, scratch, store, tile, view, dt)
                call place_tile(simulation%grid, simulation%boundary, &
                   simulation%tiles%coordinate(:, tile), store, tile)
                call check_numbers(store, tile, scratch%sound)
@@ -104,35 +96,15 @@ contains
    end subroutine gather_tile
 
    !> The node fields of a tile as the particles see them.
-   subroutine look(simulation, tile, parts, dt, view)
+   subroutine look(simulation, tile, parts, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
-      real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t), intent(out) :: view              !! What the particles see
-      real(wp) :: kick
-      integer :: nodes
 
-      nodes = simulation%grid%tile_nodes
-      kick = simulation%kick
-      if (parts%velocity) call find_push(simulation, tile, kick, view%push)
-      associate (velocity => simulation%nodes%velocity(:, :, tile), &
-         acceleration => simulation%nodes%acceleration(:, :, tile))
-         ! the velocity in the middle of the step, which for the scheme of the seed is a mean
-         if (parts%position) then
-            allocate (view%carry(3, nodes))
-            view%carry = velocity + simulation%method%advance()*kick*acceleration
-         end if
-         if (parts%velocity .and. simulation%carries_energy .and. &
-            simulation%method%transfer /= transfer_xpic) then
-            allocate (view%heat(7, nodes))
-            view%heat(1:3, :) = view%push
-            view%heat(4:6, :) = velocity + 0.5_wp*kick*acceleration
-            view%heat(7, :) = 0.5_wp*kick**2*sum(acceleration**2, dim=1) &
-               + (1.0_wp - simulation%method%keep())*sum(velocity*(velocity + kick*acceleration), &
-                  dim=1)
-         end if
-      end associate
+      if (parts%work) view%centre = simulation%nodes%velocity(:, :, tile) &
+         + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, :, tile)
+      if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
       if (.not. simulation%method%dual) return
       if (parts%strain) call node_gradient(simulation, tile, simulation%nodes%gradient, &
          view%gradient)
@@ -140,44 +112,98 @@ contains
          call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
    end subroutine look
 
-   !> What nodes add to particle velocities.
-   !!
-   !! flip with a share of pic: v_p <- f v_p + sum S (a dt + (1 - f) v). xpic of order 2: C.
-   !! Hammerquist,
-   !! J. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724: v_p <- sum S (2 v - v2 + a dt)
-   !! where
-   !! v2 is v mapped to the particles and back.
-   subroutine find_push(simulation, tile, dt, push)
+   !> The node fields that move the particles of a tile, and those of the kinetic energy that the way
+   !! to the nodes and back loses.
+   subroutine look_motion(simulation, tile, dt, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), allocatable, intent(out) :: push(:, :) !! (3, node) [m/s]
-      real(wp) :: mass(simulation%grid%tile_nodes), again(3, simulation%grid%tile_nodes)
-      integer :: component
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      type(view_t), intent(inout) :: view            !! What the particles see
+      real(wp), allocatable :: filtered(:, :)
+      real(wp) :: none(1, 0)
 
-      allocate (push(3, simulation%grid%tile_nodes))
-      associate (velocity => simulation%nodes%velocity(:, :, tile), &
+      allocate (view%push(3, simulation%grid%tile_nodes), view%carry(3, simulation%grid%tile_nodes))
+      call find_filtered(simulation, tile, dt, filtered)
+      associate (transfer => simulation%method%transfer, nodes => simulation%nodes, &
+         velocity => simulation%nodes%velocity(:, :, tile), &
          acceleration => simulation%nodes%acceleration(:, :, tile))
-         select case (simulation%method%transfer)
-         case (transfer_flip)
-            push = dt*acceleration + (1.0_wp - simulation%method%flip)*velocity
-         case (transfer_xpic)
-            call assemble(simulation%grid, simulation%tiles, simulation%nodes%extra, tile, again)
-            mass = simulation%nodes%total(1, :, tile)
-            do component = 1, 3
-               where (mass > empty_mass)
-                  push(component, :) = dt*acceleration(component, &
-                  :) + 2.0_wp*velocity(component, :) &
-                     - again(component, :)/mass
-               else where
-                  push(component, :) = 0.0_wp
-               end where
-            end do
-         case default
-            push = dt*acceleration + velocity
-         end select
+         call transfer%push(dt, acceleration, filtered, view%push)
+         if (simulation%method%leapfrog) then
+            call transfer%carry(dt, velocity, acceleration, filtered, view%carry)
+         else
+            view%carry = velocity + 0.5_wp*dt*acceleration
+         end if
+         if (transfer%affine()) view%after = velocity + dt*acceleration
+         if (.not. simulation%carries_energy) return
+         if (transfer%sweeps() > 0) then
+            call transfer%heat_fields(dt, velocity, acceleration, filtered, &
+               nodes%term(:, :, tile), nodes%loss(:, :, tile), view%heat, view%scalar)
+         else
+            call transfer%heat_fields(dt, velocity, acceleration, filtered, filtered, none, &
+               view%heat, view%scalar)
+         end if
+         if (.not. transfer%affine()) return
+         view%turn = (1.0_wp - transfer%keep())*velocity - transfer%keep()*dt*acceleration
+         allocate (view%moments(9, simulation%grid%tile_nodes))
+         call moment_fields(simulation%grid, view%turn, view%moments)
       end associate
-   end subroutine find_push
+   end subroutine look_motion
+
+   !> Heat from the kinetic energy that the way to the nodes and back loses.
+   subroutine add_heat(simulation, scratch, store, tile, view)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(in) :: view               !! Node fields
+      integer :: p, k
+
+      associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
+         start => store%cell_start(:, tile), first => store%first(tile))
+         call method%transfer%heat(grid, method%basis, start, first, places, view%heat, &
+            view%scalar, store%velocity, store%matter%energy)
+         if (.not. method%transfer%affine()) return
+         call places%reserve_affine(store%count(tile))
+         if (allocated(store%spin)) then
+            call expand_spin(first, store%count(tile), store%spin, places%affine)
+         else
+            do k = 1, 9
+               do p = 1, store%count(tile)
+                  places%affine(p, k) = store%affine(first + p - 1, k)
+               end do
+            end do
+         end if
+         call gather_affine_heat(grid, method%basis, start, first, places, view%turn, &
+            view%moments, store%matter%energy)
+      end associate
+   end subroutine add_heat
+
+   !> New velocities and positions of the particles of a tile.
+   subroutine move_particles(simulation, scratch, store, tile, view, dt)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(in) :: view               !! Node fields
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
+         start => store%cell_start(:, tile), first => store%first(tile))
+         call method%basis%gather_motion(grid, start, first, places, view%push, view%carry, &
+            method%transfer%keep(), dt, store%velocity, store%position)
+         if (.not. method%transfer%affine() .or. strained(method)) return
+         call method%basis%collect_affine(grid, start, places, view%after, places%values)
+         call keep_affine(store, tile, 1.0_wp, places%values)
+      end associate
+   end subroutine move_particles
+
+   !> Do linear velocity fields come from the strain of the step? The modified gradient is less noisy
+   !! than that of the cell, and after the step it is that of the new velocities.
+   pure logical function strained(method)
+      type(method_t), intent(in) :: method           !! The method
+
+      strained = method%dual .and. method%stress == stress_after
+   end function strained
 
    !> Sum of the patches of a node gradient, divided by the volumes of the nodes.
    subroutine node_gradient(simulation, tile, patch, gradient)
@@ -201,12 +227,10 @@ contains
       type(store_t), intent(inout) :: store          !! The particles
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
-      real(wp) :: middle(3, simulation%grid%tile_nodes)
       integer :: p, q, first
 
-      middle = simulation%nodes%velocity(:, :, tile) &
-         + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, :, tile)
-      call find_gradient(simulation, scratch, store, tile, middle, view%middle, simulation%kick)
+      call find_gradient(simulation, scratch, store, tile, view%centre, view%middle, &
+         simulation%kick)
       first = store%first(tile)
       associate (stress => store%matter%stress, gradient => scratch%deformation%gradient)
          do p = 1, store%count(tile)
@@ -262,6 +286,8 @@ contains
          n = store%count(tile)
          call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
             view%gradient, dt)
+         if (simulation%method%transfer%affine() .and. strained(simulation%method)) &
+            call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          call centre_gradient(n, deformation%gradient)
          call simulation%materials(index)%update(store%matter, deformation, first, first + n - 1, &
             dt, simulation%grid%spacing)

@@ -10,7 +10,8 @@ module driver_method
    use ddmp_quadrature, only: quadrature_t
    use particle_store, only: traits_t
    use transfer_basis, only: basis_t
-   use transfer_catalogue, only: basis_names, choose_basis
+   use transfer_catalogue, only: basis_names, choose_basis, choose_velocity, velocity_names
+   use transfer_velocity, only: velocity_t
    implicit none
    private
 
@@ -21,11 +22,6 @@ module driver_method
    integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
    character(len=4), parameter, public :: stress_names(3) = ["usl ", "usf ", "musl"]
 
-   integer, parameter, public :: transfer_flip = 1   !! Increments, with a share of pic
-   integer, parameter, public :: transfer_pic = 2    !! Values
-   integer, parameter, public :: transfer_xpic = 3   !! Values without the loss of the smooth part
-   character(len=4), parameter, public :: transfer_names(3) = ["flip", "pic ", "xpic"]
-
    !> Choices of the numerical method.
    type :: method_t
       logical :: dual = .true.                       !! Dual domain gradient, else the plain one
@@ -35,8 +31,7 @@ module driver_method
       integer :: stress = stress_after               !! When the stress is updated
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
-      integer :: transfer = transfer_flip            !! How velocities come back to particles
-      real(wp) :: flip = 0.999_wp                    !! Share of increments in flip [1]
+      class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
       real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
    contains
@@ -45,9 +40,7 @@ module driver_method
       procedure :: controlled => method_controlled   !! Is a mean stress taken out?
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
-      procedure :: keep => method_keep               !! Share of its velocity that a particle keeps
       procedure :: kick => method_kick               !! Time over which the forces act
-      procedure :: advance => method_advance         !! Share of the acceleration that moves
       procedure :: lag => method_lag                 !! Time by which velocities are behind
    end type method_t
 
@@ -56,16 +49,19 @@ contains
    !> Declare the keys of &method that are not those of materials.
    subroutine declare_method(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(velocity_t), allocatable :: transfer
+      integer :: n
 
       call schema%group("method", "numerical method")
       call schema%text("method", "basis", "node functions; ddmp needs linear", default="linear")
       call schema%words("method", "basis", basis_names)
       call schema%text("method", "transfer", "how node velocities come back to particles", &
-         default="flip", words="flip pic xpic")
-      call schema%real("method", "flip", "share of FLIP, the rest is PIC", default="0.999", &
-         range=">= 0 <= 1", owner="transfer = flip")
-      call schema%integer("method", "order_k", "order of xpic", default="2", range=">= 2 <= 2", &
-         owner="transfer = xpic")
+         default="flip")
+      call schema%words("method", "transfer", velocity_names)
+      do n = 1, size(velocity_names)
+         call choose_velocity(velocity_names(n), transfer)
+         call transfer%declare(schema)
+      end do
       call schema%text("method", "alpha", "share of the own cell in the gradient: one bubble a "// &
          "direction, their product, or its square", default="split", owner="run.method = ddmp")
       call schema%words("method", "alpha", alpha_names)
@@ -119,8 +115,9 @@ contains
       call group%get("stress_update", word)
       self%stress = max(position_of(word, stress_names), 1)
       call group%get("transfer", word)
-      self%transfer = max(position_of(word, transfer_names), 1)
-      call group%get("flip", self%flip)
+      call choose_velocity(word, self%transfer)
+      if (.not. allocated(self%transfer)) call choose_velocity("flip", self%transfer)
+      call self%transfer%read(deck, group)
       call group%get("antilock", word)
       self%even = word == "bbar"
       group = deck%group("time", 1)
@@ -137,6 +134,7 @@ contains
       self%dual = dual
       call choose_basis(basis, self%basis)
       if (.not. allocated(self%basis)) call choose_basis("linear", self%basis)
+      if (.not. allocated(self%transfer)) call choose_velocity("flip", self%transfer)
       if (allocated(self%quadrature)) deallocate (self%quadrature)
       if (.not. dual) return
       call choose_quadrature(quadrature, self%quadrature)
@@ -166,20 +164,13 @@ contains
       type(traits_t), intent(inout) :: traits        !! Fields of the stores
 
       call self%basis%request(traits)
+      if (self%transfer%turning()) then
+         traits%spin = .true.
+      else
+         traits%affine = self%transfer%affine()
+      end if
       if (allocated(self%quadrature)) call self%quadrature%request(traits)
    end subroutine method_request
-
-   !> Share of its own velocity that a particle keeps in a step.
-   pure real(wp) function method_keep(self) result(keep)
-      class(method_t), intent(in) :: self            !! The method
-
-      select case (self%transfer)
-      case (transfer_flip)
-         keep = self%flip
-      case default
-         keep = 0.0_wp
-      end select
-   end function method_keep
 
    !> Place of a word in a list, 0 if it is not there.
    pure integer function position_of(word, list) result(position)
@@ -205,13 +196,6 @@ contains
 
       kick = merge(0.5_wp*(last + dt), dt, self%leapfrog)
    end function method_kick
-
-   !> Share of the acceleration in the velocity that moves the particles, times the kick.
-   pure real(wp) function method_advance(self) result(share)
-      class(method_t), intent(in) :: self            !! The method
-
-      share = merge(1.0_wp, 0.5_wp, self%leapfrog)
-   end function method_advance
 
    !> Time by which velocities are behind positions [s].
    pure real(wp) function method_lag(self, last) result(lag)

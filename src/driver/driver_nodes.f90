@@ -10,7 +10,7 @@ module driver_nodes
    implicit none
    private
 
-   public :: divide, dual_fields, move_nodes, remap_nodes
+   public :: book_push, divide, dual_fields, move_nodes, remap_nodes
 
    !> Nodes with less mass than this are empty; far below any mass, far above underflow.
    real(wp), parameter, public :: empty_mass = 1.0e-200_wp
@@ -220,7 +220,7 @@ contains
             velocity, acceleration)
          ! what the particles will gain in velocity through each node because of the faces
          free_velocity = dt*(acceleration - free_acceleration) &
-            + (1.0_wp - simulation%method%keep())*(velocity - free_velocity)
+            + (1.0_wp - simulation%method%transfer%keep())*(velocity - free_velocity)
       else
          free_velocity = 0.0_wp
       end if
@@ -270,14 +270,18 @@ contains
    subroutine remap_nodes(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp) :: none(3, simulation%grid%tile_nodes)
+      real(wp) :: momentum(size(simulation%nodes%extra, 1), simulation%grid%tile_nodes)
       integer :: tile
 
       call simulation%timer%start(simulation%phase%grid)
-      !$omp parallel do default(none) shared(simulation) private(tile, none) schedule(static)
+      !$omp parallel do default(none) shared(simulation) private(tile, none, momentum) &
+      !$omp schedule(static)
       do tile = 1, simulation%tiles%all
          associate (strain => simulation%nodes%strain(:, :, tile), &
             coordinate => simulation%tiles%coordinate(:, tile))
-            call assemble(simulation%grid, simulation%tiles, simulation%nodes%extra, tile, strain)
+            call assemble(simulation%grid, simulation%tiles, simulation%nodes%extra, tile, momentum)
+            ! linear velocity fields bring the mass along, in front
+            strain = momentum(size(momentum, 1) - 2:, :)
             call divide(simulation%nodes%total(:, :, tile), 1, strain)
             none = 0.0_wp
             call simulation%boundary%constrain(simulation%grid, coordinate, strain, none)

@@ -13,7 +13,7 @@ module driver_scatter
    implicit none
    private
 
-   public :: find_places, scatter_particles, scatter_second
+   public :: find_places, scatter_particles
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
 
@@ -58,8 +58,16 @@ contains
             first => simulation%stores(index)%first(tile), &
                matter => simulation%stores(index)%matter)
             call find_places(simulation, scratch, store, tile)
-            call method%basis%scatter_motion(grid, start, first, places, matter%mass, &
-               store%velocity, patch)
+            if (allocated(store%affine)) then
+               call method%basis%spread_affine(grid, start, first, places, matter%mass, &
+                  store%velocity, store%affine, patch)
+            else if (allocated(store%spin)) then
+               call method%basis%scatter_turning(grid, start, first, places, matter%mass, &
+                  store%velocity, store%spin, patch)
+            else
+               call method%basis%scatter_motion(grid, start, first, places, matter%mass, &
+                  store%velocity, patch)
+            end if
             if (method%even .or. method%controlled()) then
                call change_stress(simulation, scratch, store, tile)
                call push_nodes(simulation, places, start, 1, scratch%pushed%position, &
@@ -145,60 +153,6 @@ contains
             force_before, patch)
       end associate
    end subroutine add_body_force
-
-   !> Momentum of the particles to a second patch: that of the present particle velocities, or of
-   !! the node velocities seen by the particles.
-   subroutine scatter_second(simulation, from_nodes)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      logical, intent(in) :: from_nodes              !! Node velocities instead of particle ones?
-      integer :: tile
-
-      call simulation%timer%start(simulation%phase%scatter)
-      call ensure_patch(simulation%nodes%extra, 3, simulation%grid%tile_nodes, &
-         simulation%tiles%own)
-      !$omp parallel do default(none) shared(simulation, from_nodes) private(tile) &
-      !$omp schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
-         call scatter_second_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, &
-            from_nodes, simulation%nodes%extra(:, :, tile))
-      end do
-      !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%scatter)
-      call simulation%timer%start(simulation%phase%exchange)
-      call exchange_patches(simulation%communicator, simulation%grid, simulation%tiles, &
-         simulation%nodes%extra)
-      call simulation%timer%stop(simulation%phase%exchange)
-   end subroutine scatter_second
-
-   !> One tile of the second mapping.
-   subroutine scatter_second_tile(simulation, scratch, tile, from_nodes, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
-      logical, intent(in) :: from_nodes              !! Node velocities instead of particle ones?
-      real(wp), contiguous, intent(inout) :: patch(:, :) !! (node, 3)
-      integer :: index, first, n
-
-      patch = 0.0_wp
-      do index = 1, size(simulation%stores)
-         n = simulation%stores(index)%count(tile)
-         if (n == 0) cycle
-         associate (grid => simulation%grid, store => simulation%stores(index), &
-            basis => simulation%method%basis, places => scratch%places, &
-            start => simulation%stores(index)%cell_start(:, tile))
-            first = store%first(tile)
-            call find_places(simulation, scratch, store, tile)
-            if (from_nodes) then
-               call basis%collect(grid, start, places, simulation%nodes%velocity(:, :, tile), &
-                  places%vector)
-            else
-               places%vector(:n, :) = store%velocity(first:first + n - 1, :)
-            end if
-            call basis%scatter_product(grid, start, first, places, store%matter%mass, &
-               places%vector, 0, patch)
-         end associate
-      end do
-   end subroutine scatter_second_tile
 
    !> Where the particles of a tile are, as basis and modified gradient see them.
    subroutine find_places(simulation, scratch, store, tile)

@@ -30,7 +30,11 @@ module driver_simulation
       real(wp), allocatable :: total(:, :, :)        !! The sums of these
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
-      real(wp), allocatable :: extra(:, :, :) !! Patch (3): momentum mapped a second time [kg m/s]
+      !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
+      real(wp), allocatable :: extra(:, :, :)
+      real(wp), allocatable :: filtered(:, :, :) !! (3) Sum of the series of velocities [m/s]
+      real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]
+      real(wp), allocatable :: loss(:, :, :)         !! (1) Kinetic energy that it loses [J/kg]
       real(wp), allocatable :: strain(:, :, :)       !! (3) Velocity of the strain increment [m/s]
       real(wp), allocatable :: mean(:, :, :)         !! Patch (7): volume, stress times volume
       real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress, taken out of particles [Pa]

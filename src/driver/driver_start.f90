@@ -137,7 +137,8 @@ contains
       call sort_particles(simulation)
    end subroutine fill_simulation
 
-   !> Let bodies spin about their centres of mass, which only their particles know.
+   !> Let bodies spin about their centres of mass, which only their particles know. Particles that
+   !! carry a linear velocity field turn like their body.
    subroutine spin_bodies(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(body_t), intent(in) :: bodies(:)          !! The bodies
@@ -178,6 +179,9 @@ contains
                   do k = 1, 3
                      store%velocity(p, k) = store%velocity(p, k) + arm(k)
                   end do
+                  if (allocated(store%affine)) store%affine(p, :) = [0.0_wp, spin(3), -spin(2), &
+                     -spin(3), 0.0_wp, spin(1), spin(2), -spin(1), 0.0_wp]
+                  if (allocated(store%spin)) store%spin(p, :) = spin
                end do
             end do
          end associate

@@ -6,10 +6,11 @@ module driver_step
    use driver_control, only: find_star
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
-   use driver_method, only: stress_after, stress_before, stress_remapped, transfer_xpic
+   use driver_method, only: stress_before, stress_remapped
    use driver_nodes, only: dual_fields, move_nodes, remap_nodes
-   use driver_scatter, only: scatter_particles, scatter_second
+   use driver_scatter, only: scatter_particles
    use driver_simulation, only: simulation_t
+   use driver_sweep, only: filter_nodes, scatter_again
    use particle_migrate, only: migrate
    implicit none
    private
@@ -43,16 +44,13 @@ contains
          if (method%dual) call dual_fields(simulation)
          call move_nodes(simulation, simulation%kick)
          if (allocated(simulation%exact)) call book_body_force(simulation, simulation%kick)
-         if (method%transfer == transfer_xpic) call scatter_second(simulation, from_nodes=.true.)
-         parts%strain = method%stress /= stress_before
-         parts%velocity = .true.
-         parts%position = .true.
+         if (method%transfer%sweeps() > 0) call filter_nodes(simulation, simulation%kick)
          if (method%stress == stress_remapped) then
-            call gather_particles(simulation, gather_parts_t(velocity=.true.), dt)
-            call scatter_second(simulation, from_nodes=.false.)
+            call scatter_again(simulation, simulation%kick)
             call remap_nodes(simulation)
-            parts%velocity = .false.
          end if
+         parts%strain = method%stress /= stress_before
+         parts%motion = .true.
          call gather_particles(simulation, parts, dt)
       end associate
       simulation%updates = simulation%updates + count_particles(simulation)

@@ -116,7 +116,8 @@ contains
          total = total + 8_int64*(length(nodes%motion) + length(nodes%total) &
             + length(nodes%velocity) + length(nodes%acceleration) + length(nodes%extra) &
             + length(nodes%strain) + length(nodes%share) + length(nodes%volume) &
-            + length(nodes%force) + length(nodes%gradient) + length(nodes%middle))
+            + length(nodes%force) + length(nodes%gradient) + length(nodes%middle) &
+            + length(nodes%filtered) + length(nodes%term) + length(nodes%loss))
       end associate
       call simulation%communicator%total(total)
       bytes = 0.0_wp

@@ -22,9 +22,11 @@ module transfer_places
       real(wp), allocatable :: rest(:, :, :)         !! The same: (1 - alpha) times function
       real(wp), allocatable :: vector(:, :)          !! (particle, 3) What is mapped
       real(wp), allocatable :: values(:, :)          !! (particle, 9) Between two steps of a map
+      real(wp), allocatable :: affine(:, :)          !! (particle, 9) Linear velocity fields [1/s]
    contains
       procedure :: reserve => places_reserve         !! Room for the particles of a tile
       procedure :: reserve_wide => places_reserve_wide !! Room for wide stencils
+      procedure :: reserve_affine => places_reserve_affine !! Room for linear velocity fields
       procedure :: reserve_split => places_reserve_split !! Room for means of the dual gradient
    end type places_t
 
@@ -72,6 +74,18 @@ contains
       n = room_for(particles)
       allocate (self%share(n, line, 3), self%rest(n, line, 3))
    end subroutine places_reserve_split
+
+   !> Make room for linear velocity fields. What was there is lost.
+   pure subroutine places_reserve_affine(self, particles)
+      class(places_t), intent(inout) :: self         !! The scratch space
+      integer, intent(in) :: particles               !! Most particles in a tile
+
+      if (allocated(self%affine)) then
+         if (size(self%affine, 1) >= particles) return
+         deallocate (self%affine)
+      end if
+      allocate (self%affine(room_for(particles), 9))
+   end subroutine places_reserve_affine
 
    !> Length of columns: not as long as the particles are many, since a length that is a power of
    !! two

@@ -1,0 +1,235 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Further ways from nodes to particles and back within a step: the terms of the series that filters
+!! node velocities, and the map of the new particle velocities that strains with `musl`.
+module driver_sweep
+   use base_kinds, only: wp
+   use driver_nodes, only: book_push, divide
+   use driver_scatter, only: find_places
+   use driver_simulation, only: scratch_t, simulation_t
+   use mesh_halo, only: exchange_patches
+   use mesh_patch, only: assemble, ensure_patch
+   use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
+   use transfer_affine, only: turn_only
+   implicit none
+   private
+
+   public :: filter_nodes, find_filtered, scatter_again
+
+contains
+
+   !> The series of node velocities that the transfer asks for, on the own tiles.
+   subroutine filter_nodes(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      integer :: sweep, tile
+
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
+         own => simulation%tiles%own)
+         call ensure_patch(nodes%filtered, 3, number, own)
+         call ensure_patch(nodes%term, 3, number, own)
+         call ensure_patch(nodes%loss, 1, number, own)
+      end associate
+      !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
+      do tile = 1, simulation%tiles%own
+         call simulation%method%transfer%first_term(dt, simulation%nodes%velocity(:, :, tile), &
+            simulation%nodes%acceleration(:, :, tile), simulation%nodes%term(:, :, tile))
+         simulation%nodes%filtered(:, :, tile) = simulation%nodes%term(:, :, tile)
+         simulation%nodes%loss(:, :, tile) = 0.0_wp
+      end do
+      !$omp end parallel do
+      do sweep = 1, simulation%method%transfer%sweeps()
+         call spread_terms(simulation)
+         call simulation%timer%start(simulation%phase%grid)
+         !$omp parallel do default(none) shared(simulation, dt, sweep) private(tile) &
+         !$omp schedule(static)
+         do tile = 1, simulation%tiles%own
+            call add_term(simulation, simulation%scratch(omp_get_thread_num()), tile, sweep, dt)
+         end do
+         !$omp end parallel do
+         call simulation%timer%stop(simulation%phase%grid)
+      end do
+   end subroutine filter_nodes
+
+   !> Momentum of the present term, seen by the particles, to a second patch.
+   subroutine spread_terms(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: tile
+
+      call simulation%timer%start(simulation%phase%scatter)
+      call ensure_patch(simulation%nodes%extra, 3, simulation%grid%tile_nodes, &
+         simulation%tiles%own)
+      !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic, 1)
+      do tile = 1, simulation%tiles%own
+         call spread_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, &
+            simulation%nodes%term(:, :, tile), simulation%nodes%extra(:, :, tile))
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%scatter)
+      call simulation%timer%start(simulation%phase%exchange)
+      call exchange_patches(simulation%communicator, simulation%grid, simulation%tiles, &
+         simulation%nodes%extra)
+      call simulation%timer%stop(simulation%phase%exchange)
+   end subroutine spread_terms
+
+   !> One tile.
+   subroutine spread_tile(simulation, scratch, tile, term, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: term(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [kg m/s]
+      integer :: index
+
+      patch = 0.0_wp
+      do index = 1, size(simulation%stores)
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         associate (grid => simulation%grid, store => simulation%stores(index), &
+            basis => simulation%method%basis, places => scratch%places, &
+            start => simulation%stores(index)%cell_start(:, tile))
+            call find_places(simulation, scratch, store, tile)
+            call basis%collect(grid, start, places, term, places%vector)
+            call basis%scatter_product(grid, start, store%first(tile), places, store%matter%mass, &
+               places%vector, 0, patch)
+         end associate
+      end do
+   end subroutine spread_tile
+
+   !> The next term, y - S^+ S y, without what the faces of the box forbid; it is added to the sum.
+   !! What the faces take away the particles do not get, so it is booked.
+   subroutine add_term(simulation, scratch, tile, sweep, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: sweep                   !! Number of the term, 1 for the second one
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: again(3, simulation%grid%tile_nodes), free(3, simulation%grid%tile_nodes)
+
+      associate (grid => simulation%grid, nodes => simulation%nodes, &
+         coordinate => simulation%tiles%coordinate(:, tile), &
+         term => simulation%nodes%term(:, :, tile), transfer => simulation%method%transfer)
+         call assemble(grid, simulation%tiles, nodes%extra, tile, again)
+         call divide(nodes%total(:, :, tile), 1, again)
+         again = term - again
+         ! where a face rules, all terms but the first vanish as an acceleration does
+         if (simulation%boundary%touches(grid, coordinate)) then
+            free = again
+            call simulation%boundary%constrain(grid, coordinate, term, again)
+            free = again - free
+            call book_push(simulation, scratch%ledger, tile, free, nodes%velocity(:, :, tile) &
+               + 0.5_wp*dt*nodes%acceleration(:, :, tile))
+         end if
+         if (simulation%carries_energy) nodes%loss(1, :, tile) = nodes%loss(1, :, tile) &
+            + transfer%loss_weight(2*sweep - 1)*sum(term*again, dim=1) &
+            + transfer%loss_weight(2*sweep)*sum(again**2, dim=1)
+         term = again
+         nodes%filtered(:, :, tile) = nodes%filtered(:, :, tile) + again
+      end associate
+   end subroutine add_term
+
+   !> Sum of the series of node velocities, or its only term.
+   subroutine find_filtered(simulation, tile, dt, filtered)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), allocatable, intent(out) :: filtered(:, :) !! (3, node) [m/s]
+
+      allocate (filtered(3, simulation%grid%tile_nodes))
+      if (simulation%method%transfer%sweeps() > 0) then
+         filtered = simulation%nodes%filtered(:, :, tile)
+      else
+         call simulation%method%transfer%first_term(dt, simulation%nodes%velocity(:, :, tile), &
+            simulation%nodes%acceleration(:, :, tile), filtered)
+      end if
+   end subroutine find_filtered
+
+   !> Momentum of the new particle velocities to a second patch, at the old places. The particles
+   !! themselves get these velocities later.
+   subroutine scatter_again(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      integer :: tile
+
+      call simulation%timer%start(simulation%phase%scatter)
+      call ensure_patch(simulation%nodes%extra, merge(4, 3, simulation%method%transfer%affine()), &
+         simulation%grid%tile_nodes, simulation%tiles%own)
+      !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(dynamic, 1)
+      do tile = 1, simulation%tiles%own
+         call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt, &
+            simulation%nodes%extra(:, :, tile))
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%scatter)
+      call simulation%timer%start(simulation%phase%exchange)
+      call exchange_patches(simulation%communicator, simulation%grid, simulation%tiles, &
+         simulation%nodes%extra)
+      call simulation%timer%stop(simulation%phase%exchange)
+   end subroutine scatter_again
+
+   !> One tile: momentum, or mass and momentum of linear velocity fields.
+   subroutine scatter_tile(simulation, scratch, tile, dt, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      real(wp) :: push(3, simulation%grid%tile_nodes), after(3, simulation%grid%tile_nodes)
+      real(wp), allocatable :: filtered(:, :)
+      integer :: index
+
+      patch = 0.0_wp
+      call find_filtered(simulation, tile, dt, filtered)
+      call simulation%method%transfer%push(dt, simulation%nodes%acceleration(:, :, tile), &
+         filtered, push)
+      after = simulation%nodes%velocity(:, :, tile) &
+         + dt*simulation%nodes%acceleration(:, :, tile)
+      do index = 1, size(simulation%stores)
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         associate (grid => simulation%grid, store => simulation%stores(index), &
+            basis => simulation%method%basis, places => scratch%places, &
+            start => simulation%stores(index)%cell_start(:, tile))
+            call find_places(simulation, scratch, store, tile)
+            call basis%collect(grid, start, places, push, places%vector)
+            call keep_velocity(store, tile, simulation%method%transfer%keep(), places%vector)
+            if (simulation%method%transfer%affine()) then
+               call basis%collect_affine(grid, start, places, after, places%values)
+               if (simulation%method%transfer%turning()) &
+                  call turn_only(store%count(tile), places%values)
+               call spread_fields(simulation, scratch, store, tile, patch)
+            else
+               call basis%scatter_product(grid, start, store%first(tile), places, &
+                  store%matter%mass, places%vector, 0, patch)
+            end if
+         end associate
+      end do
+   end subroutine scatter_tile
+
+   !> Add the share of their own velocity that particles keep.
+   pure subroutine keep_velocity(store, tile, keep, vector)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: keep                   !! The share [1]
+      real(wp), contiguous, intent(inout) :: vector(:, :) !! (particle of the tile, 3) [m/s]
+      integer :: p, k
+
+      do k = 1, 3
+         do p = 1, store%count(tile)
+            vector(p, k) = keep*store%velocity(store%first(tile) + p - 1, k) + vector(p, k)
+         end do
+      end do
+   end subroutine keep_velocity
+
+   !> Mass and momentum of linear velocity fields that are in the scratch space.
+   subroutine spread_fields(simulation, scratch, store, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, velocity and slopes set
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (4, node)
+      real(wp) :: mass(store%count(tile))
+
+      mass = store%matter%mass(store%first(tile):store%first(tile) + store%count(tile) - 1)
+      call simulation%method%basis%spread_affine(simulation%grid, store%cell_start(:, tile), 1, &
+         scratch%places, mass, scratch%places%vector, scratch%places%values, patch)
+   end subroutine spread_fields
+end module driver_sweep

@@ -1,0 +1,168 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> How node velocities come back to particles, and particle velocities to nodes.
+!!
+!! Without anything said otherwise a transfer is PIC: v <- S (u + a dt), with u and a velocity and
+!! acceleration of the nodes, dt the time that the forces act, and S the way from nodes to particles.
+!! Velocities stand in the middle between positions, so u + a dt also moves the particles through the
+!! whole step. A transfer says what it does differently.
+!!
+!! Some transfers want the series w = y_0 + y_1 + ... + y_n of node velocities with y_(s+1) = y_s -
+!! S^+ S y_s, where S^+ is the way from particles to nodes, divided by the mass of nodes. With n + 1
+!! = k it is the sum over l of (-1)**(l+1) binomial(k, l) (S^+ S)**(l-1) y_0, without its large terms
+!! of alternating sign. Each y is one sweep from nodes to particles and back.
+module transfer_velocity
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use mesh_grid, only: grid_t
+   use transfer_basis, only: basis_t
+   use transfer_places, only: places_t
+   implicit none
+   private
+
+   public :: velocity_t
+
+   !> A transfer of velocities.
+   type, abstract :: velocity_t
+   contains
+      procedure :: declare => velocity_declare       !! Declares its keys, if it has any
+      procedure :: read => velocity_read             !! Reads them
+      procedure :: affine => velocity_affine         !! Do particles carry a linear velocity field?
+      procedure :: turning => velocity_turning       !! Do they carry its rotation only?
+      procedure :: keep => velocity_keep             !! Share of its velocity that a particle keeps
+      procedure :: sweeps => velocity_sweeps         !! Terms n of the series
+      procedure :: first_term => velocity_first_term !! Its first term
+      procedure :: loss_weight => velocity_loss_weight !! Share of its terms in the lost energy
+      procedure :: push => velocity_push             !! What nodes add to particle velocities
+      procedure :: carry => velocity_carry           !! What nodes add to particle positions
+      procedure :: heat_fields => velocity_heat_fields !! Node fields of the lost kinetic energy
+      procedure :: heat => velocity_heat             !! Gives it to the particles
+   end type velocity_t
+
+contains
+
+   !> Declare the keys of &method that belong to the transfer. Most have none.
+   subroutine velocity_declare(self, schema)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+      type(schema_t), intent(inout) :: schema                !! Keys of the deck
+   end subroutine velocity_declare
+
+   !> Read them.
+   subroutine velocity_read(self, deck, group)
+      class(velocity_t), intent(inout) :: self               !! The transfer
+      type(deck_t), intent(inout) :: deck                    !! Collects complaints
+      type(group_t), intent(in) :: group                     !! &method
+   end subroutine velocity_read
+
+   !> Do particles carry a linear velocity field round them?
+   pure logical function velocity_affine(self) result(affine)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+
+      affine = .false.
+   end function velocity_affine
+
+   !> Do particles carry the rotation of the velocity round them and nothing else of it?
+   pure logical function velocity_turning(self) result(turning)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+
+      turning = .false.
+   end function velocity_turning
+
+   !> Share of its own velocity that a particle keeps in a step.
+   pure real(wp) function velocity_keep(self) result(keep)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+
+      keep = 0.0_wp
+   end function velocity_keep
+
+   !> Terms of the series after the first one, each a sweep over the particles.
+   pure integer function velocity_sweeps(self) result(sweeps)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+
+      sweeps = 0
+   end function velocity_sweeps
+
+   !> First term of the series: the velocity before the forces.
+   pure subroutine velocity_first_term(self, dt, velocity, acceleration, term)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
+      real(wp), contiguous, intent(inout) :: term(:, :)      !! (3, node) [m/s]
+
+      term = velocity
+   end subroutine velocity_first_term
+
+   !> Factor of <y_0, A**power y_0>, A = 1 - S^+ S, in the kinetic energy that the series loses, as
+   !! far as it is summed over nodes, 2 to 2 n.
+   pure real(wp) function velocity_loss_weight(self, power) result(weight)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+      integer, intent(in) :: power                           !! Power of A
+
+      weight = 0.0_wp
+   end function velocity_loss_weight
+
+   !> What nodes add to particle velocities: v <- keep v + S push.
+   pure subroutine velocity_push(self, dt, acceleration, filtered, push)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
+      real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
+      real(wp), contiguous, intent(inout) :: push(:, :)      !! (3, node) [m/s]
+
+      push = dt*acceleration + (1.0_wp - self%keep())*filtered
+   end subroutine velocity_push
+
+   !> What moves the particles: x <- x + S carry times the length of the step.
+   pure subroutine velocity_carry(self, dt, velocity, acceleration, filtered, carry)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
+      real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
+      real(wp), contiguous, intent(inout) :: carry(:, :)     !! (3, node) [m/s]
+
+      carry = velocity + dt*acceleration
+   end subroutine velocity_carry
+
+   !> Node fields that `heat` wants.
+   ! gate: long kernel because it sees all that the nodes know
+   pure subroutine velocity_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
+      fields, scalar)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
+      real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
+      real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y_n [m/s]
+      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Lost by it [J/kg]
+      real(wp), allocatable, intent(out) :: fields(:, :)     !! (column, node) At most nine columns
+      real(wp), allocatable, intent(out) :: scalar(:, :)     !! (1, node) A tenth one
+
+      allocate (fields(7, size(velocity, 2)), scalar(1, 0))
+      fields(1:3, :) = dt*acceleration + (1.0_wp - self%keep())*velocity
+      fields(4:6, :) = velocity + 0.5_wp*dt*acceleration
+      fields(7, :) = 0.5_wp*dt**2*sum(acceleration**2, dim=1) &
+         + (1.0_wp - self%keep())*sum(velocity*(velocity + dt*acceleration), dim=1)
+   end subroutine velocity_heat_fields
+
+   !> Give the kinetic energy that gets lost on the way from particles to nodes and back to the
+   !! particles as heat, before they get their new velocities.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine velocity_heat(self, grid, basis, start, first, places, fields, scalar, &
+      velocity, energy)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+      type(grid_t), intent(in) :: grid                       !! The grid
+      class(basis_t), intent(in) :: basis                    !! Node functions
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: fields(:, :)       !! (column, node) Of `heat_fields`
+      real(wp), contiguous, intent(in) :: scalar(:, :)       !! (1, node) Of `heat_fields`
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]
+      real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
+
+      call basis%gather_heat(grid, start, first, places, fields, 1.0_wp - self%keep(), velocity, &
+         energy)
+   end subroutine velocity_heat
+end module transfer_velocity

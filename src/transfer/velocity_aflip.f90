@@ -1,0 +1,34 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> AFLIP: particles carry a linear velocity field to the nodes as with APIC and take increments back
+!! as with FLIP: Y. Fei, Q. Guo, R. Wu, L. Huang, M. Gao, ACM Trans. Graph. 40 (2021) 109, without
+!! the part for separation.
+module velocity_aflip
+   use base_schema, only: schema_t
+   use velocity_flip, only: velocity_flip_t
+   implicit none
+   private
+
+   public :: velocity_aflip_t
+
+   !> Increments, and a linear velocity field.
+   type, extends(velocity_flip_t) :: velocity_aflip_t
+   contains
+      procedure :: declare => aflip_declare          !! Nothing of its own
+      procedure :: affine => aflip_affine            !! Particles carry a linear velocity field
+   end type velocity_aflip_t
+
+contains
+
+   !> The share is declared by FLIP for both.
+   subroutine aflip_declare(self, schema)
+      class(velocity_aflip_t), intent(in) :: self            !! The transfer
+      type(schema_t), intent(inout) :: schema                !! Keys of the deck
+   end subroutine aflip_declare
+
+   !> Particles carry a linear velocity field.
+   pure logical function aflip_affine(self) result(affine)
+      class(velocity_aflip_t), intent(in) :: self            !! The transfer
+
+      affine = .true.
+   end function aflip_affine
+end module velocity_aflip

@@ -1,0 +1,49 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> FLIP: the particles keep their velocity and take the increments of the nodes (J. U. Brackbill, H.
+!! M. Ruppel, J. Comput. Phys. 65 (1986) 314), with a share of PIC.
+module velocity_flip
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use transfer_velocity, only: velocity_t
+   implicit none
+   private
+
+   public :: velocity_flip_t
+
+   !> Increments, blended with PIC.
+   type, extends(velocity_t) :: velocity_flip_t
+      real(wp) :: share = 0.999_wp                   !! Share of increments, the rest is PIC [1]
+   contains
+      procedure :: declare => flip_declare           !! The share
+      procedure :: read => flip_read                 !! Reads it
+      procedure :: keep => flip_keep                 !! Share of its velocity that a particle keeps
+   end type velocity_flip_t
+
+contains
+
+   !> Declare the share, for all transfers that have one.
+   subroutine flip_declare(self, schema)
+      class(velocity_flip_t), intent(in) :: self             !! The transfer
+      type(schema_t), intent(inout) :: schema                !! Keys of the deck
+
+      call schema%real("method", "flip", "share of FLIP, the rest is PIC", default="0.999", &
+         range=">= 0 <= 1", owner="transfer = flip aflip rflip")
+   end subroutine flip_declare
+
+   !> Read the share.
+   subroutine flip_read(self, deck, group)
+      class(velocity_flip_t), intent(inout) :: self          !! The transfer
+      type(deck_t), intent(inout) :: deck                    !! Collects complaints
+      type(group_t), intent(in) :: group                     !! &method
+
+      call group%get("flip", self%share)
+   end subroutine flip_read
+
+   !> Share of its own velocity that a particle keeps in a step.
+   pure real(wp) function flip_keep(self) result(keep)
+      class(velocity_flip_t), intent(in) :: self             !! The transfer
+
+      keep = self%share
+   end function flip_keep
+end module velocity_flip

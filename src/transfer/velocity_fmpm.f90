@@ -1,0 +1,121 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> FMPM of order k: the node velocity after the forces is replaced by the sum of k terms of the
+!! series, which approximates the inverse of the full mass matrix. J. A. Nairn, C. C. Hammerquist,
+!! Comput. Methods Appl. Mech. Eng. 377 (2021) 113667. The position moves with (v_old + v_new)/2.
+module velocity_fmpm
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use transfer_series, only: velocity_series_t
+   implicit none
+   private
+
+   public :: velocity_fmpm_t
+
+   !> Series of the velocity after the forces.
+   type, extends(velocity_series_t) :: velocity_fmpm_t
+   contains
+      procedure :: declare => fmpm_declare           !! Nothing of its own
+      procedure :: first_term => fmpm_first_term     !! Velocity after the forces
+      procedure :: loss_weight => fmpm_loss_weight   !! Share of terms in the lost energy
+      procedure :: push => fmpm_push                 !! What nodes add to velocities
+      procedure :: carry => fmpm_carry               !! What nodes add to positions
+      procedure :: heat_fields => fmpm_heat_fields   !! Node fields of the lost energy
+      procedure :: mixing => fmpm_mixing             !! Factors of gathered fields in it
+   end type velocity_fmpm_t
+
+contains
+
+   !> The order is declared by XPIC for both.
+   subroutine fmpm_declare(self, schema)
+      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+      type(schema_t), intent(inout) :: schema                !! Keys of the deck
+   end subroutine fmpm_declare
+
+   !> Velocity after the forces.
+   pure subroutine fmpm_first_term(self, dt, velocity, acceleration, term)
+      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
+      real(wp), contiguous, intent(inout) :: term(:, :)      !! (3, node) [m/s]
+
+      term = velocity + dt*acceleration
+   end subroutine fmpm_first_term
+
+   !> Half the sum of the powers from k to 2 k - 1, less half of that from 1 to k - 1, which the way
+   !! back gains; what is lost on the way to the nodes outweighs it. The first power is a variance of
+   !! the velocity itself, which would see a uniform velocity on the nodes: particles take it.
+   pure real(wp) function fmpm_loss_weight(self, power) result(weight)
+      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+      integer, intent(in) :: power                           !! Power of A
+
+      weight = merge(0.5_wp, 0.0_wp, power < 2*self%order - 1)
+      if (power < self%order) weight = -0.5_wp
+      if (power == 1) weight = 0.0_wp
+   end function fmpm_loss_weight
+
+   !> The sum of the series is all.
+   pure subroutine fmpm_push(self, dt, acceleration, filtered, push)
+      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
+      real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
+      real(wp), contiguous, intent(inout) :: push(:, :)      !! (3, node) [m/s]
+
+      push = filtered
+   end subroutine fmpm_push
+
+   !> The new velocity of the particles.
+   pure subroutine fmpm_carry(self, dt, velocity, acceleration, filtered, carry)
+      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
+      real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
+      real(wp), contiguous, intent(inout) :: carry(:, :)     !! (3, node) [m/s]
+
+      carry = filtered
+   end subroutine fmpm_carry
+
+   !> With y the last term, r = v - S u, a for a dt, and var and cov of node values at a particle:
+   !! 1/2 r**2 on the way to the nodes, 1/2 var(u) - 1/2 var(u + a) there and back, 1/2 var(y) and
+   !! the terms that nodes know. Order 1 is PIC and loses both variances.
+   ! gate: long kernel because it sees all that the nodes know
+   pure subroutine fmpm_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
+      fields, scalar)
+      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
+      real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
+      real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y [m/s]
+      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Lost by it [J/kg]
+      real(wp), allocatable, intent(out) :: fields(:, :)     !! (9, node) u, a dt, y
+      real(wp), allocatable, intent(out) :: scalar(:, :)     !! (1, node) [J/kg]
+
+      allocate (fields(9, size(velocity, 2)), scalar(1, size(velocity, 2)))
+      fields(1:3, :) = velocity
+      fields(4:6, :) = dt*acceleration
+      if (self%order == 1) then
+         fields(7:9, :) = velocity
+         scalar(1, :) = 0.5_wp*dt**2*sum(acceleration**2, dim=1) &
+            + sum(velocity*(velocity + dt*acceleration), dim=1)
+      else
+         fields(7:9, :) = last
+         scalar(1, :) = loss(1, :) + 0.5_wp*sum(last**2, dim=1) &
+            - dt*sum(acceleration*(velocity + 0.5_wp*dt*acceleration), dim=1)
+      end if
+   end subroutine fmpm_heat_fields
+
+   !> Of a.a, y.y, a.y and a.u. Order 1 is PIC, with u for y.
+   pure function fmpm_mixing(self) result(factors)
+      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+      real(wp) :: factors(4)
+
+      if (self%order == 1) then
+         factors = [0.5_wp, 1.0_wp, 1.0_wp, 0.0_wp]
+      else
+         factors = [-0.5_wp, 0.5_wp, 0.0_wp, -1.0_wp]
+      end if
+   end function fmpm_mixing
+end module velocity_fmpm

@@ -1,0 +1,14 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> PIC: the particles take the velocity of the nodes (F. H. Harlow, Methods Comput. Phys. 3 (1964)
+!! 319), with the position of second order.
+module velocity_pic
+   use transfer_velocity, only: velocity_t
+   implicit none
+   private
+
+   public :: velocity_pic_t
+
+   !> What every transfer is unless it says otherwise.
+   type, extends(velocity_t) :: velocity_pic_t
+   end type velocity_pic_t
+end module velocity_pic
