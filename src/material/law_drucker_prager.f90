@@ -10,7 +10,7 @@ module law_drucker_prager
    use base_schema, only: schema_t
    use material_effects, only: effects_t
    use material_friction, only: angles_t, declare_angles, fault_of_angles, frictional_t, loosen, &
-      read_angles
+      read_angles, strain_trial
    use material_law, only: equivalent_stress
    use material_matter, only: deformation_t, matter_t
    implicit none
@@ -118,6 +118,7 @@ contains
       if (allocated(matter%plastic_dilation)) call loosen(first, last, matter%plastic_dilation, &
          matter%mass, matter%volume, deformation%wave_speed, deformation%pressure)
       call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
+      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
       call return_to_cone(first, last, self, matter%mass, matter%volume, deformation%wave_speed, &
          matter%stress, deformation%pressure, deformation%plastic_increment, &
          deformation%plastic_work, deformation%loosening)
@@ -127,7 +128,7 @@ contains
 
    !> Kernel of the above (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods for
    !! plasticity", 2008, section 8.3). Flow loosens only on the cone: what has come apart has no
-   !! grains that climb over each other. The elastic energy lost in the apex is booked as work.
+   !! grains that climb over each other.
    pure subroutine return_to_cone(first, last, law, mass, volume, wave_speed, stress, pressure, &
       plastic_increment, plastic_work, loosening)
       integer, intent(in) :: first                   !! First particle of the range
@@ -140,7 +141,8 @@ contains
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
       !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
       real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      real(wp), contiguous, intent(inout) :: plastic_work(:) !! (range) [J]
+      !> Trial deviator times strain [Pa] in, plastic work [J] out (range).
+      real(wp), contiguous, intent(inout) :: plastic_work(:)
       real(wp), contiguous, intent(inout) :: loosening(:)    !! (range) [1]
       real(wp) :: bulk, trial, flow, equivalent, scaling, least
       logical :: apart
@@ -159,10 +161,10 @@ contains
          pressure(i) = merge(law%apex, least, apart)
          equivalent = merge(0.0_wp, min(equivalent, trial), apart)
          plastic_increment(i) = (trial - equivalent)/(3.0_wp*law%shear)
-         plastic_work(i) = volume(k)*merge(trial*trial/(6.0_wp*law%shear), &
-            equivalent*plastic_increment(i) - pressure(i)*loosening(i), apart)
          scaling = equivalent/max(trial, tiny(1.0_wp))
          scaling = merge(scaling, 1.0_wp, flow > 0.0_wp)
+         plastic_work(i) = volume(k)*max(0.0_wp, (1.0_wp - scaling)*((1.0_wp + scaling)*trial**2 &
+            /(6.0_wp*law%shear) - 0.5_wp*plastic_work(i)) - pressure(i)*loosening(i))
          stress(k, 1) = scaling*stress(k, 1)
          stress(k, 2) = scaling*stress(k, 2)
          stress(k, 3) = scaling*stress(k, 3)

@@ -74,7 +74,7 @@ contains
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      real(wp) :: s(6), pressure, bulk, inside, inner, offset
+      real(wp) :: s(6), strain(6), pressure, bulk, inside, inner, offset
       integer :: i, k
 
       if (allocated(matter%plastic_dilation)) call loosen(first, last, matter%plastic_dilation, &
@@ -90,9 +90,11 @@ contains
          deformation%loosening(i) = 0.0_wp
          if (inside >= 0.0_wp) cycle
          s = matter%stress(k, :)
+         strain = [deformation%gradient(i, [1, 5, 9]), 0.5_wp*(deformation%gradient(i, [2, 6, 3]) &
+            + deformation%gradient(i, [4, 8, 7]))]
          pressure = deformation%pressure(i)
          bulk = deformation%wave_speed(i)*matter%mass(k)/matter%volume(k)
-         call flow(self, bulk, s, pressure, deformation%plastic_increment(i), &
+         call flow(self, bulk, strain, s, pressure, deformation%plastic_increment(i), &
             deformation%plastic_work(i), deformation%loosening(i))
          matter%stress(k, :) = s
          deformation%pressure(i) = pressure
@@ -103,15 +105,19 @@ contains
    end subroutine mohr_coulomb_update
 
    !> One particle: deviator and pressure after the flow, and what the flow took.
-   pure subroutine flow(law, bulk, s, pressure, increment, work, loosening)
+   !!
+   !! The work is that of the mean of the stresses before and after the step on the plastic strain,
+   !! (s + s') : (s* - s')/(4 G), with s = s* - 2 G e but for the rotation.
+   pure subroutine flow(law, bulk, strain, s, pressure, increment, work, loosening)
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: bulk                   !! Tangent bulk modulus [Pa]
+      real(wp), intent(in) :: strain(6)              !! Increment of strain [1]
       real(wp), intent(inout) :: s(6)                !! Deviator [Pa]
       real(wp), intent(inout) :: pressure            !! [Pa]
       real(wp), intent(inout) :: increment           !! Equivalent plastic strain, 0 on entry [1]
       real(wp), intent(inout) :: work                !! Plastic work, 0 on entry [J/m3]
       real(wp), intent(inout) :: loosening           !! Volume gained, 0 on entry [1]
-      real(wp) :: trial(3), values(3), axes(3, 3), multipliers
+      real(wp) :: trial(3), values(3), axes(3, 3), both(6), change(6), multipliers
 
       call principal(s, trial, axes)
       if (excess(law, trial(1), trial(3), pressure) <= 0.0_wp) return
@@ -119,17 +125,19 @@ contains
       loosening = 2.0_wp*law%dilation*multipliers
       pressure = pressure + bulk*loosening
       if (pressure < law%apex) then
-         ! What has come apart loses its elastic energy.
-         work = sum(trial**2)/(4.0_wp*law%shear)
          loosening = 0.0_wp
          pressure = law%apex
          values = 0.0_wp
       else
          call draw_in(law, pressure, values)
-         work = max(0.0_wp, sum(values*(trial - values))/(2.0_wp*law%shear) - pressure*loosening)
       end if
       increment = sqrt(sum((trial - values)**2)/6.0_wp)/law%shear
+      both = s - 2.0_wp*law%shear*strain
       s = compose(values, axes)
+      both = both + s
+      change = compose(trial - values, axes)
+      work = max(0.0_wp, (sum(both(1:3)*change(1:3)) + 2.0_wp*sum(both(4:6)*change(4:6))) &
+         /(4.0_wp*law%shear) - pressure*loosening)
    end subroutine flow
 
    !> By how much two principal values of a deviator are outside the surface [Pa].

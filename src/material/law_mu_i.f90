@@ -10,7 +10,7 @@ module law_mu_i
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use material_effects, only: effects_t
-   use material_friction, only: frictional_t
+   use material_friction, only: frictional_t, strain_trial
    use material_law, only: equivalent_stress
    use material_matter, only: deformation_t, matter_t
    implicit none
@@ -91,6 +91,7 @@ contains
       real(wp), intent(in) :: dt                           !! Time step [s]
 
       call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
+      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
       call return_to_flow(first, last, self, dt, matter%volume, matter%stress, &
          deformation%pressure, deformation%plastic_increment, deformation%plastic_work)
    end subroutine mu_i_update
@@ -109,7 +110,8 @@ contains
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
       !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
       real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      real(wp), contiguous, intent(inout) :: plastic_work(:) !! (range) [J]
+      !> Trial deviator times strain [Pa] in, plastic work [J] out (range).
+      real(wp), contiguous, intent(inout) :: plastic_work(:)
       real(wp), parameter :: root = sqrt(3.0_wp)
       real(wp) :: load, trial, shear, delay, half, low, high, scaling
       integer :: i, k
@@ -129,10 +131,10 @@ contains
          shear = (high*trial + low*delay)/max(half + shear, tiny(1.0_wp))
          shear = merge(trial, min(shear, trial, high), trial <= low)
          plastic_increment(i) = (trial - shear)/(root*law%shear)
-         plastic_work(i) = volume(k)*merge(trial**2/(2.0_wp*law%shear), &
-            root*shear*plastic_increment(i), load <= 0.0_wp)
          scaling = shear/max(trial, tiny(1.0_wp))
          scaling = merge(1.0_wp, scaling, trial <= low)
+         plastic_work(i) = volume(k)*max(0.0_wp, 0.5_wp*(1.0_wp - scaling) &
+            *((1.0_wp + scaling)*trial**2/law%shear - plastic_work(i)))
          stress(k, 1) = scaling*stress(k, 1)
          stress(k, 2) = scaling*stress(k, 2)
          stress(k, 3) = scaling*stress(k, 3)

@@ -16,7 +16,8 @@ module material_friction
    implicit none
    private
 
-   public :: angles_t, declare_angles, fault_of_angles, frictional_t, loosen, read_angles
+   public :: angles_t, declare_angles, fault_of_angles, frictional_t, loosen, read_angles, &
+      strain_trial
 
    !> Constants of cohesive matter with friction.
    type :: angles_t
@@ -154,6 +155,27 @@ contains
             pressure(i) > apex)
       end do
    end subroutine stiffen_joined
+
+   !> Trial deviator times strain increment, s* : e. With it laws find the work that the mean of the
+   !! stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for the
+   !! rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. The stress after the step alone would
+   !! take energy from grains that had no stress when they met.
+   pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
+      real(wp), contiguous, intent(in) :: stress(:, :)    !! Trial deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: product_of_both(:) !! (range) [Pa]
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         product_of_both(i) = stress(k, 1)*gradient(i, 1) + stress(k, 2)*gradient(i, 5) &
+            + stress(k, 3)*gradient(i, 9) + stress(k, 4)*(gradient(i, 2) + gradient(i, 4)) &
+            + stress(k, 5)*(gradient(i, 6) + gradient(i, 8)) &
+            + stress(k, 6)*(gradient(i, 3) + gradient(i, 7))
+      end do
+   end subroutine strain_trial
 
    !> Take the volume that shear gained out of the pressure: p + rho c**2 (exp(gained) - 1), exact
    !! for p = K (rho/rho0 - 1).
