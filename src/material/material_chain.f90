@@ -83,6 +83,7 @@ contains
       if (wishes%asked("plastic_strain")) allocate (matter%plastic_strain(n))
       if (wishes%asked("plastic_rate")) allocate (matter%plastic_rate(n))
       if (wishes%asked("plastic_dilation")) allocate (matter%plastic_dilation(n))
+      if (wishes%asked("distension")) allocate (matter%distension(n))
       if (wishes%asked("damage")) allocate (matter%damage(n))
       if (wishes%asked("deformation_gradient")) allocate (matter%deformation_gradient(n, 9))
       if (wishes%asked("failed")) allocate (matter%failed(n))
@@ -103,6 +104,7 @@ contains
       if (allocated(matter%plastic_strain)) matter%plastic_strain(first:last) = 0.0_wp
       if (allocated(matter%plastic_rate)) matter%plastic_rate(first:last) = 0.0_wp
       if (allocated(matter%plastic_dilation)) matter%plastic_dilation(first:last) = 0.0_wp
+      if (allocated(matter%distension)) matter%distension(first:last) = self%eos%distension
       if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
       if (allocated(matter%deformation_gradient)) then
          matter%deformation_gradient(first:last, :) = 0.0_wp
@@ -224,6 +226,7 @@ contains
 
       if (allocated(self%eos)) then
          call self%eos%update(matter, deformation, first, last)
+         call self%eos%remember(matter, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
          if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
             deformation%pressure(:last - first + 1) - matter%viscous_pressure(first:last)
