@@ -189,7 +189,10 @@ contains
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
       integer :: i, k
 
-      do concurrent (i=1:last - first + 1)
+      ! Not with vectors: exponentials of vectors differ in the last bits from those of the numbers
+      ! that are left at the end of a range, and bits must not depend on the place of a particle.
+      !GCC$ novector
+      do i = 1, last - first + 1
          k = first - 1 + i
          pressure(i) = pressure(i) + mass(k)/volume(k)*wave_speed(i)*(exp(gained(k)) - 1.0_wp)
       end do
