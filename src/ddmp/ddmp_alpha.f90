@@ -9,7 +9,7 @@ module ddmp_alpha
    implicit none
    private
 
-   public :: find_alpha
+   public :: find_alpha, find_blend
 
    integer, parameter, public :: alpha_split = 1     !! One bubble a direction, for its derivative
    integer, parameter, public :: alpha_product = 2   !! Product of the bubbles, for all derivatives
@@ -59,4 +59,24 @@ contains
          end do
       end do
    end subroutine find_alpha
+
+   !> Place along each direction by which the stress is handed to the nodes and their gradient taken
+   !! from them: 3 x**2 - 2 x**3 instead of x.
+   !!
+   !! With it the modified gradient has no kink either where a particle changes its cell: the bubbles
+   !! of neighbouring cells cancel there, and what is left is the kink of a linear interpolation of
+   !! the node gradient. All sums over nodes remain, because the functions still add up to one and
+   !! force and strain use the same.
+   pure subroutine find_blend(number, local, blend)
+      integer, intent(in) :: number                  !! Particles of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)    !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(inout) :: blend(:, :) !! (particle of the tile, 3)
+      integer :: p, direction
+
+      do direction = 1, 3
+         do p = 1, number
+            blend(p, direction) = local(p, direction)**2*(3.0_wp - 2.0_wp*local(p, direction))
+         end do
+      end do
+   end subroutine find_blend
 end module ddmp_alpha

@@ -6,8 +6,9 @@
 !! (D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379). The same D, V and
 !! alpha serve both, so the power of the force is that of the stress. Each cell satisfies
 !! sum_i D_ji = 0 and sum_i x_i D_ji = V_j for itself; hence momentum is kept and linear fields
-!! are exact for any weights w_c >= 0. The weight is the least fill of the nodes of the cell, so
-!! a cell with an empty node takes no part and no force falls on a node without mass.
+!! are exact for any weights w_c >= 0. The weight is twice the least fill of the nodes of the cell,
+!! at most 1: a cell with an empty node takes no part, so no force falls on a node without mass, and
+!! the fill may waver round one inside of a body without any effect.
 module ddmp_dual
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
@@ -16,7 +17,7 @@ module ddmp_dual
 
    public :: dual_t
 
-   integer, parameter, public :: surface_fill = 1    !! Least fill of the nodes of the cell
+   integer, parameter, public :: surface_fill = 1    !! By the least fill of its nodes
    integer, parameter, public :: surface_cells = 2   !! 1 in cells without an empty node, else 0
    integer, parameter, public :: surface_none = 3    !! 1 in all cells
    character(len=5), parameter, public :: surface_names(3) = [character(len=5) :: "fill", "cells", &
@@ -83,7 +84,7 @@ contains
       end do
    end subroutine dual_start
 
-   !> Weight of each cell of a tile: the least fill of its nodes, at most 1; or 1 or 0 by another
+   !> Weight of each cell of a tile: twice the least fill of its nodes, at most 1; or by another
    !! rule. Cells beyond the box count nothing.
    pure subroutine dual_cell_weights(self, grid, total, row, node_volume, weight)
       class(dual_t), intent(in) :: self              !! The integrals
@@ -101,7 +102,7 @@ contains
          do lane = 1, lanes
             node = base + grid%lane_offset(lane)
             if (node_volume(node) > 0.0_wp) then
-               least = min(least, total(row, node)/node_volume(node))
+               least = min(least, 2.0_wp*total(row, node)/node_volume(node))
             else
                least = 0.0_wp
             end if

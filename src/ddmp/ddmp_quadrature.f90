@@ -17,8 +17,10 @@ module ddmp_quadrature
    type, abstract :: quadrature_t
       integer :: alpha = alpha_split                 !! Form of alpha
       real(wp) :: alpha_centre = 1.0_wp              !! alpha at the centre of a cell [1]
+      logical :: smooth = .true.                     !! Does the gradient have no kinks?
    contains
       procedure :: margin => quadrature_margin       !! Layers of nodes reached beyond a tile
+      procedure :: controlled => quadrature_controlled !! Is a mean stress integrated exactly?
       procedure :: request => quadrature_request     !! Asks for what particles must carry
       procedure(locate_i), deferred :: locate        !! Looks where the particles of a tile are
       procedure(scatter_i), deferred :: scatter_force !! Force, volume and node stress
@@ -76,6 +78,14 @@ contains
 
       margin = 0
    end function quadrature_margin
+
+   !> True if the mean stress of the nodes is taken out of the particles and integrated exactly on
+   !! the grid instead.
+   pure logical function quadrature_controlled(self) result(controlled)
+      class(quadrature_t), intent(in) :: self                !! The rule
+
+      controlled = .false.
+   end function quadrature_controlled
 
    !> Ask for what particles must carry. Most ask for nothing.
    pure subroutine quadrature_request(self, traits)

@@ -3,7 +3,7 @@
 !! 230 (2011) 6379, in the two-step form.
 module quadrature_point
    use base_kinds, only: wp
-   use ddmp_alpha, only: find_alpha
+   use ddmp_alpha, only: find_alpha, find_blend
    use ddmp_quadrature, only: quadrature_t
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
@@ -36,6 +36,11 @@ contains
 
       call find_alpha(grid, self%alpha, self%alpha_centre, store%count(tile), places%local, &
          places%alpha)
+      if (self%smooth) then
+         call find_blend(store%count(tile), places%local, places%blend)
+      else
+         places%blend(:store%count(tile), :) = places%local(:store%count(tile), :)
+      end if
    end subroutine point_locate
 
    !> Force, volume and node stress.
@@ -49,7 +54,7 @@ contains
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call scatter_dual_force(grid, start, first, places%local, places%alpha, volume, stress, patch)
+      call scatter_dual_force(grid, start, first, places%blend, places%alpha, volume, stress, patch)
    end subroutine point_scatter_force
 
    !> Velocity gradient: that of the cell, blended with that of the nodes.
@@ -64,8 +69,8 @@ contains
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
 
-      call gather_gradient(grid, start, places%local, nodes, scale, gradient)
-      call gather_dual_gradient(grid, start, places%local, places%alpha, node_gradient, scale, &
+      call gather_gradient(grid, start, places%blend, nodes, scale, gradient)
+      call gather_dual_gradient(grid, start, places%blend, places%alpha, node_gradient, scale, &
          gradient)
    end subroutine point_gather_gradient
 end module quadrature_point

@@ -43,7 +43,6 @@ module driver_exact
    type :: exact_case_t
       type(exact_holder_t), allocatable :: material(:) !! (material)
       logical :: forced = .false.                    !! Does some material feel a body force?
-      real(wp) :: first_step = 0.0_wp                !! Length of the first step [s]
       real(wp) :: force_time = 0.0_wp                !! Time of the body force of this step [s]
       real(wp) :: error(3) = 0.0_wp !! Of displacement [m], velocity [m/s], stress [Pa], last seen
       real(wp) :: greatest_error = 0.0_wp            !! Greatest of displacement so far [m]
@@ -131,8 +130,8 @@ contains
    !> Cauchy stress of the material at a deformation gradient F that began without stress.
    !!
    !! Neo-Hooke: sigma = lambda ln J/J 1 + mu/J (F F^T - 1). Else the laws integrate rates, which
-   !! without turning axes of strain gives sigma = lambda tr(e) 1 + 2 mu e with e = ln(F F^T)/2, here
-   !! by (B - 1)(B + 1)^-1 with B = F F^T, which is right to the third power of the strain.
+   !! without turning axes of strain gives sigma = lambda tr(e) 1 + 2 mu e with e = ln(F F^T)/2;
+   !! here e = (B - 1)(B + 1)^-1 with B = F F^T, which is that but for the third power of strain.
    pure subroutine exact_stress(self, gradient, stress)
       class(exact_t), intent(in) :: self             !! The solution
       real(wp), intent(in) :: gradient(3, 3)         !! Deformation gradient [1]
@@ -157,10 +156,10 @@ contains
    end subroutine exact_stress
 
    !> Determinant.
-   pure real(wp) function determinant(a)
+   pure real(wp) function determinant(a) result(volume)
       real(wp), intent(in) :: a(3, 3)                !! Any
 
-      determinant = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
+      volume = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
          - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
    end function determinant
 

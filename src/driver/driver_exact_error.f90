@@ -5,6 +5,7 @@ module driver_exact_error
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: wp
    use driver_exact, only: exact_t
+   use driver_method, only: stress_before
    use driver_simulation, only: simulation_t
    use io_state, only: state_t
    use mesh_grid, only: grid_t
@@ -21,26 +22,28 @@ module driver_exact_error
 
 contains
 
-   !> Root mean squares, weighted by mass, over all particles that have a solution. Sums of tiles are
-   !! exact, so they are the same for any ranks. Once a step. Collective.
+   !> Root mean squares, weighted by mass, over all particles that have a solution. Sums of tiles
+   !! are exact, so they are the same for any ranks. Once a step. Collective.
    !!
-   !! The stress began half a step off the velocity (`method%lead`) and remains so: its clock runs
-   !! with the same steps.
+   !! Velocities may be behind positions, and the stress that is updated before the force is that of
+   !! the last step; each is compared with the solution at its own time.
    subroutine take_errors(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run with a solution
       type(exact_sum_t) :: sums(errors + 1)
-      real(wp) :: part(errors + 1), farthest, stress_time
+      real(wp) :: part(errors + 1), farthest, times(errors)
       integer :: index, tile, n
 
       associate (case => simulation%exact)
          if (case%seen == simulation%step) return
-         stress_time = simulation%time + simulation%method%lead()*case%first_step
+         times = simulation%time
+         times(2) = simulation%time - simulation%method%lag(simulation%dt)
+         if (simulation%method%stress == stress_before) times(3) = simulation%time - simulation%dt
          farthest = 0.0_wp
          do index = 1, size(simulation%stores)
             if (.not. allocated(case%material(index)%solution)) cycle
             do tile = 1, simulation%tiles%own
                call sum_tile(simulation%grid, case%material(index)%solution, &
-                  simulation%stores(index), tile, simulation%time, stress_time, part, farthest)
+                  simulation%stores(index), tile, times, part, farthest)
                do n = 1, errors + 1
                   call sums(n)%add(part(n))
                end do
@@ -63,24 +66,24 @@ contains
    end subroutine take_errors
 
    !> Sums over the particles of one tile in their order.
-   subroutine sum_tile(grid, solution, store, tile, time, stress_time, sums, farthest)
+   subroutine sum_tile(grid, solution, store, tile, times, sums, farthest)
       type(grid_t), intent(in) :: grid               !! For its periods
       class(exact_t), intent(in) :: solution         !! The solution
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), intent(in) :: time                   !! [s]
-      real(wp), intent(in) :: stress_time            !! Time of the stress [s]
+      real(wp), intent(in) :: times(errors)          !! Of position, velocity, stress [s]
       real(wp), intent(out) :: sums(:)               !! Mass times squares, and mass
       real(wp), intent(inout) :: farthest            !! Greatest displacement of the solution [m]
       real(wp) :: point(3), position(3), velocity(3), gradient(3, 3), stress(6), square(errors)
-      real(wp) :: shift, length
+      real(wp) :: shift, length, other(3)
       integer :: p, k
 
       sums = 0.0_wp
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
          point = [store%reference(p, 1), store%reference(p, 2), store%reference(p, 3)]
-         call solution%place(point, time, position, velocity)
-         call solution%gradient(point, stress_time, gradient)
+         call solution%place(point, times(2), position, velocity)
+         call solution%place(point, times(1), position, other)
+         call solution%gradient(point, times(3), gradient)
          call solution%stress(gradient, stress)
          farthest = max(farthest, norm2(position - point))
          square = 0.0_wp
@@ -97,14 +100,14 @@ contains
       end do
    end subroutine sum_tile
 
-   !> Put the extremes and the first step into the state of a checkpoint.
+   !> Put the extremes into the state of a checkpoint.
    subroutine save_errors(simulation, state)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(state_t), intent(inout) :: state          !! Of the checkpoint
 
       if (.not. allocated(simulation%exact)) return
       call state%set("exact_errors", [simulation%exact%greatest_error, &
-         simulation%exact%greatest_motion, simulation%exact%first_step])
+         simulation%exact%greatest_motion])
    end subroutine save_errors
 
    !> Take them from a checkpoint, if it has them.
@@ -119,6 +122,5 @@ contains
       if (allocated(error)) return
       simulation%exact%greatest_error = numbers(1)
       simulation%exact%greatest_motion = numbers(2)
-      simulation%exact%first_step = numbers(3)
    end subroutine load_errors
 end module driver_exact_error

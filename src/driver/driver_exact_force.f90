@@ -15,12 +15,10 @@ module driver_exact_force
 contains
 
    !> Book impulse, its moment and work of the body force, particle by particle. The particles are
-   !! where they were when they gave the force to the nodes, and the velocities in the middle of the
-   !! step are known. The moment is that about the place in the middle of the step: with the place
-   !! before it the vortex misses ten times as much angular momentum.
+   !! where they were when they gave the force to the nodes, and the mean velocities are known.
    subroutine book_body_force(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
       integer :: tile
 
       !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(dynamic, 1)
@@ -35,7 +33,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp) :: carry(3, simulation%grid%tile_nodes)
       real(wp) :: total(3), turn(3), work, point(3), force(3), place(3)
       integer :: index, p, q, k
@@ -57,7 +55,7 @@ contains
                q = store%first(tile) + p - 1
                do k = 1, 3
                   point(k) = store%reference(q, k)
-                  place(k) = store%position(q, k) + 0.5_wp*dt*scratch%places%vector(p, k)
+                  place(k) = store%position(q, k)
                end do
                call solution%body_force(point, simulation%exact%force_time, force)
                force = store%matter%mass(q)*dt*force

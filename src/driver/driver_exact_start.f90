@@ -8,6 +8,7 @@ module driver_exact_start
    use driver_step, only: sort_particles
    use particle_place, only: place_tile
    use particle_store, only: moved_out, store_t
+   use transfer_affine, only: keep_affine
    implicit none
    private
 
@@ -61,31 +62,29 @@ contains
       end do
    end subroutine move_tile
 
-   !> Give the particles volume and stress of the solution. Stress is half a step off the velocity
-   !! (`method%lead`), so the length of the first step must be known.
-   subroutine strain_exact(simulation, dt)
+   !> Give the particles volume and stress of the solution.
+   subroutine strain_exact(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run, particles in place
-      real(wp), intent(in) :: dt                     !! Length of the first step [s]
       real(wp) :: gradient(3, 3), stress(6), point(3)
       integer :: index, tile, p
 
       if (.not. allocated(simulation%exact)) return
-      simulation%exact%first_step = dt
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index), holder => simulation%exact%material(index))
             if (.not. allocated(holder%solution)) cycle
             do tile = 1, simulation%tiles%own
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   point = store%reference(p, :)
-                  call holder%solution%gradient(point, simulation%method%lead()*dt, gradient)
+                  call holder%solution%gradient(point, 0.0_wp, gradient)
                   call holder%solution%stress(gradient, stress)
                   store%matter%stress(p, :) = stress
                   store%matter%volume(p) = determinant(gradient)*store%matter%volume(p)
                   if (allocated(store%matter%deformation_gradient)) &
                      store%matter%deformation_gradient(p, :) = reshape(gradient, [9])
-                  if (allocated(store%affine)) &
-                     store%affine(p, :) = velocity_gradient(holder%solution, point, dt)
                end do
+               if (simulation%method%transfer%affine()) call slope_tile(holder%solution, store, &
+                  tile, 0.1_wp*simulation%grid%spacing &
+                  /simulation%materials(index)%reference_speed())
                ! what follows from these by the laws, such as the pressure of an equation of state
                call simulation%materials(index)%settle(store%matter, store%first(tile), &
                   store%first(tile) + store%count(tile) - 1)
@@ -93,6 +92,22 @@ contains
          end associate
       end do
    end subroutine strain_exact
+
+   !> Linear velocity fields of the particles of a tile.
+   subroutine slope_tile(solution, store, tile, dt)
+      class(exact_t), intent(in) :: solution         !! The solution
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! A short time [s]
+      real(wp) :: slopes(store%count(tile), 9), point(3)
+      integer :: p
+
+      do p = 1, store%count(tile)
+         point = store%reference(store%first(tile) + p - 1, :)
+         slopes(p, :) = velocity_gradient(solution, point, dt)
+      end do
+      call keep_affine(store, tile, 1.0_wp, slopes)
+   end subroutine slope_tile
 
    !> Velocity gradient of the solution at the start, dF/dt F**-1, component (k, l) at k + 3 (l - 1).
    pure function velocity_gradient(solution, point, dt) result(slopes)

@@ -4,6 +4,7 @@
 module driver_gather
    use base_kinds, only: int64, wp
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
+   use driver_method, only: method_t, stress_after
    use driver_nodes, only: divide
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
@@ -15,7 +16,9 @@ module driver_gather
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_store, only: store_t
-   use transfer_affine, only: gather_affine_heat, moment_fields
+   use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
+   use transfer_basis, only: expand_spin
+   use transfer_even, only: even_gradient
    implicit none
    private
 
@@ -71,14 +74,14 @@ contains
       type(view_t) :: view
       integer :: index
 
-      call look(simulation, tile, parts, dt, view)
+      call look(simulation, tile, parts, view)
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
             call find_places(simulation, scratch, store, tile)
             call scratch%deformation%reserve(store%count(tile))
             if (parts%work .and. allocated(store%matter%energy)) &
-               call add_work(simulation, scratch, store, tile, view, dt)
+               call add_work(simulation, scratch, store, tile, view)
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
             if (parts%motion) then
                if (allocated(store%matter%energy)) call add_heat(simulation, scratch, store, tile, &
@@ -93,16 +96,15 @@ contains
    end subroutine gather_tile
 
    !> The node fields of a tile as the particles see them.
-   subroutine look(simulation, tile, parts, dt, view)
+   subroutine look(simulation, tile, parts, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
-      real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t), intent(out) :: view              !! What the particles see
 
       if (parts%work) view%centre = simulation%nodes%velocity(:, :, tile) &
-         + 0.5_wp*dt*simulation%nodes%acceleration(:, :, tile)
-      if (parts%motion) call look_motion(simulation, tile, dt, view)
+         + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, :, tile)
+      if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
       if (.not. simulation%method%dual) return
       if (parts%strain) call node_gradient(simulation, tile, simulation%nodes%gradient, &
          view%gradient)
@@ -115,7 +117,7 @@ contains
    subroutine look_motion(simulation, tile, dt, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
       type(view_t), intent(inout) :: view            !! What the particles see
       real(wp), allocatable :: filtered(:, :)
       real(wp) :: none(1, 0)
@@ -126,7 +128,11 @@ contains
          velocity => simulation%nodes%velocity(:, :, tile), &
          acceleration => simulation%nodes%acceleration(:, :, tile))
          call transfer%push(dt, acceleration, filtered, view%push)
-         call transfer%carry(dt, velocity, acceleration, filtered, view%carry)
+         if (simulation%method%leapfrog) then
+            call transfer%carry(dt, velocity, acceleration, filtered, view%carry)
+         else
+            view%carry = velocity + 0.5_wp*dt*acceleration
+         end if
          if (transfer%affine()) view%after = velocity + dt*acceleration
          if (.not. simulation%carries_energy) return
          if (transfer%sweeps() > 0) then
@@ -150,13 +156,25 @@ contains
       type(store_t), intent(inout) :: store          !! The particles
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
+      integer :: p, k
 
       associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
          start => store%cell_start(:, tile), first => store%first(tile))
          call method%transfer%heat(grid, method%basis, start, first, places, view%heat, &
             view%scalar, store%velocity, store%matter%energy)
-         if (allocated(store%affine)) call gather_affine_heat(grid, method%basis, start, first, &
-            places, view%turn, view%moments, store%affine, store%matter%energy)
+         if (.not. method%transfer%affine()) return
+         call places%reserve_affine(store%count(tile))
+         if (allocated(store%spin)) then
+            call expand_spin(first, store%count(tile), store%spin, places%affine)
+         else
+            do k = 1, 9
+               do p = 1, store%count(tile)
+                  places%affine(p, k) = store%affine(first + p - 1, k)
+               end do
+            end do
+         end if
+         call gather_affine_heat(grid, method%basis, start, first, places, view%turn, &
+            view%moments, store%matter%energy)
       end associate
    end subroutine add_heat
 
@@ -168,31 +186,24 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: lag
-      integer :: p, q, k
 
       associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
          start => store%cell_start(:, tile), first => store%first(tile))
-         lag = method%transfer%lag()
-         if (abs(lag) > 0.0_wp) then
-            do k = 1, 3
-               do p = first, first + store%count(tile) - 1
-                  store%position(p, k) = store%position(p, k) + lag*dt*store%velocity(p, k)
-               end do
-            end do
-         end if
          call method%basis%gather_motion(grid, start, first, places, view%push, view%carry, &
             method%transfer%keep(), dt, store%velocity, store%position)
-         if (.not. allocated(store%affine)) return
+         if (.not. method%transfer%affine() .or. strained(method)) return
          call method%basis%collect_affine(grid, start, places, view%after, places%values)
-         do k = 1, 9
-            do p = 1, store%count(tile)
-               q = first + p - 1
-               store%affine(q, k) = places%values(p, k)
-            end do
-         end do
+         call keep_affine(store, tile, 1.0_wp, places%values)
       end associate
    end subroutine move_particles
+
+   !> Do linear velocity fields come from the strain of the step? The modified gradient is less noisy
+   !! than that of the cell, and after the step it is that of the new velocities.
+   pure logical function strained(method)
+      type(method_t), intent(in) :: method           !! The method
+
+      strained = method%dual .and. method%stress == stress_after
+   end function strained
 
    !> Sum of the patches of a node gradient, divided by the volumes of the nodes.
    subroutine node_gradient(simulation, tile, patch, gradient)
@@ -208,18 +219,18 @@ contains
          gradient)
    end subroutine node_gradient
 
-   !> Work of the stress that made the force on the velocity in the middle of the step, so that what
+   !> Work of the stress that made the force on the mean of the velocities of the nodes, so that what
    !! the nodes lose in kinetic energy is what the particles gain in internal energy.
-   subroutine add_work(simulation, scratch, store, tile, view, dt)
+   subroutine add_work(simulation, scratch, store, tile, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(inout) :: store          !! The particles
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
-      real(wp), intent(in) :: dt                     !! Time step [s]
       integer :: p, q, first
 
-      call find_gradient(simulation, scratch, store, tile, view%centre, view%middle, dt)
+      call find_gradient(simulation, scratch, store, tile, view%centre, view%middle, &
+         simulation%kick)
       first = store%first(tile)
       associate (stress => store%matter%stress, gradient => scratch%deformation%gradient)
          do p = 1, store%count(tile)
@@ -254,6 +265,8 @@ contains
          end if
          if (grid%axisymmetric) call method%basis%gather_hoop(grid, start, store%first(tile), &
             places, store%position, velocity, dt, scratch%deformation%gradient)
+         if (method%even) call even_gradient(grid, start, store%first(tile), &
+            store%matter%volume, scratch%deformation%gradient)
       end associate
    end subroutine find_gradient
 
@@ -273,6 +286,8 @@ contains
          n = store%count(tile)
          call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
             view%gradient, dt)
+         if (simulation%method%transfer%affine() .and. strained(simulation%method)) &
+            call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          call centre_gradient(n, deformation%gradient)
          call simulation%materials(index)%update(store%matter, deformation, first, first + n - 1, &
             dt, simulation%grid%spacing)

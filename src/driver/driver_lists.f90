@@ -24,8 +24,8 @@ contains
             "intersection"])
       case default
          text = "strength_model: "//joined(law_names)//new_line("a")//"eos_model: " &
-            //joined(eos_names)//new_line("a")//"damage_model: "//joined(damage_names)//new_line("a")// &
-            "solution: "//joined(exact_names)
+            //joined(eos_names)//new_line("a")//"damage_model: "//joined(damage_names) &
+            //new_line("a")//"solution: "//joined(exact_names)
       end select
    end function list_text
 

@@ -29,15 +29,19 @@ module driver_method
       class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
+      logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
+      logical :: even = .false.                      !! Even dilatation in a cell?
       class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
       real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
    contains
       procedure :: read => method_read               !! Make it from the deck
       procedure :: choose => method_choose           !! Make it from words
+      procedure :: controlled => method_controlled   !! Is a mean stress taken out?
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
-      procedure :: lead => method_lead !! Share of a step by which stress is ahead of velocity
+      procedure :: kick => method_kick               !! Time over which the forces act
+      procedure :: lag => method_lag                 !! Time by which velocities are behind
    end type method_t
 
 contains
@@ -63,7 +67,8 @@ contains
       call schema%words("method", "alpha", alpha_names)
       call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
          range=">= 0 <= 1", owner="run.method = ddmp")
-      call schema%text("method", "free_surface", "cell weights of the dual gradient: least fill "// &
+      call schema%text("method", "free_surface", &
+         "cell weights of the dual gradient: least fill "// &
          "of the nodes; 1 in cells without an empty node; 1 everywhere", default="fill", &
          owner="run.method = ddmp")
       call schema%words("method", "free_surface", surface_names)
@@ -73,6 +78,9 @@ contains
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
          "new velocities; default usl with ddmp, musl with mpm", words="usl usf musl")
+      call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
+         "material in a cell share their mean dilatation and pressure", default="none", &
+         words="none bbar")
    end subroutine declare_method
 
    !> Make the method from the deck.
@@ -88,11 +96,14 @@ contains
       call group%get("basis", basis)
       call group%get("quadrature", quadrature)
       call self%choose(word == "ddmp", basis, quadrature)
-      if (self%dual .and. basis /= "linear" .and. group%valid(["basis"])) call deck%complain(group, &
+      if (self%dual .and. basis /= "linear" .and. group%valid(["basis"])) &
+         call deck%complain(group, &
          "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions", "basis")
       if (allocated(self%quadrature)) then
          call group%get("alpha", word)
          self%quadrature%alpha = max(position_of(word, alpha_names), 1)
+         ! a smooth blend makes the other forms noisier
+         self%quadrature%smooth = self%quadrature%alpha == alpha_split
          call group%get("alpha_0", self%quadrature%alpha_centre)
          call group%get("free_surface", word)
          self%surface = max(position_of(word, surface_names), 1)
@@ -110,6 +121,8 @@ contains
       if (self%transfer%affine() .and. basis == "linear" .and. .not. self%dual) call deck%warn( &
          group, "linear functions with transfer = '"//word//"' gain energy without bound; write "// &
          "basis = 'quadratic'", "transfer")
+      call group%get("antilock", word)
+      self%even = word == "bbar"
       group = deck%group("time", 1)
       call group%get("cfl", self%cfl)
    end subroutine method_read
@@ -132,6 +145,14 @@ contains
       self%quadrature%alpha = alpha_split
    end subroutine method_choose
 
+   !> True if a mean stress of the nodes is taken out of the particles.
+   pure logical function method_controlled(self) result(controlled)
+      class(method_t), intent(in) :: self            !! The method
+
+      controlled = .false.
+      if (allocated(self%quadrature)) controlled = self%quadrature%controlled()
+   end function method_controlled
+
    !> Layers of nodes beyond a tile that its particles reach.
    pure integer function method_margin(self) result(margin)
       class(method_t), intent(in) :: self            !! The method
@@ -146,7 +167,11 @@ contains
       type(traits_t), intent(inout) :: traits        !! Fields of the stores
 
       call self%basis%request(traits)
-      traits%affine = traits%affine .or. self%transfer%affine()
+      if (self%transfer%turning()) then
+         traits%spin = .true.
+      else
+         traits%affine = self%transfer%affine()
+      end if
       if (allocated(self%quadrature)) call self%quadrature%request(traits)
    end subroutine method_request
 
@@ -161,14 +186,25 @@ contains
       position = 0
    end function position_of
 
-   !> Share of a step by which the time of the stress is ahead of that of position and velocity.
+   !> Time over which the forces of a step act [s].
    !!
-   !! The stress takes the strain of a whole step at once, with the velocity at its end (usl, musl)
-   !! or its beginning (usf): that is the velocity in the middle of the time over which the stress
-   !! goes on only if stress and velocity are half a step apart.
-   pure real(wp) function method_lead(self) result(lead)
+   !! Position and stress stand at the times of the steps, velocities half a step before: forces lead
+   !! from the middle of the last step to the middle of this one, and the velocity there moves and
+   !! strains through the whole step (leapfrog), which is of second order. The scheme of the seed
+   !! has the velocity at the time of the position.
+   pure real(wp) function method_kick(self, last, dt) result(kick)
       class(method_t), intent(in) :: self            !! The method
+      real(wp), intent(in) :: last                   !! Length of the last step, 0 at the start [s]
+      real(wp), intent(in) :: dt                     !! Length of this step [s]
 
-      lead = merge(-0.5_wp, 0.5_wp, self%stress == stress_before)
-   end function method_lead
+      kick = merge(0.5_wp*(last + dt), dt, self%leapfrog)
+   end function method_kick
+
+   !> Time by which velocities are behind positions [s].
+   pure real(wp) function method_lag(self, last) result(lag)
+      class(method_t), intent(in) :: self            !! The method
+      real(wp), intent(in) :: last                   !! Length of the last step, 0 at the start [s]
+
+      lag = merge(0.5_wp*last, 0.0_wp, self%leapfrog)
+   end function method_lag
 end module driver_method

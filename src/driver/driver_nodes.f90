@@ -87,12 +87,27 @@ contains
          call assemble(grid, simulation%tiles, nodes%share, tile, nodes%volume(:, :, tile))
          stress = nodes%total(first:last, :, tile)
          call divide(nodes%volume(:, :, tile), 1, stress)
+         if (simulation%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
          call simulation%boundary%mirror(grid, coordinate, stress)
          nodes%force(:, :, tile) = 0.0_wp
          call simulation%dual%add_force(grid, coordinate, nodes%weight(:, tile), stress, &
             nodes%force(:, :, tile))
       end associate
    end subroutine force_tile
+
+   !> Give back on the nodes the mean stress that was taken out of the particles.
+   pure subroutine add_star(star, stress)
+      real(wp), contiguous, intent(in) :: star(:, :)       !! (6, node) [Pa]
+      real(wp), contiguous, intent(inout) :: stress(:, :)  !! (9, node) (k, l) in row k + 3 (l - 1)
+      integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
+      integer :: node, k
+
+      do node = 1, size(stress, 2)
+         do k = 1, 9
+            stress(k, node) = stress(k, node) + star(component(k), node)
+         end do
+      end do
+   end subroutine add_star
 
    !> Divide node values by a volume or mass; nodes without any get zero.
    pure subroutine divide(by, row, values)
@@ -116,7 +131,7 @@ contains
    !! strains.
    subroutine move_nodes(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp), intent(in) :: dt                     !! Time step, 0 = none [s]
+      real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       integer :: tile
 
       call simulation%timer%start(simulation%phase%grid)
@@ -144,7 +159,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp) :: force(3, simulation%grid%tile_nodes)
       real(wp) :: mass(simulation%grid%tile_nodes)
       integer :: component
@@ -190,7 +205,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp), intent(in) :: mass(:)                !! (node) [kg]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]

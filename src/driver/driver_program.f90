@@ -21,7 +21,7 @@ module driver_program
    use driver_method, only: declare_method
    use driver_output, only: outputs_t
    use driver_restart, only: resume
-   use driver_run, only: choose_step, limits_t, read_limits, run_to_end
+   use driver_run, only: limits_t, read_limits, run_to_end
    use driver_scene, only: build_scene, describe_run
    use driver_simulation, only: simulation_t
    use driver_start, only: fill_simulation, first_step, spin_bodies, survey_t, take_survey
@@ -313,7 +313,6 @@ contains
       type(session_t), intent(inout) :: session      !! Gets particles
       type(error_t), allocatable, intent(out) :: error !! No checkpoint can be read
       character(len=:), allocatable :: note, file
-      real(wp) :: dt
 
       if (session%command%restart) then
          file = ""
@@ -326,12 +325,8 @@ contains
          call spin_bodies(session%simulation, session%bodies)
          call place_exact(session%simulation, error)
          if (allocated(error)) return
+         call strain_exact(session%simulation)
          call first_step(session%simulation)
-         if (allocated(session%simulation%exact)) then
-            call choose_step(session%simulation, session%limits, dt, error)
-            if (allocated(error)) return
-            call strain_exact(session%simulation, dt)
-         end if
          associate (simulation => session%simulation)
             call simulation%ledger%balance(simulation%communicator, simulation%grid, &
                simulation%stores, simulation%materials, simulation%ledger%start)

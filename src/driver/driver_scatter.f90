@@ -7,6 +7,8 @@ module driver_scatter
    use mesh_patch, only: ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
+   use transfer_even, only: even_stress
+   use transfer_places, only: places_t
    use transfer_scatter, only: dual_columns, motion_columns
    implicit none
    private
@@ -53,29 +55,74 @@ contains
          associate (grid => simulation%grid, store => simulation%stores(index), &
             method => simulation%method, places => scratch%places, &
             start => simulation%stores(index)%cell_start(:, tile), &
-            first => simulation%stores(index)%first(tile), matter => simulation%stores(index)%matter)
+            first => simulation%stores(index)%first(tile), &
+               matter => simulation%stores(index)%matter)
             call find_places(simulation, scratch, store, tile)
             if (allocated(store%affine)) then
                call method%basis%spread_affine(grid, start, first, places, matter%mass, &
                   store%velocity, store%affine, patch)
+            else if (allocated(store%spin)) then
+               call method%basis%scatter_turning(grid, start, first, places, matter%mass, &
+                  store%velocity, store%spin, patch)
             else
                call method%basis%scatter_motion(grid, start, first, places, matter%mass, &
                   store%velocity, patch)
             end if
-            if (method%dual) then
-               call method%quadrature%scatter_force(grid, start, first, places, matter%volume, &
-                  matter%stress, patch)
+            if (method%even .or. method%controlled()) then
+               call change_stress(simulation, scratch, store, tile)
+               call push_nodes(simulation, places, start, 1, scratch%pushed%position, &
+                  scratch%pushed%volume, scratch%pushed%stress, patch)
             else
-               call method%basis%spread_stress(grid, start, first, places, matter%volume, &
+               call push_nodes(simulation, places, start, first, store%position, matter%volume, &
                   matter%stress, patch)
             end if
-            if (grid%axisymmetric) call method%basis%scatter_hoop(grid, start, first, places, &
-               store%position, matter%volume, matter%stress, patch)
             if (allocated(simulation%exact)) call add_body_force(simulation, scratch, index, tile, &
                patch)
          end associate
       end do
    end subroutine scatter_tile
+
+   !> The stress that particles of a tile push the nodes with, where it is not their own.
+   subroutine change_stress(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+
+      associate (grid => simulation%grid, start => store%cell_start(:, tile), &
+         pushed => scratch%pushed, places => scratch%places)
+         call pushed%copy(store%first(tile), store%count(tile), store%position, &
+            store%matter%volume, store%matter%stress)
+         if (simulation%method%even) call even_stress(grid, start, pushed%volume, pushed%stress)
+         if (simulation%method%controlled()) then
+            call simulation%method%basis%collect(grid, start, places, &
+               simulation%nodes%star(:, :, tile), places%values)
+            call pushed%subtract(store%count(tile), places%values)
+         end if
+      end associate
+   end subroutine change_stress
+
+   !> Force of the stress of the particles of a tile.
+   subroutine push_nodes(simulation, places, start, first, position, volume, stress, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(places_t), intent(inout) :: places        !! Of the tile
+      integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                   !! First particle of the tile in the arrays
+      real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) Radius in column 1 [m]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :) !! (particle, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+
+      associate (grid => simulation%grid, method => simulation%method)
+         if (method%dual) then
+            call method%quadrature%scatter_force(grid, start, first, places, volume, stress, patch)
+         else
+            call method%basis%spread_stress(grid, start, first, places, volume, stress, patch)
+         end if
+         if (grid%axisymmetric) call method%basis%scatter_hoop(grid, start, first, places, &
+            position, volume, stress, patch)
+      end associate
+   end subroutine push_nodes
 
    !> Body force of an exact solution, to columns 5 to 7.
    subroutine add_body_force(simulation, scratch, index, tile, patch)

@@ -15,6 +15,7 @@ module driver_simulation
    use mesh_tiles, only: tiles_t
    use particle_store, only: store_t
    use transfer_places, only: places_t
+   use transfer_pushed, only: pushed_t
    implicit none
    private
 
@@ -35,6 +36,8 @@ module driver_simulation
       real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]
       real(wp), allocatable :: loss(:, :, :)         !! (1) Kinetic energy that it loses [J/kg]
       real(wp), allocatable :: strain(:, :, :)       !! (3) Velocity of the strain increment [m/s]
+      real(wp), allocatable :: mean(:, :, :)         !! Patch (7): volume, stress times volume
+      real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress, taken out of particles [Pa]
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
@@ -46,6 +49,7 @@ module driver_simulation
    !> Scratch space of one thread.
    type :: scratch_t
       type(places_t) :: places                       !! Particles of the tile as the basis sees them
+      type(pushed_t) :: pushed                       !! Their stress, if changed on its way to nodes
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       type(ledger_t) :: ledger                       !! Sums of this thread
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
@@ -77,6 +81,7 @@ module driver_simulation
       integer(int64) :: step = 0                     !! Steps done
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: dt = 0.0_wp                        !! Last time step [s]
+      real(wp) :: kick = 0.0_wp                      !! Time that the forces act in this step [s]
       real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
       integer(int64) :: updates = 0                  !! Particle updates of this rank
       type(ledger_t) :: ledger                       !! The books

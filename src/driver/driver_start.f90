@@ -181,6 +181,7 @@ contains
                   end do
                   if (allocated(store%affine)) store%affine(p, :) = [0.0_wp, spin(3), -spin(2), &
                      -spin(3), 0.0_wp, spin(1), spin(2), -spin(1), 0.0_wp]
+                  if (allocated(store%spin)) store%spin(p, :) = spin
                end do
             end do
          end associate

@@ -3,6 +3,7 @@
 module driver_step
    use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: int64, wp
+   use driver_control, only: find_star
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
    use driver_method, only: stress_before, stress_remapped
@@ -26,21 +27,26 @@ contains
       type(gather_parts_t) :: parts
 
       parts%work = simulation%carries_energy
-      if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time + 0.5_wp*dt
+      if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time
+      simulation%kick = simulation%method%kick(simulation%dt, dt)
       associate (method => simulation%method)
          if (method%stress == stress_before) then
+            if (method%controlled()) call find_star(simulation)
             call scatter_particles(simulation)
             if (method%dual) call dual_fields(simulation)
             call move_nodes(simulation, 0.0_wp)
-            call gather_particles(simulation, gather_parts_t(strain=.true.), dt)
+            ! positions have moved already through the last step, with the velocity before this one
+            call gather_particles(simulation, gather_parts_t(strain=.true.), &
+               merge(simulation%dt, dt, method%leapfrog))
          end if
+         if (method%controlled()) call find_star(simulation)
          call scatter_particles(simulation)
          if (method%dual) call dual_fields(simulation)
-         call move_nodes(simulation, dt)
-         if (allocated(simulation%exact)) call book_body_force(simulation, dt)
-         if (method%transfer%sweeps() > 0) call filter_nodes(simulation, dt)
+         call move_nodes(simulation, simulation%kick)
+         if (allocated(simulation%exact)) call book_body_force(simulation, simulation%kick)
+         if (method%transfer%sweeps() > 0) call filter_nodes(simulation, simulation%kick)
          if (method%stress == stress_remapped) then
-            call scatter_again(simulation, dt)
+            call scatter_again(simulation, simulation%kick)
             call remap_nodes(simulation)
          end if
          parts%strain = method%stress /= stress_before

@@ -237,8 +237,8 @@ contains
       call json%end()
    end subroutine add_ledger
 
-   !> Errors against the exact solution: now, and the greatest of displacement in the histories, also
-   !! over the greatest displacement of the solution.
+   !> Errors against the exact solution: now, and the greatest of displacement in the histories,
+   !! also over the greatest displacement of the solution.
    subroutine add_exact(json, simulation)
       type(json_t), intent(inout) :: json            !! The summary
       type(simulation_t), intent(in) :: simulation   !! With the errors

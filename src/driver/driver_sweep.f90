@@ -10,6 +10,7 @@ module driver_sweep
    use mesh_patch, only: assemble, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
+   use transfer_affine, only: turn_only
    implicit none
    private
 
@@ -190,8 +191,10 @@ contains
             call find_places(simulation, scratch, store, tile)
             call basis%collect(grid, start, places, push, places%vector)
             call keep_velocity(store, tile, simulation%method%transfer%keep(), places%vector)
-            if (allocated(store%affine)) then
+            if (simulation%method%transfer%affine()) then
                call basis%collect_affine(grid, start, places, after, places%values)
+               if (simulation%method%transfer%turning()) &
+                  call turn_only(store%count(tile), places%values)
                call spread_fields(simulation, scratch, store, tile, patch)
             else
                call basis%scatter_product(grid, start, store%first(tile), places, &

@@ -12,7 +12,8 @@ module io_deck_schema
 
 contains
 
-   !> Declare the groups in the order of the echo, and their keys. Those of &material and the ones of
+   !> Declare the groups in the order of the echo, and their keys. Those of &material and the ones
+   !! of
    !! &effects that concern materials are added by the materials themselves, those of &method by the
    !! methods, those of &exact by the solutions.
    subroutine declare_deck(schema)

@@ -24,6 +24,7 @@ module particle_store
       logical :: stretching = .false.                 !! These follow the stretch of the material
       logical :: domain = .false.                     !! Half the edges of its parallelepiped
       logical :: affine = .false.                     !! Linear velocity field round it
+      logical :: spin = .false.                       !! Rotation of the velocity round it
    end type traits_t
 
    !> Particles of one material.
@@ -38,6 +39,7 @@ module particle_store
       real(wp), allocatable :: domain(:, :)
       !> (particle, 9) Slope (k, l) of the velocity round it in column k + 3 (l - 1) [1/s]
       real(wp), allocatable :: affine(:, :)
+      real(wp), allocatable :: spin(:, :)             !! (particle, 3) Rotation round it [1/s]
       real(wp), allocatable :: reference(:, :) !! (particle, 3) Position at rest (if asked for) [m]
       type(matter_t) :: matter                        !! State that the laws see
       integer, allocatable :: home(:)                 !! Cell after the move, < 0 = left the tile
@@ -98,6 +100,7 @@ contains
       if (traits%extent) allocate (self%extent(0, 3))
       if (traits%domain) allocate (self%domain(0, 9))
       if (traits%affine) allocate (self%affine(0, 9))
+      if (traits%spin) allocate (self%spin(0, 3))
       call self%clear(cells)
    end subroutine store_start
 
@@ -141,6 +144,7 @@ contains
       if (allocated(self%extent)) call worker%vector("extent", "m", self%extent)
       if (allocated(self%domain)) call worker%vector("domain", "m", self%domain)
       if (allocated(self%affine)) call worker%vector("affine", "1/s", self%affine)
+      if (allocated(self%spin)) call worker%vector("spin", "1/s", self%spin)
       if (allocated(self%reference)) call worker%vector("reference", "m", self%reference)
       call self%matter%walk(worker)
    end subroutine store_walk

@@ -10,7 +10,7 @@ module basis_linear
       gather_vector, locate
    use transfer_places, only: places_t
    use transfer_scatter, only: scatter_affine, scatter_force, scatter_hoop, scatter_motion, &
-      scatter_product, scatter_values
+      scatter_product, scatter_turning, scatter_values
    implicit none
    private
 
@@ -26,6 +26,7 @@ module basis_linear
       procedure :: collect => linear_collect                 !! Node values to particles
       procedure :: collect_gradient => linear_collect_gradient !! Their gradients
       procedure :: scatter_motion => linear_scatter_motion   !! Mass and momentum
+      procedure :: scatter_turning => linear_scatter_turning !! Those of particles that turn
       procedure :: scatter_product => linear_scatter_product !! Mass times a vector
       procedure :: scatter_hoop => linear_scatter_hoop       !! Force of the hoop stress
       procedure :: gather_motion => linear_gather_motion     !! Velocity and position
@@ -131,6 +132,23 @@ contains
 
       call scatter_motion(grid, start, first, places%local, mass, velocity, patch)
    end subroutine linear_scatter_motion
+
+   !> Add mass and momentum of particles that turn to columns 1 to 4 of a patch.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine linear_scatter_turning(self, grid, start, first, places, mass, velocity, spin, &
+      patch)
+      class(basis_linear_t), intent(in) :: self          !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+
+      call scatter_turning(grid, start, first, places%local, mass, velocity, spin, patch)
+   end subroutine linear_scatter_turning
 
    !> Add mass times a vector to three columns of a patch.
    ! gate: long kernel because a tile is told by its grid, range and places

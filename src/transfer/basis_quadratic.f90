@@ -20,7 +20,8 @@ module basis_quadratic
 
 contains
 
-   !> With the distance d from the nearest node in cells: 3/4 - d**2 there and (1/2 -+ d)**2/2 at its
+   !> With the distance d from the nearest node in cells: 3/4 - d**2 there and (1/2 -+ d)**2/2 at
+   !! its
    !! neighbours.
    pure subroutine quadratic_weigh(self, grid, store, tile, direction, places)
       class(basis_quadratic_t), intent(in) :: self           !! The basis

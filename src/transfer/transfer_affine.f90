@@ -9,12 +9,13 @@
 module transfer_affine
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
+   use particle_store, only: store_t
    use transfer_basis, only: basis_t
    use transfer_places, only: places_t
    implicit none
    private
 
-   public :: gather_affine_heat, moment_fields
+   public :: gather_affine_heat, keep_affine, moment_fields, turn_only
 
 contains
 
@@ -38,16 +39,14 @@ contains
 
    !> Heat - C : B(nodes), for the vector g u - (1 - g) a dt on the nodes.
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine gather_affine_heat(grid, basis, start, first, places, nodes, moments, affine, &
-      energy)
+   pure subroutine gather_affine_heat(grid, basis, start, first, places, nodes, moments, energy)
       type(grid_t), intent(in) :: grid                       !! The grid
       class(basis_t), intent(in) :: basis                    !! Node functions
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile, with C before the step
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: moments(:, :)      !! (9, node) Of `moment_fields` [m2/s]
-      real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C before the step [1/s]
       real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
       real(wp) :: corner(3), place, heat
       integer :: cell, p, q, k, l
@@ -62,7 +61,7 @@ contains
             do l = 1, 3
                place = grid%spacing*(corner(l) + places%local(p, l))
                do k = 1, 3
-                  heat = heat - affine(q, k + 3*(l - 1))*(places%values(p, k + 3*(l - 1)) &
+                  heat = heat - places%affine(p, k + 3*(l - 1))*(places%values(p, k + 3*(l - 1)) &
                      - place*places%vector(p, k))
                end do
             end do
@@ -70,4 +69,50 @@ contains
          end do
       end do
    end subroutine gather_affine_heat
+
+   !> Keep the linear velocity fields of a tile in its store, or their rotation only.
+   pure subroutine keep_affine(store, tile, scale, affine)
+      type(store_t), intent(inout) :: store                  !! Gets the fields it has room for
+      integer, intent(in) :: tile                            !! Which tile
+      real(wp), intent(in) :: scale                          !! Factor, such as one over the step
+      real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle of the tile, 9)
+      integer :: p, q, k
+
+      if (allocated(store%affine)) then
+         do k = 1, 9
+            do p = 1, store%count(tile)
+               q = store%first(tile) + p - 1
+               store%affine(q, k) = scale*affine(p, k)
+            end do
+         end do
+      end if
+      if (.not. allocated(store%spin)) return
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         store%spin(q, 1) = 0.5_wp*scale*(affine(p, 6) - affine(p, 8))
+         store%spin(q, 2) = 0.5_wp*scale*(affine(p, 7) - affine(p, 3))
+         store%spin(q, 3) = 0.5_wp*scale*(affine(p, 2) - affine(p, 4))
+      end do
+   end subroutine keep_affine
+
+   !> Take all but the rotation out of linear velocity fields.
+   pure subroutine turn_only(count, affine)
+      integer, intent(in) :: count                           !! Particles of the tile
+      real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9)
+      real(wp) :: half
+      integer :: p, k, l
+
+      do k = 1, 3
+         do p = 1, count
+            affine(p, 4*k - 3) = 0.0_wp
+         end do
+         do l = k + 1, 3
+            do p = 1, count
+               half = 0.5_wp*(affine(p, k + 3*(l - 1)) - affine(p, l + 3*(k - 1)))
+               affine(p, k + 3*(l - 1)) = half
+               affine(p, l + 3*(k - 1)) = -half
+            end do
+         end do
+      end do
+   end subroutine turn_only
 end module transfer_affine

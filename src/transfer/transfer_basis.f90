@@ -13,7 +13,7 @@ module transfer_basis
    implicit none
    private
 
-   public :: basis_t
+   public :: basis_t, expand_spin
 
    !> Node functions.
    type, abstract :: basis_t
@@ -29,6 +29,7 @@ module transfer_basis
       procedure(collect_gradient_i), deferred :: collect_gradient !! Their gradients
       procedure :: collect_affine => basis_collect_affine  !! Linear velocity field round a particle
       procedure :: scatter_motion => basis_scatter_motion  !! Mass and momentum
+      procedure :: scatter_turning => basis_scatter_turning !! Those of particles that turn
       procedure :: scatter_product => basis_scatter_product !! Mass times a vector
       procedure :: scatter_hoop => basis_scatter_hoop      !! Force of the hoop stress
       procedure :: gather_motion => basis_gather_motion    !! Velocity and position
@@ -65,7 +66,8 @@ module transfer_basis
       end subroutine spread_i
 
       !> Add mass and momentum sum m S_i (v + C (x_i - x)) to columns 1 to 4 of a patch.
-      pure subroutine spread_affine_i(self, grid, start, first, places, mass, velocity, affine, patch)
+      pure subroutine spread_affine_i(self, grid, start, first, places, mass, velocity, affine, &
+         patch)
          import :: basis_t, grid_t, places_t, wp
          implicit none
          class(basis_t), intent(in) :: self
@@ -175,6 +177,58 @@ contains
       end do
       call self%spread(grid, start, places, 4, places%values, 0, patch)
    end subroutine basis_scatter_motion
+
+   !> Add mass and momentum of particles that turn, sum m S_i (v + w x (x_i - x)), to columns 1 to 4.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine basis_scatter_turning(self, grid, start, first, places, mass, velocity, spin, &
+      patch)
+      class(basis_t), intent(in) :: self                     !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: tile_mass(start(grid%tile_cells))
+      integer :: p, k, count
+
+      count = start(grid%tile_cells)
+      do p = 1, count
+         tile_mass(p) = mass(first + p - 1)
+      end do
+      do k = 1, 3
+         do p = 1, count
+            places%vector(p, k) = velocity(first + p - 1, k)
+         end do
+      end do
+      call places%reserve_affine(count)
+      call expand_spin(first, count, spin, places%affine)
+      call self%spread_affine(grid, start, 1, places, tile_mass, places%vector, places%affine, patch)
+   end subroutine basis_scatter_turning
+
+   !> Linear velocity fields of rotations.
+   pure subroutine expand_spin(first, count, spin, affine)
+      integer, intent(in) :: first                           !! First particle of the tile
+      integer, intent(in) :: count                           !! Particles of the tile
+      real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) [1/s]
+      real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9) [1/s]
+      integer :: p, q
+
+      do p = 1, count
+         q = first + p - 1
+         affine(p, 1) = 0.0_wp
+         affine(p, 2) = spin(q, 3)
+         affine(p, 3) = -spin(q, 2)
+         affine(p, 4) = -spin(q, 3)
+         affine(p, 5) = 0.0_wp
+         affine(p, 6) = spin(q, 1)
+         affine(p, 7) = spin(q, 2)
+         affine(p, 8) = -spin(q, 1)
+         affine(p, 9) = 0.0_wp
+      end do
+   end subroutine expand_spin
 
    !> Add mass times a vector to three columns of a patch.
    ! gate: long kernel because a tile is told by its grid, range and places
@@ -287,7 +341,8 @@ contains
    !> Heat from the kinetic energy that the way from nodes to particles loses.
    !!
    !! With a = sum S_i a_i dt, u = sum S_i u_i and r = v_p - u a step v_p <- v_p + a - g r, g the
-   !! share of pic, loses per mass 1/2 var(a) + g (r.r + var(u) + cov(u, a)) - 1/2 g^2 r.r, where var
+   !! share of pic, loses per mass 1/2 var(a) + g (r.r + var(u) + cov(u, a)) - 1/2 g^2 r.r, where
+   !! var
    !! and cov are those of the node values under the weights S_i. Terms that only carry energy from
    !! particle to particle, and add up to zero, are left out; the rest is not negative for g <= 1.
    ! gate: long kernel because a tile is told by its grid, range and places

@@ -13,6 +13,7 @@ module transfer_places
    type :: places_t
       real(wp), allocatable :: local(:, :)           !! (particle, 3) Place in its cell, 0 to 1
       real(wp), allocatable :: alpha(:, :)           !! (particle, 3) Share of the own cell
+      real(wp), allocatable :: blend(:, :)           !! (particle, 3) Place with a smooth start
       !> (particle, node, direction) Functions of the nodes -1, 0, 1, 2 of the cell along a line
       real(wp), allocatable :: weight(:, :, :)
       real(wp), allocatable :: slope(:, :, :)        !! The same: their mean derivatives [1/m]
@@ -21,9 +22,11 @@ module transfer_places
       real(wp), allocatable :: rest(:, :, :)         !! The same: (1 - alpha) times function
       real(wp), allocatable :: vector(:, :)          !! (particle, 3) What is mapped
       real(wp), allocatable :: values(:, :)          !! (particle, 9) Between two steps of a map
+      real(wp), allocatable :: affine(:, :)          !! (particle, 9) Linear velocity fields [1/s]
    contains
       procedure :: reserve => places_reserve         !! Room for the particles of a tile
       procedure :: reserve_wide => places_reserve_wide !! Room for wide stencils
+      procedure :: reserve_affine => places_reserve_affine !! Room for linear velocity fields
       procedure :: reserve_split => places_reserve_split !! Room for means of the dual gradient
    end type places_t
 
@@ -37,10 +40,11 @@ contains
 
       if (allocated(self%local)) then
          if (size(self%local, 1) >= particles) return
-         deallocate (self%local, self%alpha, self%vector, self%values)
+         deallocate (self%local, self%alpha, self%blend, self%vector, self%values)
       end if
       n = room_for(particles)
-      allocate (self%local(n, 3), self%alpha(n, 3), self%vector(n, 3), self%values(n, 9))
+      allocate (self%local(n, 3), self%alpha(n, 3), self%blend(n, 3), self%vector(n, 3), &
+         self%values(n, 9))
    end subroutine places_reserve
 
    !> Make room for the functions of wide stencils. What was there is lost.
@@ -71,7 +75,20 @@ contains
       allocate (self%share(n, line, 3), self%rest(n, line, 3))
    end subroutine places_reserve_split
 
-   !> Length of columns: not as long as the particles are many, since a length that is a power of two
+   !> Make room for linear velocity fields. What was there is lost.
+   pure subroutine places_reserve_affine(self, particles)
+      class(places_t), intent(inout) :: self         !! The scratch space
+      integer, intent(in) :: particles               !! Most particles in a tile
+
+      if (allocated(self%affine)) then
+         if (size(self%affine, 1) >= particles) return
+         deallocate (self%affine)
+      end if
+      allocate (self%affine(room_for(particles), 9))
+   end subroutine places_reserve_affine
+
+   !> Length of columns: not as long as the particles are many, since a length that is a power of
+   !! two
    !! would put all columns into the same few places of the cache.
    pure integer function room_for(particles) result(room)
       integer, intent(in) :: particles               !! Particles of a tile

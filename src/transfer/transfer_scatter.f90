@@ -12,7 +12,7 @@ module transfer_scatter
    private
 
    public :: scatter_affine, scatter_dual_force, scatter_force, scatter_hoop, scatter_motion, &
-      scatter_product, scatter_values
+      scatter_product, scatter_turning, scatter_values
 
    integer, parameter, public :: motion_columns = 7  !! Mass, momentum, force
    integer, parameter, public :: dual_columns = 17   !! With volume and node stress
@@ -127,6 +127,51 @@ contains
          call add_cell(grid, cell, sums, 0, patch)
       end do
    end subroutine scatter_affine
+
+   !> Add mass and momentum of particles that turn, sum m S_i (v + w x (x_i - x)), to columns 1 to 4
+   !! of a patch.
+   pure subroutine scatter_turning(grid, start, first, local, mass, velocity, spin, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: a(lanes, 3), b(lanes, 3), upper(lanes, 3), sums(lanes, 4), weight, v(3), w(3)
+      integer :: cell, p, q, lane
+
+      a = grid%lane_constant
+      b = grid%lane_slope
+      ! place of each lane in its cell; a missing direction has none
+      upper = grid%spacing*b**2*(1.0_wp - a)
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            q = first + p - 1
+            w = [spin(q, 1), spin(q, 2), spin(q, 3)]
+            ! the velocity field at the lower corner of the cell
+            v(1) = velocity(q, 1) - grid%spacing*(w(2)*local(p, 3) - w(3)*local(p, 2))
+            v(2) = velocity(q, 2) - grid%spacing*(w(3)*local(p, 1) - w(1)*local(p, 3))
+            v(3) = velocity(q, 3) - grid%spacing*(w(1)*local(p, 2) - w(2)*local(p, 1))
+            do lane = 1, lanes
+               weight = (a(lane, 1) + b(lane, 1)*local(p, 1)) &
+                  *(a(lane, 2) + b(lane, 2)*local(p, 2)) &
+                  *(a(lane, 3) + b(lane, 3)*local(p, 3))*mass(q)
+               sums(lane, 1) = sums(lane, 1) + weight
+               sums(lane, 2) = sums(lane, 2) &
+                  + weight*(v(1) + w(2)*upper(lane, 3) - w(3)*upper(lane, 2))
+               sums(lane, 3) = sums(lane, 3) &
+                  + weight*(v(2) + w(3)*upper(lane, 1) - w(1)*upper(lane, 3))
+               sums(lane, 4) = sums(lane, 4) &
+                  + weight*(v(3) + w(1)*upper(lane, 2) - w(2)*upper(lane, 1))
+            end do
+         end do
+         call add_cell(grid, cell, sums, 0, patch)
+      end do
+   end subroutine scatter_turning
 
    !> Add mass times a vector to three columns of a patch, one a component.
    pure subroutine scatter_product(grid, start, first, local, mass, vector, before, patch)

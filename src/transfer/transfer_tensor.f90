@@ -56,7 +56,8 @@ contains
       margin = 1
    end function tensor_margin
 
-   !> Nodes along a line that a particle touches, counted from `low` on; three, unless the basis says
+   !> Nodes along a line that a particle touches, counted from `low` on; three, unless the basis
+   !! says
    !! otherwise.
    pure integer function tensor_reach(self) result(reach)
       class(basis_tensor_t), intent(in) :: self              !! The basis
@@ -208,7 +209,8 @@ contains
       end do
    end subroutine tensor_spread
 
-   !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran, A.
+   !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran,
+   !! A.
    !! Stomakhin, ACM Trans. Graph. 34 (2015) 51).
    ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine tensor_spread_affine(self, grid, start, first, places, mass, velocity, affine, &

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> How node velocities come back to particles, and particle velocities to nodes.
 !!
-!! Without anything said otherwise a transfer is PIC with the position of second order of the seed of
-!! the method: v <- S (u + a dt), x <- x + dt S (u + a dt/2), with u and a velocity and acceleration
-!! of the nodes and S the way from nodes to particles. A transfer says what it does differently.
+!! Without anything said otherwise a transfer is PIC: v <- S (u + a dt), with u and a velocity and
+!! acceleration of the nodes, dt the time that the forces act, and S the way from nodes to particles.
+!! Velocities stand in the middle between positions, so u + a dt also moves the particles through the
+!! whole step. A transfer says what it does differently.
 !!
 !! Some transfers want the series w = y_0 + y_1 + ... + y_n of node velocities with y_(s+1) = y_s -
 !! S^+ S y_s, where S^+ is the way from particles to nodes, divided by the mass of nodes. With n + 1
@@ -27,8 +28,8 @@ module transfer_velocity
       procedure :: declare => velocity_declare       !! Declares its keys, if it has any
       procedure :: read => velocity_read             !! Reads them
       procedure :: affine => velocity_affine         !! Do particles carry a linear velocity field?
+      procedure :: turning => velocity_turning       !! Do they carry its rotation only?
       procedure :: keep => velocity_keep             !! Share of its velocity that a particle keeps
-      procedure :: lag => velocity_lag               !! Share of it that moves the particle
       procedure :: sweeps => velocity_sweeps         !! Terms n of the series
       procedure :: first_term => velocity_first_term !! Its first term
       procedure :: loss_weight => velocity_loss_weight !! Share of its terms in the lost energy
@@ -60,19 +61,19 @@ contains
       affine = .false.
    end function velocity_affine
 
+   !> Do particles carry the rotation of the velocity round them and nothing else of it?
+   pure logical function velocity_turning(self) result(turning)
+      class(velocity_t), intent(in) :: self                  !! The transfer
+
+      turning = .false.
+   end function velocity_turning
+
    !> Share of its own velocity that a particle keeps in a step.
    pure real(wp) function velocity_keep(self) result(keep)
       class(velocity_t), intent(in) :: self                  !! The transfer
 
       keep = 0.0_wp
    end function velocity_keep
-
-   !> Share of its own velocity before the step in the velocity that moves a particle.
-   pure real(wp) function velocity_lag(self) result(lag)
-      class(velocity_t), intent(in) :: self                  !! The transfer
-
-      lag = 0.0_wp
-   end function velocity_lag
 
    !> Terms of the series after the first one, each a sweep over the particles.
    pure integer function velocity_sweeps(self) result(sweeps)
@@ -112,7 +113,7 @@ contains
       push = dt*acceleration + (1.0_wp - self%keep())*filtered
    end subroutine velocity_push
 
-   !> What nodes add to particle positions: x <- x + dt (lag v + S carry), v before the step.
+   !> What moves the particles: x <- x + S carry times the length of the step.
    pure subroutine velocity_carry(self, dt, velocity, acceleration, filtered, carry)
       class(velocity_t), intent(in) :: self                  !! The transfer
       real(wp), intent(in) :: dt                             !! Time step [s]
@@ -121,7 +122,7 @@ contains
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
       real(wp), contiguous, intent(inout) :: carry(:, :)     !! (3, node) [m/s]
 
-      carry = velocity + 0.5_wp*dt*acceleration
+      carry = velocity + dt*acceleration
    end subroutine velocity_carry
 
    !> Node fields that `heat` wants.

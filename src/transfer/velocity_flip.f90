@@ -28,7 +28,7 @@ contains
       type(schema_t), intent(inout) :: schema                !! Keys of the deck
 
       call schema%real("method", "flip", "share of FLIP, the rest is PIC", default="0.999", &
-         range=">= 0 <= 1", owner="transfer = flip aflip")
+         range=">= 0 <= 1", owner="transfer = flip aflip rflip")
    end subroutine flip_declare
 
    !> Read the share.

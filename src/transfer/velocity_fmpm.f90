@@ -15,7 +15,6 @@ module velocity_fmpm
    type, extends(velocity_series_t) :: velocity_fmpm_t
    contains
       procedure :: declare => fmpm_declare           !! Nothing of its own
-      procedure :: lag => fmpm_lag                   !! Share of the old velocity in the motion
       procedure :: first_term => fmpm_first_term     !! Velocity after the forces
       procedure :: loss_weight => fmpm_loss_weight   !! Share of terms in the lost energy
       procedure :: push => fmpm_push                 !! What nodes add to velocities
@@ -31,13 +30,6 @@ contains
       class(velocity_fmpm_t), intent(in) :: self             !! The transfer
       type(schema_t), intent(inout) :: schema                !! Keys of the deck
    end subroutine fmpm_declare
-
-   !> Half of the motion is that of the old velocity.
-   pure real(wp) function fmpm_lag(self) result(lag)
-      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
-
-      lag = 0.5_wp
-   end function fmpm_lag
 
    !> Velocity after the forces.
    pure subroutine fmpm_first_term(self, dt, velocity, acceleration, term)
@@ -73,7 +65,7 @@ contains
       push = filtered
    end subroutine fmpm_push
 
-   !> v_new/2.
+   !> The new velocity of the particles.
    pure subroutine fmpm_carry(self, dt, velocity, acceleration, filtered, carry)
       class(velocity_fmpm_t), intent(in) :: self             !! The transfer
       real(wp), intent(in) :: dt                             !! Time step [s]
@@ -82,7 +74,7 @@ contains
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
       real(wp), contiguous, intent(inout) :: carry(:, :)     !! (3, node) [m/s]
 
-      carry = 0.5_wp*filtered
+      carry = filtered
    end subroutine fmpm_carry
 
    !> With y the last term, r = v - S u, a for a dt, and var and cov of node values at a particle:

@@ -18,9 +18,7 @@ module velocity_xpic
    contains
       procedure :: declare => xpic_declare           !! Order
       procedure :: read => xpic_read                 !! Reads it
-      procedure :: lag => xpic_lag                   !! Share of the old velocity in the motion
       procedure :: loss_weight => xpic_loss_weight   !! Share of terms in the lost energy
-      procedure :: carry => xpic_carry               !! What nodes add to positions
       procedure :: heat_fields => xpic_heat_fields   !! Node fields of the lost energy
       procedure :: mixing => xpic_mixing             !! Factors of gathered fields in it
    end type velocity_xpic_t
@@ -49,13 +47,6 @@ contains
       self%order = max(self%order, 2)
    end subroutine xpic_read
 
-   !> v_new - v_old has the old velocity with the factor -1/2.
-   pure real(wp) function xpic_lag(self) result(lag)
-      class(velocity_xpic_t), intent(in) :: self             !! The transfer
-
-      lag = -0.5_wp
-   end function xpic_lag
-
    !> The lost energy is the sum of all powers from k to 2 k - 1.
    pure real(wp) function xpic_loss_weight(self, power) result(weight)
       class(velocity_xpic_t), intent(in) :: self             !! The transfer
@@ -63,18 +54,6 @@ contains
 
       weight = merge(1.0_wp, 0.0_wp, power >= self%order .and. power < 2*self%order - 1)
    end function xpic_loss_weight
-
-   !> u + v_new/2.
-   pure subroutine xpic_carry(self, dt, velocity, acceleration, filtered, carry)
-      class(velocity_xpic_t), intent(in) :: self             !! The transfer
-      real(wp), intent(in) :: dt                             !! Time step [s]
-      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
-      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
-      real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
-      real(wp), contiguous, intent(inout) :: carry(:, :)     !! (3, node) [m/s]
-
-      carry = velocity + 0.5_wp*(filtered + dt*acceleration)
-   end subroutine xpic_carry
 
    !> With y the last term, r = v - S w, a for a dt, and var and cov of node values at a particle:
    !! 1/2 r**2 + 1/2 var(a) + cov(a, y) + var(y) and the terms that nodes know.

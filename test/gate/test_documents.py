@@ -16,6 +16,7 @@ from pathlib import Path
 from sources import ROOT, lines_of, place, project_files
 
 LONGEST = 250
+WRITTEN = ROOT / "doc" / "guide" / "keys.md"   # by a script: as long as there are keys
 DOCUMENTS = project_files(".md")
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 NAMED = re.compile(r"`((?:src|scripts|test|cmake|doc|input)/[a-z0-9_./]+)`")
@@ -61,7 +62,8 @@ class DocumentGate(unittest.TestCase):
 
     def test_length(self):
         self.none([f"{place(path, 1)} has {len(lines_of(path))} lines, limit {LONGEST}"
-                   for path in DOCUMENTS if len(lines_of(path)) > LONGEST])
+                   for path in DOCUMENTS
+                   if path != WRITTEN and len(lines_of(path)) > LONGEST])
 
     def test_links(self):
         offences, found = [], 0

@@ -25,8 +25,7 @@ ARROWS = {
 }
 # Families of modules whose names begin otherwise than their folder.
 FAMILIES = {"law": "material", "eos": "material", "damage": "material", "basis": "transfer",
-            "velocity": "transfer", "quadrature": "ddmp",
-            "exact": "driver"}
+            "velocity": "transfer", "quadrature": "ddmp", "exact": "driver"}
 SOURCES = project_files(".f90", under="src")
 MODULES = [Module(path) for path in SOURCES if path.name != "main.f90"]
 

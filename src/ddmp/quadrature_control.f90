@@ -1,0 +1,40 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The modified gradient at the particle, applied to what its stress differs from a mean stress of
+!! the nodes; the mean stress is a linear function in each cell and is integrated exactly on the
+!! grid (a control variate). Where particles lie then matters only for the small difference, so
+!! errors of their quadrature fall with the size of cells, and a body of uniform stress feels no
+!! force inside however its particles lie. Momentum is kept exactly, as the sum over nodes of both
+!! parts vanishes; the power of the force is not exactly that of the stress.
+!!
+!! The idea of a stress difference is that of A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys.
+!! (2023) 112681, whose form does not keep momentum.
+module quadrature_control
+   use quadrature_point, only: quadrature_point_t
+   implicit none
+   private
+
+   public :: quadrature_control_t
+
+   !> The gradient at one point with a mean stress taken out.
+   type, extends(quadrature_point_t) :: quadrature_control_t
+   contains
+      procedure :: margin => control_margin          !! Nodes beyond a tile that are looked at
+      procedure :: controlled => control_controlled  !! A mean stress is taken out
+   end type quadrature_control_t
+
+contains
+
+   !> Whether a node lies inside of the body depends on all nodes around it.
+   pure integer function control_margin(self) result(margin)
+      class(quadrature_control_t), intent(in) :: self        !! The rule
+
+      margin = 1
+   end function control_margin
+
+   !> A mean stress is taken out.
+   pure logical function control_controlled(self) result(controlled)
+      class(quadrature_control_t), intent(in) :: self        !! The rule
+
+      controlled = .true.
+   end function control_controlled
+end module quadrature_control

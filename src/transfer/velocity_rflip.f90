@@ -1,0 +1,28 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> RFLIP: particles carry the rotation of the velocity round them to the nodes, as with the rigid
+!! particles of C. Jiang, C. Schroeder, A. Selle, J. Teran, A. Stomakhin, ACM Trans. Graph. 34 (2015)
+!! 51, and take increments back as with FLIP. Three numbers a particle keep the spin of a body and
+!! free its surface from noise; unlike a whole linear field they do not go on stretching particles
+!! that have no stress.
+module velocity_rflip
+   use velocity_aflip, only: velocity_aflip_t
+   implicit none
+   private
+
+   public :: velocity_rflip_t
+
+   !> Increments, and a rotation.
+   type, extends(velocity_aflip_t) :: velocity_rflip_t
+   contains
+      procedure :: turning => rflip_turning          !! Particles carry a rotation only
+   end type velocity_rflip_t
+
+contains
+
+   !> Particles carry a rotation only.
+   pure logical function rflip_turning(self) result(turning)
+      class(velocity_rflip_t), intent(in) :: self            !! The transfer
+
+      turning = .true.
+   end function rflip_turning
+end module velocity_rflip
