@@ -131,7 +131,7 @@ def main():
     sheet.require(other != digest, "a velocity that differs in its last bit gives another digest")
 
     seen = set()
-    transfers = ("flip", "pic", "apic", "aflip", "xpic", "fmpm")
+    transfers = ("flip", "pic", "apic", "aflip", "rflip", "xpic", "fmpm")
     pairs = [("usl", name) for name in transfers] + [("musl", name) for name in transfers]
     pairs += [("usf", name) for name in ("flip", "aflip", "fmpm")]
     for method in ("ddmp", "mpm"):

@@ -91,8 +91,9 @@ def main():
     for method, update, crossings in (("ddmp", "usl", 10000), ("mpm", "musl", 3000)):
         for dimension in ("1d", "plane_strain", "3d"):
             fly(options, sheet, dimension, method, update, crossings)
-    for words in ("transfer='pic'", "transfer='apic'", "transfer='aflip'", "transfer='xpic'",
-                  "transfer='xpic' order_k=5", "transfer='fmpm'", "transfer='fmpm' order_k=5"):
+    for words in ("transfer='pic'", "transfer='apic'", "transfer='aflip'", "transfer='rflip'",
+                  "transfer='xpic'", "transfer='xpic' order_k=5", "transfer='fmpm'",
+                  "transfer='fmpm' order_k=5"):
         fly(options, sheet, "plane_strain", "ddmp", "usl", 300, words)
         fly(options, sheet, "plane_strain", "mpm", "musl", 300, words + " basis='quadratic'")
     sheet.end()
