@@ -104,6 +104,7 @@ contains
       integer, intent(in) :: sweep                   !! Number of the term, 1 for the second one
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: again(3, simulation%grid%tile_nodes), free(3, simulation%grid%tile_nodes)
+      real(wp) :: centre(3, simulation%grid%tile_nodes)
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile), &
@@ -116,8 +117,8 @@ contains
             free = again
             call simulation%boundary%constrain(grid, coordinate, term, again)
             free = again - free
-            call book_push(simulation, scratch%ledger, tile, free, nodes%velocity(:, :, tile) &
-               + 0.5_wp*dt*nodes%acceleration(:, :, tile))
+            centre = nodes%velocity(:, :, tile) + 0.5_wp*dt*nodes%acceleration(:, :, tile)
+            call book_push(simulation, scratch%ledger, tile, free, centre)
          end if
          if (simulation%carries_energy) nodes%loss(1, :, tile) = nodes%loss(1, :, tile) &
             + transfer%loss_weight(2*sweep - 1)*sum(term*again, dim=1) &

@@ -125,6 +125,8 @@ def main():
     units(options, sheet)
     mirror(options, sheet, "default", "")
     mirror(options, sheet, "xpic", "transfer='xpic' stress_update='musl'")
+    mirror(options, sheet, "apic", "transfer='apic'")
+    mirror(options, sheet, "fmpm", "transfer='fmpm' order_k=3")
     sheet.end()
 
 

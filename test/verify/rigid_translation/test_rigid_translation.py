@@ -34,7 +34,7 @@ LIMIT = 1.0e-12
 
 DECK = """
 &run  dimension='{dimension}'  method='{method}' /
-&method  stress_update='{update}' /
+&method  stress_update='{update}'  {words} /
 &grid  lo=0,0,0  hi=12,12,12  dx=1 /
 &time  t_end={end!r} /
 &material  name='rubber'  density=1000  young=100.0e6  poisson=0.3 /
@@ -49,15 +49,15 @@ DECK = """
 """
 
 
-def fly(options, sheet, dimension, method, update, crossings):
+def fly(options, sheet, dimension, method, update, crossings, words=""):
     """One flight; direction ratios are irrational, so that cells are crossed in any order."""
     direction = {"1d": (1.0, 0.0, 0.0), "plane_strain": (1.0, 0.0, -0.6180339887),
                  "3d": (1.0, 0.4142135624, -0.6180339887)}[dimension]
     velocity = SPEED * np.array(direction)
     end = crossings / SPEED
-    name = f"{dimension}_{method}"
+    name = f"{dimension}_{method}" + "".join(c for c in words if c.isalnum())
     deck = DECK.format(dimension=dimension, method=method, update=update, end=end,
-                       velocity=",".join(repr(float(part)) for part in velocity))
+                       words=words, velocity=",".join(repr(float(part)) for part in velocity))
     run = case.Case(options, name, deck).run("-q")
     (_, first), (time, last) = run.snapshots()
     sheet.require(math.isclose(time, end, rel_tol=1.0e-12), f"{name} reaches its end")
@@ -91,6 +91,11 @@ def main():
     for method, update, crossings in (("ddmp", "usl", 10000), ("mpm", "musl", 3000)):
         for dimension in ("1d", "plane_strain", "3d"):
             fly(options, sheet, dimension, method, update, crossings)
+    for words in ("transfer='pic'", "transfer='apic'", "transfer='aflip'", "transfer='rflip'",
+                  "transfer='xpic'", "transfer='xpic' order_k=5", "transfer='fmpm'",
+                  "transfer='fmpm' order_k=5"):
+        fly(options, sheet, "plane_strain", "ddmp", "usl", 300, words)
+        fly(options, sheet, "plane_strain", "mpm", "musl", 300, words + " basis='quadratic'")
     sheet.end()
 
 
