@@ -167,7 +167,7 @@ contains
       type(named_shape_t), intent(in) :: shapes(:)   !! The regions
       type(body_t), allocatable, intent(out) :: bodies(:)
       type(group_t) :: group
-      character(len=:), allocatable :: region, material
+      character(len=:), allocatable :: region, material, packing
       integer :: index, place
 
       allocate (bodies(deck%count("body")))
@@ -184,6 +184,8 @@ contains
                if (simulation%materials(place)%name == material) body%store = place
             end do
             call group%get("ppc", body%per_cell)
+            call group%get("packing", packing)
+            body%cut = packing == "cut"
             call group%get("velocity", body%velocity)
             call group%get("spin", body%spin)
             call group%get("temperature", body%temperature)
