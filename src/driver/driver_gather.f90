@@ -82,10 +82,11 @@ contains
             call scratch%deformation%reserve(store%count(tile))
             if (parts%work .and. allocated(store%matter%energy)) &
                call add_work(simulation, scratch, store, tile, view)
+            ! before the strain, which may renew the linear velocity fields
+            if (parts%motion .and. allocated(store%matter%energy)) &
+               call add_heat(simulation, scratch, store, tile, view)
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
             if (parts%motion) then
-               if (allocated(store%matter%energy)) call add_heat(simulation, scratch, store, tile, &
-                  view)
                call move_particles(simulation, scratch, store, tile, view, dt)
                call place_tile(simulation%grid, simulation%boundary, &
                   simulation%tiles%coordinate(:, tile), store, tile)
