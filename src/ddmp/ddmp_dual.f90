@@ -27,6 +27,7 @@ module ddmp_dual
    type :: dual_t
       integer :: columns = 1                         !! Cells along x with integrals of their own
       integer :: surface = surface_fill              !! Rule of the weights, one of those above
+      real(wp) :: enough = 0.5_wp                    !! Fill of a node that counts as full
       real(wp), allocatable :: force(:, :, :, :)     !! (i, j, direction, column) D_ji [m2]
       real(wp), allocatable :: strain(:, :, :, :)    !! (j, i, direction, column) D_ji [m2]
       real(wp), allocatable :: volume(:, :)          !! (j, column) V_j [m3]
@@ -48,6 +49,9 @@ contains
       integer :: column, cell, i, j, direction, other, bit_i(3), bit_j(3)
 
       self%columns = merge(grid%cells(1), 1, grid%axisymmetric)
+      ! near the axis the volume of the particles of a node is not that of the node, and only weights
+      ! that follow it keep the node stress right
+      self%enough = merge(1.0_wp, 0.5_wp, grid%axisymmetric)
       if (allocated(self%force)) deallocate (self%force, self%strain, self%volume)
       allocate (self%force(lanes, lanes, 3, self%columns), self%volume(lanes, self%columns))
       do column = 1, self%columns
@@ -102,7 +106,7 @@ contains
          do lane = 1, lanes
             node = base + grid%lane_offset(lane)
             if (node_volume(node) > 0.0_wp) then
-               least = min(least, 2.0_wp*total(row, node)/node_volume(node))
+               least = min(least, total(row, node)/(self%enough*node_volume(node)))
             else
                least = 0.0_wp
             end if

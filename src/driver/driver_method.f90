@@ -55,8 +55,8 @@ contains
       call schema%group("method", "numerical method")
       call schema%text("method", "basis", "node functions; ddmp needs linear", default="linear")
       call schema%words("method", "basis", basis_names)
-      call schema%text("method", "transfer", "how node velocities come back to particles", &
-         default="flip")
+      call schema%text("method", "transfer", "how velocities go between particles and nodes; "// &
+         "default rflip with ddmp, flip with mpm", default="rflip")
       call schema%words("method", "transfer", velocity_names)
       do n = 1, size(velocity_names)
          call choose_velocity(velocity_names(n), transfer)
@@ -67,6 +67,9 @@ contains
       call schema%words("method", "alpha", alpha_names)
       call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
          range=">= 0 <= 1", owner="run.method = ddmp")
+      call schema%text("method", "blend", "how the node gradient is interpolated: smooth has no "// &
+         "kinks; default smooth with alpha = 'split', linear with others and round an axis", &
+         words="smooth linear", owner="run.method = ddmp")
       call schema%text("method", "free_surface", &
          "cell weights of the dual gradient: least fill "// &
          "of the nodes; 1 in cells without an empty node; 1 everywhere", default="fill", &
@@ -88,10 +91,11 @@ contains
       class(method_t), intent(inout) :: self         !! The method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       type(group_t) :: group
-      character(len=:), allocatable :: word, basis, quadrature
+      character(len=:), allocatable :: word, basis, quadrature, dimension
 
       group = deck%group("run", 1)
       call group%get("method", word)
+      call group%get("dimension", dimension)
       group = deck%group("method", 1)
       call group%get("basis", basis)
       call group%get("quadrature", quadrature)
@@ -102,12 +106,19 @@ contains
       if (allocated(self%quadrature)) then
          call group%get("alpha", word)
          self%quadrature%alpha = max(position_of(word, alpha_names), 1)
-         ! a smooth blend makes the other forms noisier
-         self%quadrature%smooth = self%quadrature%alpha == alpha_split
+         ! by measurement: a smooth blend makes the other forms noisier, and the axis with it
+         if (.not. group%given("blend")) call deck%settle("method", 1, "blend", &
+            trim(merge("smooth", "linear", self%quadrature%alpha == alpha_split .and. &
+            dimension /= "axisymmetric")))
+         group = deck%group("method", 1)
+         call group%get("blend", word)
+         self%quadrature%smooth = word == "smooth"
          call group%get("alpha_0", self%quadrature%alpha_centre)
          call group%get("free_surface", word)
          self%surface = max(position_of(word, surface_names), 1)
       end if
+      if (.not. (group%given("transfer") .or. self%dual)) call deck%settle("method", 1, &
+         "transfer", "flip")
       ! by measurement: the plain method blows up where the dual one is calm (two elastic discs)
       if (.not. group%given("stress_update")) call deck%settle("method", 1, "stress_update", &
          trim(stress_names(merge(stress_after, stress_remapped, self%dual))))

@@ -14,7 +14,7 @@ module eos_mie_gruneisen
    implicit none
    private
 
-   public :: eos_mie_gruneisen_t
+   public :: eos_mie_gruneisen_t, mie_gruneisen_state
 
    !> Beyond this share of the greatest compression 1/s the cold pressure goes on along its tangent,
    !! as 1 - s eta would come too close to 0.
@@ -62,7 +62,7 @@ contains
    subroutine mie_gruneisen_declare(self, schema)
       class(eos_mie_gruneisen_t), intent(in) :: self !! The equation of state
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
-      character(len=*), parameter :: owner = "effects.eos & eos_model = mie_gruneisen"
+      character(len=*), parameter :: owner = "effects.eos & eos_model = mie_gruneisen p_alpha"
 
       call schema%real("material", "mg_c0", "Mie-Grueneisen c0 of Us = c0 + s up", unit="m/s", &
          range="> 0", owner=owner)
@@ -112,7 +112,7 @@ contains
          matter%mass, matter%volume, matter%energy, deformation%pressure, deformation%wave_speed)
    end subroutine mie_gruneisen_update
 
-   !> Kernel of the above. The square of the sound speed is dp/drho + p/rho**2 dp/de.
+   !> Kernel of the above.
    pure subroutine pressure_of_state(first, last, density, sound, slope, gamma, mass, volume, &
       energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
@@ -126,27 +126,42 @@ contains
       real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
-      real(wp) :: bulk, most, ratio, eta, clipped, reserve, tangent, cold
       integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         call mie_gruneisen_state(density, sound, slope, gamma, density*volume(k)/mass(k), &
+            energy(k), pressure(i), wave_speed(i))
+      end do
+   end subroutine pressure_of_state
+
+   !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de, of one state.
+   pure subroutine mie_gruneisen_state(density, sound, slope, gamma, ratio, energy, pressure, &
+      square)
+      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: sound                  !! c0 [m/s]
+      real(wp), intent(in) :: slope                  !! s [1]
+      real(wp), intent(in) :: gamma                  !! Gamma0 [1]
+      real(wp), intent(in) :: ratio                  !! rho0/rho [1]
+      real(wp), intent(in) :: energy                 !! [J/kg]
+      real(wp), intent(out) :: pressure              !! [Pa]
+      real(wp), intent(out) :: square                !! Square of the sound speed [m2/s2]
+      real(wp) :: bulk, most, eta, clipped, reserve, tangent, cold
 
       bulk = density*sound**2
       most = share_of_limit/max(slope, 1.0_wp)
-      do concurrent (i=1:last - first + 1)
-         k = first - 1 + i
-         ratio = density*volume(k)/mass(k)
-         eta = 1.0_wp - ratio
-         clipped = max(0.0_wp, min(eta, most))
-         reserve = 1.0_wp/(1.0_wp - slope*clipped)
-         ! Derivative of pH (1 - Gamma0 eta/2) to eta; at eta = 0 it is K.
-         tangent = bulk*(1.0_wp + (slope - gamma)*clipped)*reserve**3
-         cold = bulk*clipped*reserve**2*(1.0_wp - 0.5_wp*gamma*clipped) &
-            + tangent*max(eta - most, 0.0_wp) + bulk*min(eta, 0.0_wp)/ratio
-         pressure(i) = cold + gamma*density*energy(k)
-         ! deta/drho = ratio**2/rho0 in compression, and in expansion dp/drho = K/rho0.
-         wave_speed(i) = max(least_sound**2*sound**2, (tangent*min(1.0_wp, ratio)**2 &
-            + max(pressure(i), 0.0_wp)*gamma*ratio**2)/density)
-      end do
-   end subroutine pressure_of_state
+      eta = 1.0_wp - ratio
+      clipped = max(0.0_wp, min(eta, most))
+      reserve = 1.0_wp/(1.0_wp - slope*clipped)
+      ! Derivative of pH (1 - Gamma0 eta/2) to eta; at eta = 0 it is K.
+      tangent = bulk*(1.0_wp + (slope - gamma)*clipped)*reserve**3
+      cold = bulk*clipped*reserve**2*(1.0_wp - 0.5_wp*gamma*clipped) &
+         + tangent*max(eta - most, 0.0_wp) + bulk*min(eta, 0.0_wp)/ratio
+      pressure = cold + gamma*density*energy
+      ! deta/drho = ratio**2/rho0 in compression, and in expansion dp/drho = K/rho0.
+      square = max(least_sound**2*sound**2, (tangent*min(1.0_wp, ratio)**2 &
+         + max(pressure, 0.0_wp)*gamma*ratio**2)/density)
+   end subroutine mie_gruneisen_state
 
    !> The energy is carried by the particles.
    pure real(wp) function mie_gruneisen_stored(self, mass, volume, limit) result(energy)

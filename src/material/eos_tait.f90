@@ -76,7 +76,10 @@ contains
       real(wp) :: ratio, power
       integer :: i, k
 
-      do concurrent (i=1:last - first + 1)
+      ! Not with vectors: powers of vectors differ in the last bits from those of the numbers that
+      ! are left at the end of a range, and bits must not depend on the place of a particle.
+      !GCC$ novector
+      do i = 1, last - first + 1
          k = first - 1 + i
          ! Rest gives exactly 1, and so no pressure.
          ratio = 1.0_wp + (mass(k) - density*volume(k))/(density*volume(k))
@@ -98,7 +101,7 @@ contains
 
       ratio = volume*self%density/mass - 1.0_wp
       largest = ratio
-      if (self%exponent*limit > -self%bulk) &
+      if (limit > -self%bulk/self%exponent) &
          largest = (1.0_wp + self%exponent*limit/self%bulk)**(-1.0_wp/self%exponent) - 1.0_wp
       energy = mass/self%density*(self%bulk/self%exponent*excess(min(ratio, largest), &
          self%exponent) - limit*max(0.0_wp, ratio - largest))

@@ -155,6 +155,9 @@ contains
       real(wp) :: f(9), s(6), mean
       integer :: i, k
 
+      ! Not with vectors: logarithms of vectors differ in the last bits from those of the numbers
+      ! that are left at the end of a range, and bits must not depend on the place of a particle.
+      !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i
          f = deformation_gradient(k, :)
@@ -186,6 +189,9 @@ contains
       real(wp) :: f(9), b(6), j, mean, largest
       integer :: i, k
 
+      ! Not with vectors: logarithms of vectors differ in the last bits from those of the numbers
+      ! that are left at the end of a range, and bits must not depend on the place of a particle.
+      !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i
          f = deformation_gradient(k, :)

@@ -82,6 +82,8 @@ contains
       if (wishes%asked("temperature")) allocate (matter%temperature(n))
       if (wishes%asked("plastic_strain")) allocate (matter%plastic_strain(n))
       if (wishes%asked("plastic_rate")) allocate (matter%plastic_rate(n))
+      if (wishes%asked("plastic_dilation")) allocate (matter%plastic_dilation(n))
+      if (wishes%asked("distension")) allocate (matter%distension(n))
       if (wishes%asked("damage")) allocate (matter%damage(n))
       if (wishes%asked("deformation_gradient")) allocate (matter%deformation_gradient(n, 9))
       if (wishes%asked("failed")) allocate (matter%failed(n))
@@ -101,6 +103,8 @@ contains
       if (allocated(matter%temperature)) matter%temperature(first:last) = temperature
       if (allocated(matter%plastic_strain)) matter%plastic_strain(first:last) = 0.0_wp
       if (allocated(matter%plastic_rate)) matter%plastic_rate(first:last) = 0.0_wp
+      if (allocated(matter%plastic_dilation)) matter%plastic_dilation(first:last) = 0.0_wp
+      if (allocated(matter%distension)) matter%distension(first:last) = self%eos%distension
       if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
       if (allocated(matter%deformation_gradient)) then
          matter%deformation_gradient(first:last, :) = 0.0_wp
@@ -222,6 +226,7 @@ contains
 
       if (allocated(self%eos)) then
          call self%eos%update(matter, deformation, first, last)
+         call self%eos%remember(matter, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
          if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
             deformation%pressure(:last - first + 1) - matter%viscous_pressure(first:last)
@@ -290,7 +295,11 @@ contains
          gamma_density = self%eos%gamma_density
          gamma = self%eos%constant_gamma
       end if
-      if (allocated(self%law)) share = self%law%heat_share
+      if (allocated(self%law)) then
+         share = self%law%heat_share
+         deformation%pressure_floor(:last - first + 1) = max(self%law%least_pressure(), &
+            deformation%pressure_floor(:last - first + 1))
+      end if
       call heat(first, last, self%heat%specific_heat, gamma_density, gamma, share, matter%mass, &
          matter%volume, deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
          deformation%plastic_work, deformation%viscous_work, matter%temperature)
@@ -303,7 +312,7 @@ contains
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(inout) :: energy(:) !! (range) [J]
-      real(wp) :: limit, pressure
+      real(wp) :: limit, pressure, volume
       integer :: i, k
 
       do i = 1, last - first + 1
@@ -321,7 +330,9 @@ contains
          if (allocated(self%eos)) then
             if (allocated(self%spall)) limit = max(limit, -self%spall%strength)
             if (allocated(matter%failed)) limit = merge(0.0_wp, limit, matter%failed(k) /= 0)
-            energy(i) = energy(i) + self%eos%stored(matter%mass(k), matter%volume(k), limit)
+            volume = matter%volume(k)
+            if (allocated(matter%plastic_dilation)) volume = volume*exp(-matter%plastic_dilation(k))
+            energy(i) = energy(i) + self%eos%stored(matter%mass(k), volume, limit)
          else if (self%bulk_in_rate_form()) then
             pressure = -sum(matter%stress(k, 1:3))/3.0_wp
             if (allocated(matter%viscous_pressure)) pressure = pressure - matter%viscous_pressure(k)

@@ -14,14 +14,17 @@ module material_eos
    !> An equation of state. The material holds none if the mean stress follows a rate form.
    type, abstract :: eos_t
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
+      real(wp) :: distension = 1.0_wp !! Of porous matter at the start, solid over its density [1]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
       real(wp) :: gamma_density = 0.0_wp !! Grueneisen number times density, constant [kg/m3]
       real(wp) :: constant_gamma = 0.0_wp !! Grueneisen number where it is constant itself [1]
    contains
       procedure :: declare => eos_declare            !! Declares its keys, if it has any
+      procedure :: fault => eos_fault                !! What is wrong with its keys together
       procedure :: read => eos_read                  !! Reads its keys, if it has any
       procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
       procedure(request_i), deferred :: request      !! Asks for the fields it needs
+      procedure :: remember => eos_remember          !! Keeps what the step did to its own state
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
       procedure(stored_i), deferred :: stored        !! Energy stored in the change of volume
    end type eos_t
@@ -73,10 +76,28 @@ contains
       type(group_t), intent(in) :: group                       !! &material
    end subroutine eos_read
 
+   !> What is wrong with the keys of the equation of state taken together; empty if nothing is.
+   pure function eos_fault(self, group) result(text)
+      class(eos_t), intent(in) :: self                         !! The equation of state
+      type(group_t), intent(in) :: group                       !! &material
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function eos_fault
+
    !> True if the keys of the equation of state give the bulk modulus.
    pure logical function eos_sets_bulk(self) result(sets)
       class(eos_t), intent(in) :: self                         !! The equation of state
 
       sets = .false.
    end function eos_sets_bulk
+
+   !> Keep what the step did to the state that belongs to the equation of state, after `update`.
+   pure subroutine eos_remember(self, matter, deformation, first, last)
+      class(eos_t), intent(in) :: self                         !! The equation of state
+      type(matter_t), intent(inout) :: matter                  !! State of the store
+      type(deformation_t), intent(in) :: deformation           !! Step of the range
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+   end subroutine eos_remember
 end module material_eos

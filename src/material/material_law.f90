@@ -19,6 +19,7 @@ module material_law
    type, abstract :: law_t
       real(wp) :: shear = 0.0_wp                     !! Shear modulus [Pa]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
+      real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
       real(wp) :: heat_share = 0.9_wp !! Of plastic work, becomes heat (Taylor, Quinney 1934) [1]
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any

@@ -19,6 +19,8 @@ module material_matter
       real(wp), allocatable :: temperature(:)        !! [K]
       real(wp), allocatable :: plastic_strain(:)     !! Equivalent plastic strain [1]
       real(wp), allocatable :: plastic_rate(:)       !! Its rate [1/s]
+      real(wp), allocatable :: plastic_dilation(:)   !! Logarithm of volume gained by shear [1]
+      real(wp), allocatable :: distension(:)         !! Of porous matter, solid over density [1]
       real(wp), allocatable :: damage(:)             !! 0 intact to 1 failed [1]
       !> Gradient of place now to place at the start, dx_k/dX_l, column k + 3 (l - 1) (:, 9) [1].
       real(wp), allocatable :: deformation_gradient(:, :)
@@ -38,6 +40,9 @@ module material_matter
       real(wp), allocatable :: pressure_floor(:)     !! Least pressure the material can bear [Pa]
       real(wp), allocatable :: homologous(:)         !! Temperature, 0 reference to 1 melted [1]
       real(wp), allocatable :: plastic_increment(:)  !! Equivalent plastic strain of the step [1]
+      real(wp), allocatable :: loosening(:)          !! Logarithm of volume gained by shear [1]
+      real(wp), allocatable :: distension(:)         !! Of porous matter after the step [1]
+      real(wp), allocatable :: modulus(:)            !! Shear modulus over that at reference [1]
       real(wp), allocatable :: wave_speed(:)         !! Limits the next time step (out) [m/s]
       real(wp), allocatable :: plastic_work(:)       !! Work into plastic flow in the step (out) [J]
       real(wp), allocatable :: viscous_work(:)       !! Work into artificial viscosity (out) [J]
@@ -62,6 +67,9 @@ contains
       if (allocated(self%plastic_strain)) &
          call worker%scalar("plastic_strain", "1", self%plastic_strain)
       if (allocated(self%plastic_rate)) call worker%scalar("plastic_rate", "1/s", self%plastic_rate)
+      if (allocated(self%plastic_dilation)) &
+         call worker%scalar("plastic_dilation", "1", self%plastic_dilation)
+      if (allocated(self%distension)) call worker%scalar("distension", "1", self%distension)
       if (allocated(self%damage)) call worker%scalar("damage", "1", self%damage)
       if (allocated(self%deformation_gradient)) &
          call worker%vector("deformation_gradient", "1", self%deformation_gradient)
@@ -80,12 +88,13 @@ contains
       if (allocated(self%dilatation)) then
          if (size(self%dilatation) >= particles) return
          deallocate (self%gradient, self%old_volume, self%dilatation, self%pressure, &
-            self%pressure_floor, self%homologous, self%plastic_increment, self%wave_speed, &
-            self%plastic_work, self%viscous_work)
+            self%pressure_floor, self%homologous, self%plastic_increment, self%loosening, &
+            self%distension, self%modulus, self%wave_speed, self%plastic_work, self%viscous_work)
       end if
       n = 64*((particles + 63)/64) + 8
       allocate (self%gradient(n, 9), self%old_volume(n), self%dilatation(n), self%pressure(n), &
          self%pressure_floor(n), self%homologous(n), self%plastic_increment(n), &
-         self%wave_speed(n), self%plastic_work(n), self%viscous_work(n))
+         self%loosening(n), self%distension(n), self%modulus(n), self%wave_speed(n), &
+         self%plastic_work(n), self%viscous_work(n))
    end subroutine deformation_reserve
 end module material_matter

@@ -220,6 +220,10 @@ contains
          fault = material%law%fault(group)
          if (len(fault) > 0) call deck%complain(group, fault)
       end if
+      if (allocated(material%eos)) then
+         fault = material%eos%fault(group)
+         if (len(fault) > 0) call deck%complain(group, fault)
+      end if
       if (allocated(material%law) .and. .not. effects%eos) then
          if (material%law%needs_eos()) call deck%complain(group, &
             "this strength_model needs &effects eos = .true.", "strength_model")
@@ -314,6 +318,7 @@ contains
       if (allocated(material%law)) then
          material%law%shear = material%shear
          material%law%bulk = material%bulk
+         material%law%density = material%density
          call material%law%read(group, effects)
       end if
       if (allocated(material%damage)) call material%damage%read(group, effects)

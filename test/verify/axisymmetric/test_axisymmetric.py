@@ -7,7 +7,8 @@ node volumes of the dual gradient without the radius, an axis that lets matter t
 Uniaxial strain in a smooth tube has no radial motion. The plain method keeps that to rounding. In
 the dual domain method the node stress at the axis is a sum over points divided by the exact volume
 of the node; two points a cell give a sum 12.5 % too large there (0.1875 for 1/6), so that the axis
-moves a little otherwise. Greatest and rms (by mass) difference are bounded by what was measured.
+moves a little otherwise; a smooth blend doubles that, so it is not the default round an axis, and
+the line takes the linear one for comparison. Greatest and rms (by mass) difference are bounded by what was measured.
 Also: mass of a sphere, whose error must fall with the cell size.
 """
 # timeout: 120
@@ -24,7 +25,7 @@ import report  # noqa: E402
 COMMON = """
 &units  system='mm-us-mg' /
 &time  t_end=0.8 /
-&method  bulk_q1=0.5 /
+&method  bulk_q1=0.5 {words} /
 &material  name='al'  density=2.785  eos_model='mie_gruneisen'  mg_c0=5.328  mg_s=1.338
   mg_gamma=2  shear=27.6  strength_model='von_mises'  yield=0.3 /
 &output  name='p'  kind='particles'  count=1  precision='double'
@@ -61,10 +62,10 @@ def last(run):
     return run.snapshots()[-1][1]
 
 
-def compare(options, sheet, method, greatest, usual):
+def compare(options, sheet, method, greatest, usual, words=""):
     """Tube against line, particle by particle; limits of the worst one and the rms."""
-    line = last(case.Case(options, f"line_{method}", LINE.format(method=method)).run("-q"))
-    run = case.Case(options, f"tube_{method}", TUBE.format(method=method)).run("-q")
+    line = last(case.Case(options, f"line_{method}", LINE.format(method=method, words=words)).run("-q"))
+    run = case.Case(options, f"tube_{method}", TUBE.format(method=method, words=words)).run("-q")
     tube = last(run)
     sheet.require(len(tube.points) == 24 * len(line.points) == 24 * 80, f"{method}: all is there")
     order = np.argsort(line.points[:, 0])
@@ -101,11 +102,11 @@ def main():
     options = case.arguments()
     sheet = report.Report()
     compare(options, sheet, "mpm", 1.0e-10, 1.0e-10)
-    compare(options, sheet, "ddmp", 0.03, 0.001)
+    compare(options, sheet, "ddmp", 0.03, 0.001, "blend='linear'")
     errors = []
     for spacing in (0.5, 0.25, 0.125):
         run = case.Case(options, f"sphere_{spacing}".replace(".", "_"),
-                        SPHERE.format(spacing=spacing)).run("-q", "-s", "time.max_steps=1")
+                        SPHERE.format(spacing=spacing, words="")).run("-q", "-s", "time.max_steps=1")
         exact = 2785.0 * 4.0 / 3.0 * np.pi * 4.765e-3 ** 3
         errors.append(run.summary["ledger"]["start"]["mass"] / exact - 1.0)
         sheet.note(f"mass error of a sphere, cells of {spacing} mm", float(errors[-1]))
