@@ -129,9 +129,9 @@ contains
       call choose_velocity(word, self%transfer)
       if (.not. allocated(self%transfer)) call choose_velocity("flip", self%transfer)
       call self%transfer%read(deck, group)
-      if (self%transfer%affine() .and. basis == "linear" .and. .not. self%dual) call deck%warn( &
-         group, "linear functions with transfer = '"//word//"' gain energy without bound; write "// &
-         "basis = 'quadratic'", "transfer")
+      if (self%transfer%affine() .and. .not. (self%transfer%turning() .or. self%dual) .and. &
+         basis == "linear") call deck%warn(group, "linear functions with transfer = '"//word// &
+         "' gain energy without bound; write basis = 'quadratic'", "transfer")
       call group%get("antilock", word)
       self%even = word == "bbar"
       group = deck%group("time", 1)
