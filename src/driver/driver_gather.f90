@@ -113,8 +113,8 @@ contains
          call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
    end subroutine look
 
-   !> The node fields that move the particles of a tile, and those of the kinetic energy that the way
-   !! to the nodes and back loses.
+   !> The node fields that move the particles of a tile, and those of the kinetic energy that the
+   !! way to the nodes and back loses.
    subroutine look_motion(simulation, tile, dt, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
@@ -198,12 +198,12 @@ contains
       end associate
    end subroutine move_particles
 
-   !> Do linear velocity fields come from the strain of the step? The modified gradient is less noisy
-   !! than that of the cell, and after the step it is that of the new velocities.
-   pure logical function strained(method)
+   !> Do linear velocity fields come from the strain of the step? The modified gradient is less
+   !! noisy than that of the cell, and after the step it is that of the new velocities.
+   pure logical function strained(method) result(renewed)
       type(method_t), intent(in) :: method           !! The method
 
-      strained = method%dual .and. method%stress == stress_after
+      renewed = method%dual .and. method%stress == stress_after
    end function strained
 
    !> Sum of the patches of a node gradient, divided by the volumes of the nodes.
@@ -220,8 +220,8 @@ contains
          gradient)
    end subroutine node_gradient
 
-   !> Work of the stress that made the force on the mean of the velocities of the nodes, so that what
-   !! the nodes lose in kinetic energy is what the particles gain in internal energy.
+   !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
+   !! what the nodes lose in kinetic energy is what the particles gain in internal energy.
    subroutine add_work(simulation, scratch, store, tile, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
