@@ -4,7 +4,7 @@
 module driver_gather
    use base_kinds, only: int64, wp
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
-   use driver_method, only: method_t, stress_after
+   use driver_method, only: method_t, stress_after, stress_before
    use driver_nodes, only: divide
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
@@ -282,14 +282,19 @@ contains
       real(wp) :: fastest
       integer :: p, first, n
 
-      associate (store => simulation%stores(index), deformation => scratch%deformation)
+      associate (store => simulation%stores(index), deformation => scratch%deformation, &
+         method => simulation%method)
          first = store%first(tile)
          n = store%count(tile)
          call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
             view%gradient, dt)
-         if (simulation%method%transfer%affine() .and. strained(simulation%method)) &
+         if (method%transfer%affine() .and. strained(method)) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
-         call centre_gradient(n, deformation%gradient)
+         if (method%stress == stress_before .and. method%leapfrog) then
+            call centre_backward(n, deformation%gradient)
+         else
+            call centre_gradient(n, deformation%gradient)
+         end if
          call simulation%materials(index)%update(store%matter, deformation, first, first + n - 1, &
             dt, simulation%grid%spacing)
          fastest = 0.0_wp
@@ -302,6 +307,26 @@ contains
          call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
       end associate
    end subroutine strain_particles
+
+   !> Gradient at the middle of a step whose motion is over: places were x - G x with the gradient
+   !! at the new places, so it is G (I - G/2)**-1.
+   pure subroutine centre_backward(count, gradient)
+      integer, intent(in) :: count                   !! Particles
+      real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle of the tile, 9)
+      integer :: p, k
+
+      do k = 1, 9
+         do p = 1, count
+            gradient(p, k) = -gradient(p, k)
+         end do
+      end do
+      call centre_gradient(count, gradient)
+      do k = 1, 9
+         do p = 1, count
+            gradient(p, k) = -gradient(p, k)
+         end do
+      end do
+   end subroutine centre_backward
 
    !> Book what artificial viscosity and plastic flow took.
    subroutine book_losses(ledger, material, matter, deformation, count)
