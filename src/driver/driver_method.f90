@@ -67,8 +67,8 @@ contains
       call schema%words("method", "alpha", alpha_names)
       call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
          range=">= 0 <= 1", owner="run.method = ddmp")
-      call schema%text("method", "blend", "how the node gradient is interpolated: smooth has no "// &
-         "kinks; default smooth with alpha = 'split', linear with others and round an axis", &
+      call schema%text("method", "blend", "how the node gradient is interpolated: smooth has "// &
+         "no kinks; default smooth with alpha = 'split', linear with others and round an axis", &
          words="smooth linear", owner="run.method = ddmp")
       call schema%text("method", "free_surface", &
          "cell weights of the dual gradient: least fill "// &
@@ -129,9 +129,9 @@ contains
       call choose_velocity(word, self%transfer)
       if (.not. allocated(self%transfer)) call choose_velocity("flip", self%transfer)
       call self%transfer%read(deck, group)
-      if (self%transfer%affine() .and. basis == "linear" .and. .not. self%dual) call deck%warn( &
-         group, "linear functions with transfer = '"//word//"' gain energy without bound; write "// &
-         "basis = 'quadratic'", "transfer")
+      if (self%transfer%affine() .and. .not. (self%transfer%turning() .or. self%dual) .and. &
+         basis == "linear") call deck%warn(group, "linear functions with transfer = '"//word// &
+         "' gain energy without bound; write basis = 'quadratic'", "transfer")
       call group%get("antilock", word)
       self%even = word == "bbar"
       group = deck%group("time", 1)
@@ -199,10 +199,10 @@ contains
 
    !> Time over which the forces of a step act [s].
    !!
-   !! Position and stress stand at the times of the steps, velocities half a step before: forces lead
-   !! from the middle of the last step to the middle of this one, and the velocity there moves and
-   !! strains through the whole step (leapfrog), which is of second order. The scheme of the seed
-   !! has the velocity at the time of the position.
+   !! Position and stress stand at the times of the steps, velocities half a step before: forces
+   !! lead from the middle of the last step to the middle of this one, and the velocity there moves
+   !! and strains through the whole step (leapfrog), which is of second order. The scheme of the
+   !! seed has the velocity at the time of the position.
    pure real(wp) function method_kick(self, last, dt) result(kick)
       class(method_t), intent(in) :: self            !! The method
       real(wp), intent(in) :: last                   !! Length of the last step, 0 at the start [s]

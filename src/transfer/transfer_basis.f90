@@ -178,7 +178,8 @@ contains
       call self%spread(grid, start, places, 4, places%values, 0, patch)
    end subroutine basis_scatter_motion
 
-   !> Add mass and momentum of particles that turn, sum m S_i (v + w x (x_i - x)), to columns 1 to 4.
+   !> Add mass and momentum of particles that turn, sum m S_i (v + w x (x_i - x)), to columns 1 to
+   !! 4.
    ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine basis_scatter_turning(self, grid, start, first, places, mass, velocity, spin, &
       patch)
@@ -205,7 +206,8 @@ contains
       end do
       call places%reserve_affine(count)
       call expand_spin(first, count, spin, places%affine)
-      call self%spread_affine(grid, start, 1, places, tile_mass, places%vector, places%affine, patch)
+      call self%spread_affine(grid, start, 1, places, tile_mass, places%vector, places%affine, &
+         patch)
    end subroutine basis_scatter_turning
 
    !> Linear velocity fields of rotations.
