@@ -15,6 +15,7 @@ module driver_gather
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_store, only: store_t
+   use particle_stretch, only: stretch_tile
    implicit none
    private
 
@@ -255,6 +256,7 @@ contains
          n = store%count(tile)
          call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
             view%gradient, dt)
+         call stretch_tile(store, tile, deformation%gradient)
          call centre_gradient(n, deformation%gradient)
          call simulation%materials(index)%update(store%matter, deformation, first, first + n - 1, &
             dt, simulation%grid%spacing)

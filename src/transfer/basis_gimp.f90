@@ -12,6 +12,8 @@ module basis_gimp
 
    public :: basis_gimp_t
 
+   real(wp), parameter :: least = 1.0e-6_wp          !! Least half of a box [cells]
+
    !> Means of the linear functions over boxes.
    type, extends(basis_tensor_t) :: basis_gimp_t
    contains
@@ -43,7 +45,8 @@ contains
       inverse = 1.0_wp/grid%spacing
       do p = 1, store%count(tile)
          x = places%local(p, direction)
-         half = min(store%extent(store%first(tile) + p - 1, direction)*inverse, 0.5_wp)
+         half = min(max(store%extent(store%first(tile) + p - 1, direction)*inverse, least), &
+               0.5_wp)
          places%low(p, direction) = merge(1, 2, x < half)
          do n = 1, size(places%weight, 2)
             away = x - real(n - 2, wp)

@@ -19,11 +19,16 @@ module transfer_places
       integer, allocatable :: low(:, :)              !! (particle, 3) First node that counts, 1 or 2
       real(wp), allocatable :: share(:, :, :)        !! The same as weight: alpha times derivative
       real(wp), allocatable :: rest(:, :, :)         !! The same: (1 - alpha) times function
+      real(wp), allocatable :: corner(:, :, :)       !! (corner, direction, particle) Place in its cell
+      integer, allocatable :: corner_node(:, :)      !! (corner, particle) First node of that cell
+      real(wp), allocatable :: edge(:, :)            !! (9, particle) Half edges, one after another
+      real(wp), allocatable :: inverse(:, :)         !! (9, particle) The inverse of their matrix
       real(wp), allocatable :: vector(:, :)          !! (particle, 3) What is mapped
       real(wp), allocatable :: values(:, :)          !! (particle, 9) Between two steps of a map
    contains
       procedure :: reserve => places_reserve         !! Room for the particles of a tile
       procedure :: reserve_wide => places_reserve_wide !! Room for wide stencils
+      procedure :: reserve_corners => places_reserve_corners !! Room for corners
       procedure :: reserve_split => places_reserve_split !! Room for means of the dual gradient
    end type places_t
 
@@ -56,6 +61,22 @@ contains
       n = room_for(particles)
       allocate (self%weight(n, line, 3), self%slope(n, line, 3), self%low(n, 3))
    end subroutine places_reserve_wide
+
+   !> Make room for the corners of particles. What was there is lost.
+   pure subroutine places_reserve_corners(self, particles, corners)
+      class(places_t), intent(inout) :: self         !! The scratch space
+      integer, intent(in) :: particles               !! Most particles in a tile
+      integer, intent(in) :: corners                 !! Corners of a particle
+      integer :: n
+
+      if (allocated(self%corner)) then
+         if (size(self%corner, 3) >= particles) return
+         deallocate (self%corner, self%corner_node, self%edge, self%inverse)
+      end if
+      n = room_for(particles)
+      allocate (self%corner(corners, 3, n), self%corner_node(corners, n), self%edge(9, n), &
+         self%inverse(9, n))
+   end subroutine places_reserve_corners
 
    !> Make room for the two parts of the dual gradient. What was there is lost.
    pure subroutine places_reserve_split(self, particles)
