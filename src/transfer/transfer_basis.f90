@@ -102,7 +102,8 @@ module transfer_basis
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
          type(places_t), intent(in) :: places                   !! Of the tile
          real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
-         real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
+         !> (particle of the tile, column) Columns up to the next multiple of three may be written
+         real(wp), contiguous, intent(inout) :: values(:, :)
       end subroutine collect_i
 
       !> Scaled velocity gradient scale sum u_k dS_i/dx_l.

@@ -43,25 +43,25 @@ contains
       base = before_block(grid, cell)
       do k = 1, length(3)
          do j = 1, length(2)
-            at = before + rows*(base + (j - 1)*grid%stride(2) + (k - 1)*grid%stride(3))
+            at = before + rows*(base - 1 + (j - 1)*grid%stride(2) + (k - 1)*grid%stride(3))
             ! numbers that the compiler knows make the columns one vector
             select case (count)
             case (4)
                do i = 1, line
                   do c = 1, 4
-                     patch(at + i*rows + c) = patch(at + i*rows + c) + sums(c, i, j, k)
+                     patch(at + rows*i + c) = patch(at + rows*i + c) + sums(c, i, j, k)
                   end do
                end do
             case (3)
                do i = 1, line
                   do c = 1, 3
-                     patch(at + i*rows + c) = patch(at + i*rows + c) + sums(c, i, j, k)
+                     patch(at + rows*i + c) = patch(at + rows*i + c) + sums(c, i, j, k)
                   end do
                end do
             case default
                do i = 1, line
                   do c = 1, count
-                     patch(at + i*rows + c) = patch(at + i*rows + c) + sums(c, i, j, k)
+                     patch(at + rows*i + c) = patch(at + rows*i + c) + sums(c, i, j, k)
                   end do
                end do
             end select
@@ -239,10 +239,9 @@ contains
       end do
    end subroutine add_forces
 
-   !> Up to three columns. The nodes come as one row of numbers, in which those of a line lie
-   !! together.
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine collect_lines(grid, after, start, places, number, nodes, skip, count, values)
+   !> Values sum S_i node_i of three columns. The nodes come as one row of numbers, in which those of
+   !! a line lie together.
+   pure subroutine collect_lines(grid, after, start, places, number, nodes, skip, values)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: after                           !! Layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
@@ -250,7 +249,6 @@ contains
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(in) :: nodes(3*number)                !! (column, node), flat
       integer, intent(in) :: skip                            !! Columns of the values before them
-      integer, intent(in) :: count                           !! Columns that are wanted
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: sums(3*line), y(line), z
       integer :: cell, p, k, n, base, at
@@ -273,7 +271,7 @@ contains
                   end do
                end associate
             end do
-            do n = 1, count
+            do n = 1, 3
                values(p, skip + n) = (places%weight(p, 1, 1)*sums(n) &
                   + places%weight(p, 2, 1)*sums(n + 3)) + (places%weight(p, 3, 1)*sums(n + 6) &
                   + places%weight(p, 4, 1)*sums(n + 9))

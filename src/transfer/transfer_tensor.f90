@@ -201,7 +201,7 @@ contains
 
       if (size(nodes, 1) == 3) then
          call collect_lines(grid, layers_after(self, grid), start, places, size(nodes, 2), nodes, &
-            0, 3, values)
+            0, values)
          return
       end if
       part = 0.0_wp
@@ -209,7 +209,7 @@ contains
          count = min(size(nodes, 1) - skip, 3)
          part(:count, :) = nodes(skip + 1:skip + count, :)
          call collect_lines(grid, layers_after(self, grid), start, places, size(nodes, 2), part, &
-            skip, count, values)
+            skip, values)
       end do
    end subroutine tensor_collect
 
