@@ -11,6 +11,7 @@ module basis_cpdi
    use mesh_grid, only: grid_t, lanes
    use particle_store, only: store_t, traits_t
    use transfer_basis, only: basis_t
+   use transfer_corners, only: collect_corner_slopes, collect_corners, push_corners, spread_corners
    use transfer_gather, only: locate
    use transfer_places, only: places_t
    implicit none
@@ -216,22 +217,9 @@ contains
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: shape(lanes), value(count)
-      integer :: p, c, lane, node, n, corners
 
-      corners = 2**grid%dimensions
-      do p = 1, start(grid%tile_cells)
-         value = values(p, :count)
-         do c = 1, corners
-            call corner_functions(grid, places, p, c, 1.0_wp/real(corners, wp), shape)
-            do lane = 1, corners
-               node = places%corner_node(c, p) + grid%lane_offset(lane)
-               do n = 1, count
-                  patch(before + n, node) = patch(before + n, node) + shape(lane)*value(n)
-               end do
-            end do
-         end do
-      end do
+      call spread_corners(grid, start(grid%tile_cells), places, count, values, before, &
+         size(patch, 1), size(patch, 2), patch)
    end subroutine cpdi_spread
 
    !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran, A.
@@ -281,36 +269,12 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: shape(lanes), way(3), force(3), v
-      integer :: p, q, c, l, lane, node, k, corners
 
-      corners = 2**grid%dimensions
-      do p = 1, start(grid%tile_cells)
-         q = first + p - 1
-         v = -volume(q)*(1.0_wp/grid%spacing)
-         do c = 1, corners
-            do l = 1, 3
-               associate (inverse => places%inverse)
-                  way(l) = v*(grid%lane_slope(c, 1)*inverse(3*l - 2, p) &
-                     + grid%lane_slope(c, 2)*inverse(3*l - 1, p) &
-                     + grid%lane_slope(c, 3)*inverse(3*l, p))
-               end associate
-            end do
-            force(1) = stress(q, 1)*way(1) + stress(q, 4)*way(2) + stress(q, 6)*way(3)
-            force(2) = stress(q, 4)*way(1) + stress(q, 2)*way(2) + stress(q, 5)*way(3)
-            force(3) = stress(q, 6)*way(1) + stress(q, 5)*way(2) + stress(q, 3)*way(3)
-            call corner_functions(grid, places, p, c, 1.0_wp/real(corners, wp), shape)
-            do lane = 1, corners
-               node = places%corner_node(c, p) + grid%lane_offset(lane)
-               do k = 1, 3
-                  patch(4 + k, node) = patch(4 + k, node) + shape(lane)*force(k)
-               end do
-            end do
-         end do
-      end do
+      call push_corners(grid, start(grid%tile_cells), first, places, volume, stress, size(patch, 1), &
+         size(patch, 2), patch)
    end subroutine cpdi_spread_stress
 
-   !> Values sum S_i node_i.
+   !> Values sum S_i node_i, three columns at a time.
    pure subroutine cpdi_collect(self, grid, start, places, nodes, values)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
@@ -318,24 +282,19 @@ contains
       type(places_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
-      real(wp) :: shape(lanes), sums(size(nodes, 1))
-      integer :: p, c, lane, node, n, corners
+      real(wp) :: part(3, size(nodes, 2))
+      integer :: skip, count
 
-      corners = 2**grid%dimensions
-      do p = 1, start(grid%tile_cells)
-         sums = 0.0_wp
-         do c = 1, corners
-            call corner_functions(grid, places, p, c, 1.0_wp/real(corners, wp), shape)
-            do lane = 1, corners
-               node = places%corner_node(c, p) + grid%lane_offset(lane)
-               do n = 1, size(sums)
-                  sums(n) = sums(n) + shape(lane)*nodes(n, node)
-               end do
-            end do
-         end do
-         do n = 1, size(sums)
-            values(p, n) = sums(n)
-         end do
+      if (size(nodes, 1) == 3) then
+         call collect_corners(grid, start(grid%tile_cells), places, size(nodes, 2), nodes, 0, values)
+         return
+      end if
+      part = 0.0_wp
+      do skip = 0, size(nodes, 1) - 1, 3
+         count = min(size(nodes, 1) - skip, 3)
+         part(:count, :) = nodes(skip + 1:skip + count, :)
+         call collect_corners(grid, start(grid%tile_cells), places, size(nodes, 2), part, skip, &
+            values)
       end do
    end subroutine cpdi_collect
 
@@ -348,35 +307,9 @@ contains
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: shape(lanes), value(3), along(3, 3), factor
-      integer :: p, c, lane, node, k, a, l, corners
 
-      corners = 2**grid%dimensions
-      factor = scale/(grid%spacing*real(corners, wp))
-      do p = 1, start(grid%tile_cells)
-         along = 0.0_wp
-         do c = 1, corners
-            call corner_functions(grid, places, p, c, factor, shape)
-            value = 0.0_wp
-            do lane = 1, corners
-               node = places%corner_node(c, p) + grid%lane_offset(lane)
-               do k = 1, 3
-                  value(k) = value(k) + shape(lane)*nodes(k, node)
-               end do
-            end do
-            do a = 1, 3
-               do k = 1, 3
-                  along(k, a) = along(k, a) + grid%lane_slope(c, a)*value(k)
-               end do
-            end do
-         end do
-         do l = 1, 3
-            do k = 1, 3
-               gradient(p, k + 3*(l - 1)) = along(k, 1)*places%inverse(3*l - 2, p) &
-                  + along(k, 2)*places%inverse(3*l - 1, p) + along(k, 3)*places%inverse(3*l, p)
-            end do
-         end do
-      end do
+      call collect_corner_slopes(grid, start(grid%tile_cells), places, size(nodes, 2), nodes, scale, &
+         gradient)
    end subroutine cpdi_collect_gradient
 
    !> Linear velocity field: sum S_i u_i (x_i - x) times the inverse of the second moments, which keeps
