@@ -7,7 +7,7 @@ does not see a field. Guards: the state differs from that at the start, runs mak
 particles cross tiles and borders of ranks, and the digest changes when one velocity changes in its
 last bit.
 """
-# timeout: 250
+# timeout: 330
 
 import re
 import sys
