@@ -153,8 +153,8 @@ contains
          if (grid%cells(direction) >= least) cycle
          call deck%complain(group, "basis = '"//basis//"' needs at least 4 cells along "// &
             axis_names(direction)//", which is periodic, but there are "// &
-            achar(iachar("0") + grid%cells(direction))//"; take smaller cells or basis = 'linear'", &
-            "basis")
+            achar(iachar("0") + grid%cells(direction))//"; take smaller cells or "// &
+            "basis = 'linear'", "basis")
       end do
    end subroutine check_periodic
 

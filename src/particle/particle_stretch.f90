@@ -39,8 +39,8 @@ contains
       end do
    end subroutine stretch_boxes
 
-   !> Parallelepipeds: r <- r + G r for each edge (A. Sadeghirad, R. M. Brannon, J. Burghardt, Int. J.
-   !! Numer. Methods Eng. 86 (2011) 1435).
+   !> Parallelepipeds: r <- r + G r for each edge (A. Sadeghirad, R. M. Brannon, J. Burghardt, Int.
+   !! J. Numer. Methods Eng. 86 (2011) 1435).
    pure subroutine carry_domains(first, count, gradient, domain)
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: count                           !! Particles of the tile

@@ -3,9 +3,10 @@
 !! with the values at its corners (CPDI): A. Sadeghirad, R. M. Brannon, J. Burghardt, Int. J. Numer.
 !! Methods Eng. 86 (2011) 1435.
 !!
-!! With the half edges r_a and the signs s_ca of the corners, x_c = x + sum_a s_ca r_a, the functions
-!! are S_i = mean of N_i(x_c) and their gradients mean of N_i(x_c) sum_a s_ca R^-1_al, R = (r_1 r_2
-!! r_3), in one, two and three dimensions. Both are exact for linear fields whatever the edges are.
+!! With the half edges r_a and the signs s_ca of the corners, x_c = x + sum_a s_ca r_a, the
+!! functions are S_i = mean of N_i(x_c) and their gradients mean of N_i(x_c) sum_a s_ca R^-1_al,
+!! R = (r_1 r_2 r_3), in one, two and three dimensions. Both are exact for linear fields whatever
+!! the edges are.
 module basis_cpdi
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
@@ -19,10 +20,10 @@ module basis_cpdi
 
    public :: basis_cpdi_t
 
-   real(wp), parameter :: most = 1.0_wp              !! Greatest half domain for the functions [cells]
-   real(wp), parameter :: least = 1.0e-3_wp          !! Least half domain for the functions [cells]
+   real(wp), parameter :: most = 1.0_wp              !! Greatest half domain [cells]
+   real(wp), parameter :: least = 1.0e-3_wp          !! Least half domain [cells]
    real(wp), parameter :: flat = 1.0e-3_wp           !! Least volume of a domain in that of its box
-   real(wp), parameter :: usual = 0.25_wp            !! Half of a cube in place of a flat one [cells]
+   real(wp), parameter :: usual = 0.25_wp            !! Half a cube in place of a flat one [cells]
    real(wp), parameter :: least_moment = 1.0e-12_wp  !! Second moment that divides at least [cells2]
 
    !> Means over the corners of parallelepipeds.
@@ -56,8 +57,8 @@ contains
       traits%domain = .true.
    end subroutine cpdi_request
 
-   !> Corners of the particles of a tile. A corner lies in the cell of its particle or in one next to
-   !! it; beyond a wall the functions of the last cell go on, so that linear fields stay exact.
+   !> Corners of the particles of a tile. A corner lies in the cell of its particle or in one next
+   !! to it; beyond a wall the functions of the last cell go on, so that linear fields stay exact.
    pure subroutine cpdi_locate(self, grid, coordinate, store, tile, places)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
@@ -100,10 +101,10 @@ contains
    !> Half edges of the domain of a particle for the functions, in cells, and the inverse of their
    !! matrix.
    !!
-   !! A domain that reaches further than a cell is scaled, as M. A. Homel, R. M. Brannon, J. Guilkey,
-   !! Int. J. Numer. Methods Eng. (2016) do; here along the directions of the grid in which it
-   !! is too long, so that it stays a parallelepiped. If the edges lie nearly in a plane, a cube
-   !! stands in.
+   !! A domain that reaches further than a cell is scaled, as M. A. Homel, R. M. Brannon,
+   !! J. Guilkey, Int. J. Numer. Methods Eng. (2016) do; here along the directions of the grid in
+   !! which it is too long, so that it stays a parallelepiped. If the edges lie nearly in a plane,
+   !! a cube stands in.
    pure subroutine find_domain(grid, store, q, edge, inverse)
       type(grid_t), intent(in) :: grid                       !! The grid
       type(store_t), intent(in) :: store                     !! The particles
@@ -222,8 +223,8 @@ contains
          size(patch, 1), size(patch, 2), patch)
    end subroutine cpdi_spread
 
-   !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran, A.
-   !! Stomakhin, ACM Trans. Graph. 34 (2015) 51).
+   !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran,
+   !! A. Stomakhin, ACM Trans. Graph. 34 (2015) 51).
    ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine cpdi_spread_affine(self, grid, start, first, places, mass, velocity, affine, &
       patch)
@@ -270,8 +271,8 @@ contains
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call push_corners(grid, start(grid%tile_cells), first, places, volume, stress, size(patch, 1), &
-         size(patch, 2), patch)
+      call push_corners(grid, start(grid%tile_cells), first, places, volume, stress, &
+         size(patch, 1), size(patch, 2), patch)
    end subroutine cpdi_spread_stress
 
    !> Values sum S_i node_i, three columns at a time.
@@ -286,7 +287,8 @@ contains
       integer :: skip, count
 
       if (size(nodes, 1) == 3) then
-         call collect_corners(grid, start(grid%tile_cells), places, size(nodes, 2), nodes, 0, values)
+         call collect_corners(grid, start(grid%tile_cells), places, size(nodes, 2), nodes, 0, &
+            values)
          return
       end if
       part = 0.0_wp
@@ -308,13 +310,12 @@ contains
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
 
-      call collect_corner_slopes(grid, start(grid%tile_cells), places, size(nodes, 2), nodes, scale, &
-         gradient)
+      call collect_corner_slopes(grid, start(grid%tile_cells), places, size(nodes, 2), nodes, &
+         scale, gradient)
    end subroutine cpdi_collect_gradient
 
-   !> Linear velocity field: sum S_i u_i (x_i - x) times the inverse of the second moments, which keeps
-   !! angular momentum (C. Jiang and others, 2015, as above). The moments of a corner are those of
-   !! the linear functions round it and those of its own place.
+   !> Linear velocity field: sum S_i u_i (x_i - x) times the inverse of the second moments, which
+   !! keeps angular momentum (C. Jiang and others, 2015, as above).
    pure subroutine cpdi_collect_affine(self, grid, start, places, nodes, affine)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid

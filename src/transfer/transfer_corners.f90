@@ -17,7 +17,8 @@ contains
 
    !> Add sum S_i value to columns of a patch.
    ! gate: long kernel because patch and values are told by their sizes
-   pure subroutine spread_corners(grid, particles, places, count, values, before, rows, number, patch)
+   pure subroutine spread_corners(grid, particles, places, count, values, before, rows, number, &
+      patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: particles                       !! Particles of the tile
       type(places_t), intent(in) :: places                   !! Of the tile

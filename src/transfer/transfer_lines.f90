@@ -102,8 +102,8 @@ contains
                   call add_layer(z, x, y, sums(1, 1, k))
                end do
             end do
-            call add_block(grid, cell, min(count - skip, 4), 4, sums, before + skip, size(patch, 1), &
-               size(patch, 2), patch)
+            call add_block(grid, cell, min(count - skip, 4), 4, sums, before + skip, &
+               size(patch, 1), size(patch, 2), patch)
          end do
       end do
    end subroutine spread_lines
@@ -127,8 +127,8 @@ contains
       end do
    end subroutine add_layer
 
-   !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran, A.
-   !! Stomakhin, ACM Trans. Graph. 34 (2015) 51).
+   !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran,
+   !! A. Stomakhin, ACM Trans. Graph. 34 (2015) 51).
    ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine spread_affine_lines(grid, after, start, first, places, mass, velocity, affine, &
       patch)
@@ -163,7 +163,8 @@ contains
                end do
             end do
             do k = places%low(p, 3), places%low(p, 3) + after
-               d = merge(grid%spacing*(real(k - 2, wp) - places%local(p, 3)), 0.0_wp, grid%active(3))
+               d = merge(grid%spacing*(real(k - 2, wp) - places%local(p, 3)), 0.0_wp, &
+                  grid%active(3))
                plain = x + d*z
                do j = 1, line
                   d = merge(grid%spacing*(real(j - 2, wp) - places%local(p, 2)), 0.0_wp, &
@@ -239,8 +240,8 @@ contains
       end do
    end subroutine add_forces
 
-   !> Values sum S_i node_i of three columns. The nodes come as one row of numbers, in which those of
-   !! a line lie together.
+   !> Values sum S_i node_i of three columns. The nodes come as one row of numbers, in which those
+   !! of a line lie together.
    pure subroutine collect_lines(grid, after, start, places, number, nodes, skip, values)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: after                           !! Layers after the first one

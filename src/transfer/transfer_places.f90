@@ -19,7 +19,7 @@ module transfer_places
       integer, allocatable :: low(:, :)              !! (particle, 3) First node that counts, 1 or 2
       real(wp), allocatable :: share(:, :, :)        !! The same as weight: alpha times derivative
       real(wp), allocatable :: rest(:, :, :)         !! The same: (1 - alpha) times function
-      real(wp), allocatable :: corner(:, :, :)       !! (corner, direction, particle) Place in its cell
+      real(wp), allocatable :: corner(:, :, :)       !! (corner, direction, particle) In its cell
       integer, allocatable :: corner_node(:, :)      !! (corner, particle) First node of that cell
       real(wp), allocatable :: edge(:, :)            !! (9, particle) Half edges, one after another
       real(wp), allocatable :: inverse(:, :)         !! (9, particle) The inverse of their matrix
@@ -92,8 +92,8 @@ contains
       allocate (self%share(n, line, 3), self%rest(n, line, 3))
    end subroutine places_reserve_split
 
-   !> Length of columns: not as long as the particles are many, since a length that is a power of two
-   !! would put all columns into the same few places of the cache.
+   !> Length of columns: not as long as the particles are many, since a length that is a power of
+   !! two would put all columns into the same few places of the cache.
    pure integer function room_for(particles) result(room)
       integer, intent(in) :: particles               !! Particles of a tile
 

@@ -54,8 +54,8 @@ contains
       margin = 1
    end function tensor_margin
 
-   !> Nodes along a line that a particle touches, counted from `low` on; three, unless the basis says
-   !! otherwise.
+   !> Nodes along a line that a particle touches, counted from `low` on; three, unless the basis
+   !! says otherwise.
    pure integer function tensor_reach(self) result(reach)
       class(basis_tensor_t), intent(in) :: self              !! The basis
 
