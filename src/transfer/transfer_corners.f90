@@ -39,6 +39,7 @@ contains
       do p = 1, particles
          do c = 1, corners
             x = places%corner(c, 1, p)
+            !$omp simd
             do m = 1, lines
                weight(m) = (a(2*m, 2) + b(2*m, 2)*places%corner(c, 2, p)) &
                   *(a(2*m, 3) + b(2*m, 3)*places%corner(c, 3, p))
@@ -51,6 +52,7 @@ contains
                at = before + rows*(places%corner_node(c, p) + offset(m) - 1)
                ! a number that the compiler knows makes the columns one vector
                if (count == 4) then
+                  !$omp simd
                   do n = 1, 4
                      patch(at + n) = patch(at + n) + weight(m)*lower(n)
                      patch(at + rows + n) = patch(at + rows + n) + weight(m)*upper(n)
@@ -104,6 +106,7 @@ contains
                force(k) = b(c, 1)*along(k, 1) + b(c, 2)*along(k, 2) + b(c, 3)*along(k, 3)
             end do
             x = places%corner(c, 1, p)
+            !$omp simd
             do m = 1, lines
                weight(m) = (a(2*m, 2) + b(2*m, 2)*places%corner(c, 2, p)) &
                   *(a(2*m, 3) + b(2*m, 3)*places%corner(c, 3, p))
@@ -142,6 +145,7 @@ contains
          value = 0.0_wp
          do c = 1, corners
             x = places%corner(c, 1, p)
+            !$omp simd
             do m = 1, lines
                weight(m) = (a(2*m, 2) + b(2*m, 2)*places%corner(c, 2, p)) &
                   *(a(2*m, 3) + b(2*m, 3)*places%corner(c, 3, p))
@@ -149,6 +153,7 @@ contains
             sums = 0.0_wp
             do m = 1, corners/2
                at = 3*(places%corner_node(c, p) + offset(m) - 1)
+               !$omp simd
                do n = 1, 6
                   sums(n) = sums(n) + weight(m)*nodes(at + n)
                end do
@@ -184,6 +189,7 @@ contains
          along = 0.0_wp
          do c = 1, corners
             x = places%corner(c, 1, p)
+            !$omp simd
             do m = 1, lines
                weight(m) = (a(2*m, 2) + b(2*m, 2)*places%corner(c, 2, p)) &
                   *(a(2*m, 3) + b(2*m, 3)*places%corner(c, 3, p))
@@ -191,6 +197,7 @@ contains
             sums = 0.0_wp
             do m = 1, corners/2
                at = 3*(places%corner_node(c, p) + offset(m) - 1)
+               !$omp simd
                do n = 1, 6
                   sums(n) = sums(n) + weight(m)*nodes(at + n)
                end do
