@@ -5,8 +5,8 @@ Would catch: sizes of particles that do not follow the deformation, or follow it
 way (CPDI then is no better than GIMP), functions that are not smooth where particles cross cells,
 and walls or margins that disturb what is far from them.
 
-The middle of the ring turns by one radian, and material lines by more (K. Kamojjala, R. Brannon, A.
-Sadeghirad, J. Guilkey, Eng. Comput. 31 (2015) 201). Error of displacement at the end over the
+The middle of the ring turns by one radian, and material lines by more (K. Kamojjala, R. Brannon,
+A. Sadeghirad, J. Guilkey, Eng. with Computers 31 (2015) 193). Error of displacement at the end over the
 greatest displacement, 10 and 20 cells a unit, 3 x 3 particles a cell, t = 0.45, measured:
 
   linear     0.071   0.101      does not converge: particles cross cells
