@@ -21,7 +21,7 @@ module basis_cpdi
    public :: basis_cpdi_t
 
    real(wp), parameter :: most = 1.0_wp              !! Greatest half domain [cells]
-   real(wp), parameter :: least = 1.0e-3_wp          !! Least half domain [cells]
+   real(wp), parameter :: least = 1.0e-6_wp          !! Least half domain [cells]
    real(wp), parameter :: flat = 1.0e-3_wp           !! Least volume of a domain in that of its box
    real(wp), parameter :: usual = 0.25_wp            !! Half a cube in place of a flat one [cells]
    real(wp), parameter :: least_moment = 1.0e-12_wp  !! Second moment that divides at least [cells2]
@@ -58,7 +58,9 @@ contains
    end subroutine cpdi_request
 
    !> Corners of the particles of a tile. A corner lies in the cell of its particle or in one next
-   !! to it; beyond a wall the functions of the last cell go on, so that linear fields stay exact.
+   !! to it, and not beyond a wall: corners there would need functions below zero, and a node that
+   !! only such a corner touches would have a negative mass. Where a particle is as good as on the
+   !! wall the functions of the last cell go on, so that linear fields stay exact.
    pure subroutine cpdi_locate(self, grid, coordinate, store, tile, places)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
@@ -66,7 +68,7 @@ contains
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
       type(places_t), intent(inout) :: places                !! What the maps need
-      real(wp) :: edge(3, 3), inverse(3, 3), at
+      real(wp) :: edge(3, 3), inverse(3, 3), room(3), at
       integer :: cell, p, c, k, step, place(3), lowest(3), highest(3)
 
       call locate(grid, store%first(tile), store%count(tile), store%position, places%local)
@@ -77,7 +79,12 @@ contains
          highest = merge(0, 1, .not. grid%active .or. (grid%wall(2::2) .and. &
             place == grid%cells - 1))
          do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
-            call find_domain(grid, store, store%first(tile) + p - 1, edge, inverse)
+            do k = 1, 3
+               room(k) = most
+               if (lowest(k) == 0) room(k) = min(room(k), places%local(p, k))
+               if (highest(k) == 0) room(k) = min(room(k), 1.0_wp - places%local(p, k))
+            end do
+            call find_domain(grid, store, store%first(tile) + p - 1, room, edge, inverse)
             do k = 1, 3
                do c = 1, 3
                   places%edge(c + 3*(k - 1), p) = edge(c, k)
@@ -101,17 +108,18 @@ contains
    !> Half edges of the domain of a particle for the functions, in cells, and the inverse of their
    !! matrix.
    !!
-   !! A domain that reaches further than a cell is scaled, as M. A. Homel, R. M. Brannon,
+   !! A domain that reaches further than a cell, or than a wall, is scaled, as M. A. Homel, R. M. Brannon,
    !! J. Guilkey, Int. J. Numer. Methods Eng. (2016) do; here along the directions of the grid in
    !! which it is too long, so that it stays a parallelepiped. If the edges lie nearly in a plane,
    !! a cube stands in.
-   pure subroutine find_domain(grid, store, q, edge, inverse)
+   pure subroutine find_domain(grid, store, q, room, edge, inverse)
       type(grid_t), intent(in) :: grid                       !! The grid
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: q                               !! Which particle
+      real(wp), intent(in) :: room(3)                        !! Greatest half domain [cells]
       real(wp), intent(out) :: edge(3, 3)                    !! (component, edge) [cells]
       real(wp), intent(out) :: inverse(3, 3)                 !! (edge, component) [1/cells]
-      real(wp) :: reach(3), volume
+      real(wp) :: reach(3), wanted, volume
       integer :: k
 
       edge = 0.0_wp
@@ -123,9 +131,9 @@ contains
          end if
          where (grid%active) edge(k, :) = store%domain(q, k:k + 6:3)*(1.0_wp/grid%spacing)
          reach(k) = sum(abs(edge(k, :)))
-         if (reach(k) > most) edge(k, :) = edge(k, :)*(most/reach(k))
-         if (reach(k) < least) edge(k, :) = edge(k, :)*(least/max(reach(k), tiny(reach)))
-         reach(k) = min(max(reach(k), least), most)
+         wanted = max(min(reach(k), room(k)), least)
+         edge(k, :) = edge(k, :)*(wanted/max(reach(k), tiny(reach)))
+         reach(k) = wanted
       end do
       call invert(edge, inverse, volume)
       ! a number that is not one is caught as well
@@ -133,7 +141,7 @@ contains
       edge = 0.0_wp
       inverse = 0.0_wp
       do k = 1, 3
-         edge(k, k) = merge(usual, 1.0_wp, grid%active(k))
+         edge(k, k) = merge(max(min(usual, room(k)), least), 1.0_wp, grid%active(k))
          inverse(k, k) = 1.0_wp/edge(k, k)
       end do
    end subroutine find_domain
