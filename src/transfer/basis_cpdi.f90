@@ -108,10 +108,10 @@ contains
    !> Half edges of the domain of a particle for the functions, in cells, and the inverse of their
    !! matrix.
    !!
-   !! A domain that reaches further than a cell, or than a wall, is scaled, as M. A. Homel, R. M. Brannon,
-   !! J. Guilkey, Int. J. Numer. Methods Eng. (2016) do; here along the directions of the grid in
-   !! which it is too long, so that it stays a parallelepiped. If the edges lie nearly in a plane,
-   !! a cube stands in.
+   !! A domain that reaches further than a cell, or than a wall, is scaled, as M. A. Homel, R. M.
+   !! Brannon, J. Guilkey, Int. J. Numer. Methods Eng. (2016) do; here along the directions of the
+   !! grid in which it is too long, so that it stays a parallelepiped. If the edges lie nearly in a
+   !! plane, a cube stands in.
    pure subroutine find_domain(grid, store, q, room, edge, inverse)
       type(grid_t), intent(in) :: grid                       !! The grid
       type(store_t), intent(in) :: store                     !! The particles
