@@ -175,7 +175,7 @@ contains
       do n = 1, 2
          associate (key => merge("flip   ", "alpha_0", n == 1))
             if (.not. group%given(trim(key))) then
-               call deck%settle("method", 1, trim(key), "1.0")
+               call deck%settle("method", 1, trim(key), 1.0_wp)
                cycle
             end if
             call group%get(trim(key), number)
