@@ -1,15 +1,16 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The chain of laws that a time step of a material runs through, each link only if asked for.
 module material_chain
-   use base_kinds, only: wp
+   use base_kinds, only: int64, wp
    use material_damage, only: damage_t
    use material_eos, only: eos_t
    use material_heat, only: heat, heat_t, melt
    use material_kinematics, only: dilate
    use material_law, only: law_t
    use material_matter, only: deformation_t, matter_t
+   use material_remains, only: remains_t, share_t, vanish
    use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
-   use material_tension, only: break, cut_tension, drop_failed, drop_melted, fracture_t, &
+   use material_tension, only: break, cut_tension, drop_failed, drop_melted, fail, fracture_t, &
       open_voids, spall_t
    use material_viscosity, only: resist, viscosity_t, viscous_losses
    use material_wishes, only: wishes_t
@@ -30,12 +31,15 @@ module material_chain
       type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
       type(spall_t), allocatable :: spall            !! Tension cut-off without memory
       type(fracture_t), allocatable :: fracture      !! Failure for good
+      type(remains_t), allocatable :: remains        !! Law of failed matter
+      integer(int64) :: seed = 0                     !! Of random strength
       type(heat_t), allocatable :: heat              !! Temperature follows the work
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]
    contains
       procedure :: wishes => chain_wishes            !! Fields to be carried, and why
       procedure :: request => chain_request          !! Allocates these fields
       procedure :: start => chain_start              !! Initial state of particles
+      procedure :: scatter => chain_scatter          !! Random strength of particles
       procedure :: settle => chain_settle            !! Stress of the state as it is
       procedure :: update => chain_update            !! One time step
       procedure :: signal_speed => chain_signal_speed         !! Fastest signal of a state
@@ -85,6 +89,8 @@ contains
       if (wishes%asked("plastic_dilation")) allocate (matter%plastic_dilation(n))
       if (wishes%asked("distension")) allocate (matter%distension(n))
       if (wishes%asked("damage")) allocate (matter%damage(n))
+      if (wishes%asked("scatter")) allocate (matter%scatter(n))
+      if (wishes%asked("bulking")) allocate (matter%bulking(n))
       if (wishes%asked("deformation_gradient")) allocate (matter%deformation_gradient(n, 9))
       if (wishes%asked("failed")) allocate (matter%failed(n))
    end subroutine chain_request
@@ -106,12 +112,26 @@ contains
       if (allocated(matter%plastic_dilation)) matter%plastic_dilation(first:last) = 0.0_wp
       if (allocated(matter%distension)) matter%distension(first:last) = self%eos%distension
       if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
+      if (allocated(matter%scatter)) matter%scatter(first:last) = 1.0_wp
+      if (allocated(matter%bulking)) matter%bulking(first:last) = 0.0_wp
       if (allocated(matter%deformation_gradient)) then
          matter%deformation_gradient(first:last, :) = 0.0_wp
          matter%deformation_gradient(first:last, [1, 5, 9]) = 1.0_wp
       end if
       if (allocated(matter%failed)) matter%failed(first:last) = 0
    end subroutine chain_start
+
+   !> Random strength of new particles. Their mass is known, and who they are decides.
+   pure subroutine chain_scatter(self, matter, identity, first, last)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(inout) :: matter        !! State of the store
+      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+
+      if (allocated(matter%scatter)) call self%damage%draw(self%seed, identity, first, last, &
+         matter%mass, matter%scatter)
+   end subroutine chain_scatter
 
    !> Stress of particles at rest whose volume, energy, deformation gradient or deviator of stress
    !! were set from outside: a step without deformation that takes no time.
@@ -181,10 +201,13 @@ contains
       integer, intent(in) :: last                        !! Last particle of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
+      type(share_t) :: share
       integer :: count
 
       count = last - first + 1
       if (count < 1) return
+      if (allocated(self%remains)) &
+         call self%remains%collect(matter, deformation, first, last, share)
       deformation%plastic_work(:count) = 0.0_wp
       deformation%viscous_work(:count) = 0.0_wp
       deformation%plastic_increment(:count) = 0.0_wp
@@ -195,7 +218,11 @@ contains
             deformation%dilatation)
       end if
       call update_pressure(self, matter, deformation, first, last)
+      if (allocated(self%remains)) &
+         call self%remains%follow(matter, deformation, first, dt, share)
       if (allocated(self%law)) call update_deviator(self, matter, deformation, first, last, dt)
+      if (allocated(self%remains)) &
+         call self%remains%give_back(share, matter, deformation, first)
       if (allocated(self%damage)) call self%damage%update(matter, deformation, first, last, dt)
       call limit_tension(self, matter, deformation, first, last)
       if (allocated(self%viscosity)) call viscous_losses(first, last, matter%viscous_pressure, &
@@ -214,6 +241,11 @@ contains
       else
          call assemble_isotropic(first, last, deformation%pressure, matter%stress)
       end if
+      if (.not. allocated(self%fracture)) return
+      if (.not. self%fracture%leaves_nothing) return
+      call vanish(first, last, matter%failed, matter%stress, deformation%wave_speed)
+      if (allocated(self%viscosity)) matter%viscous_pressure(first:last) = &
+         merge(0.0_wp, matter%viscous_pressure(first:last), matter%failed(first:last) /= 0)
    end subroutine chain_update
 
    !> Pressure of the material, and the square of its wave speed without strength.
@@ -235,6 +267,8 @@ contains
       else
          deformation%wave_speed(:last - first + 1) = 0.0_wp
       end if
+      if (allocated(matter%bulking)) deformation%pressure(:last - first + 1) = &
+         deformation%pressure(:last - first + 1) + matter%bulking(first:last)
    end subroutine update_pressure
 
    !> Deviator of stress, and what strength adds to the square of the wave speed.
@@ -247,12 +281,40 @@ contains
       real(wp), intent(in) :: dt                         !! Time step [s]
 
       ! Before the law, so that what has no strength does not flow plastically.
-      if (allocated(self%fracture)) call drop_failed(first, last, matter%failed, matter%stress)
+      if (drops(self)) call drop_failed(first, last, matter%failed, matter%stress)
       if (allocated(self%melting)) &
          call drop_melted(first, last, self%melting, matter%temperature, matter%stress)
       call self%law%update(matter, deformation, first, last, dt)
       call self%law%stiffen(matter, deformation, first, last)
    end subroutine update_deviator
+
+   !> True if the law of strength must not see failed matter.
+   pure logical function drops(self)
+      class(chain_t), intent(in) :: self                 !! The material
+
+      drops = .false.
+      if (allocated(self%fracture)) drops = allocated(self%remains) .or. &
+         .not. self%fracture%leaves_strength
+   end function drops
+
+   !> Let particles fail.
+   pure subroutine break_or_fail(self, matter, deformation, first, last)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (self%fracture%leaves_strength) then
+         call fail(first, last, self%fracture%strength, self%bulk, matter%volume, &
+            deformation%pressure, deformation%pressure_floor, matter%damage, matter%failed, &
+            deformation%plastic_work)
+      else
+         call break(first, last, self%fracture%strength, self%shear, self%bulk, matter%volume, &
+            matter%stress, deformation%pressure, deformation%pressure_floor, matter%damage, &
+            matter%failed, deformation%plastic_work)
+      end if
+   end subroutine break_or_fail
 
    !> Cut the tension or let particles fail.
    pure subroutine limit_tension(self, matter, deformation, first, last)
@@ -263,9 +325,7 @@ contains
       integer, intent(in) :: last                        !! Last particle of the range
 
       if (allocated(self%fracture)) then
-         call break(first, last, self%fracture%strength, self%shear, self%bulk, matter%volume, &
-            matter%stress, deformation%pressure, deformation%pressure_floor, matter%damage, &
-            matter%failed, deformation%plastic_work)
+         call break_or_fail(self, matter, deformation, first, last)
          if (.not. allocated(self%eos)) call open_voids(first, last, self%density, self%bulk, &
             matter%mass, matter%volume, matter%failed, deformation%pressure, &
             deformation%wave_speed)
@@ -305,6 +365,17 @@ contains
          deformation%plastic_work, deformation%viscous_work, matter%temperature)
    end subroutine update_temperature
 
+   !> True if nothing is left of a particle that bears stress.
+   pure logical function gone(self, matter, particle)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(in) :: matter           !! State of the store
+      integer, intent(in) :: particle                !! Which particle
+
+      gone = .false.
+      if (.not. allocated(self%fracture)) return
+      gone = self%fracture%leaves_nothing .and. matter%failed(particle) /= 0
+   end function gone
+
    !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.
    pure subroutine chain_stored_energy(self, matter, first, last, energy)
       class(chain_t), intent(in) :: self             !! The material
@@ -322,6 +393,7 @@ contains
             cycle
          end if
          energy(i) = 0.0_wp
+         if (gone(self, matter, k)) cycle
          limit = -huge(1.0_wp)
          if (allocated(self%law)) then
             energy(i) = self%law%stored(matter, k)

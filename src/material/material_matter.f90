@@ -22,6 +22,8 @@ module material_matter
       real(wp), allocatable :: plastic_dilation(:)   !! Logarithm of volume gained by shear [1]
       real(wp), allocatable :: distension(:)         !! Of porous matter, solid over density [1]
       real(wp), allocatable :: damage(:)             !! 0 intact to 1 failed [1]
+      real(wp), allocatable :: scatter(:)            !! Random strength of its own [1]
+      real(wp), allocatable :: bulking(:)            !! Pressure gained by fracture [Pa]
       !> Gradient of place now to place at the start, dx_k/dX_l, column k + 3 (l - 1) (:, 9) [1].
       real(wp), allocatable :: deformation_gradient(:, :)
       integer(int64), allocatable :: failed(:)       !! Failure flag, 0 or 1, never averaged
@@ -71,6 +73,8 @@ contains
          call worker%scalar("plastic_dilation", "1", self%plastic_dilation)
       if (allocated(self%distension)) call worker%scalar("distension", "1", self%distension)
       if (allocated(self%damage)) call worker%scalar("damage", "1", self%damage)
+      if (allocated(self%scatter)) call worker%scalar("scatter", "1", self%scatter)
+      if (allocated(self%bulking)) call worker%scalar("bulking", "Pa", self%bulking)
       if (allocated(self%deformation_gradient)) &
          call worker%vector("deformation_gradient", "1", self%deformation_gradient)
       if (allocated(self%failed)) call worker%whole("failed", "1", self%failed)
