@@ -13,6 +13,7 @@ module material_chain
    use material_tension, only: break, cut_tension, drop_failed, drop_melted, fail, fracture_t, &
       open_voids, spall_t
    use material_viscosity, only: resist, viscosity_t, viscous_losses
+   use material_voids, only: expand_grains, voids_t
    use material_wishes, only: wishes_t
    implicit none
    private
@@ -32,6 +33,7 @@ module material_chain
       type(spall_t), allocatable :: spall            !! Tension cut-off without memory
       type(fracture_t), allocatable :: fracture      !! Failure for good
       type(remains_t), allocatable :: remains        !! Law of failed matter
+      type(voids_t), allocatable :: voids            !! Voids open and close
       integer(int64) :: seed = 0                     !! Of random strength
       type(heat_t), allocatable :: heat              !! Temperature follows the work
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]
@@ -62,6 +64,7 @@ contains
       if (allocated(self%eos)) call self%eos%request(wishes)
       if (allocated(self%law)) call self%law%request(wishes)
       if (allocated(self%damage)) call self%damage%request(wishes)
+      if (allocated(self%voids)) call wishes%ask("solid_fraction", "voids", 1)
       if (allocated(self%heat)) call wishes%ask("temperature", "thermal effect", 1)
       if (allocated(self%fracture)) then
          call wishes%ask("damage", "failure", 1)
@@ -91,6 +94,7 @@ contains
       if (wishes%asked("damage")) allocate (matter%damage(n))
       if (wishes%asked("scatter")) allocate (matter%scatter(n))
       if (wishes%asked("bulking")) allocate (matter%bulking(n))
+      if (wishes%asked("solid_fraction")) allocate (matter%solid_fraction(n))
       if (wishes%asked("deformation_gradient")) allocate (matter%deformation_gradient(n, 9))
       if (wishes%asked("failed")) allocate (matter%failed(n))
    end subroutine chain_request
@@ -114,6 +118,7 @@ contains
       if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
       if (allocated(matter%scatter)) matter%scatter(first:last) = 1.0_wp
       if (allocated(matter%bulking)) matter%bulking(first:last) = 0.0_wp
+      if (allocated(matter%solid_fraction)) matter%solid_fraction(first:last) = self%voids%start
       if (allocated(matter%deformation_gradient)) then
          matter%deformation_gradient(first:last, :) = 0.0_wp
          matter%deformation_gradient(first:last, [1, 5, 9]) = 1.0_wp
@@ -174,6 +179,7 @@ contains
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       type(deformation_t) :: deformation
+      type(matter_t) :: squeezed
       integer :: count
 
       speed = 0.0_wp
@@ -181,7 +187,12 @@ contains
       if (count < 1) return
       call deformation%reserve(count)
       deformation%wave_speed(:count) = 0.0_wp
-      if (allocated(self%eos)) then
+      if (allocated(self%voids)) then
+         squeezed = matter
+         call self%voids%squeeze(squeezed, deformation, first, last)
+         call self%eos%update(squeezed, deformation, first, last)
+         call self%voids%relax(squeezed, deformation, first, last)
+      else if (allocated(self%eos)) then
          call self%eos%update(matter, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
          deformation%wave_speed(:count) = self%bulk*matter%volume(first:last) &
@@ -208,6 +219,7 @@ contains
       if (count < 1) return
       if (allocated(self%remains)) &
          call self%remains%collect(matter, deformation, first, last, share)
+      if (allocated(self%voids)) call self%voids%choose(matter, deformation, first, last)
       deformation%plastic_work(:count) = 0.0_wp
       deformation%viscous_work(:count) = 0.0_wp
       deformation%plastic_increment(:count) = 0.0_wp
@@ -217,6 +229,7 @@ contains
          call dilate(first, last, deformation%gradient, matter%volume, deformation%old_volume, &
             deformation%dilatation)
       end if
+      if (allocated(self%voids)) call self%voids%open(matter, deformation, first, last)
       call update_pressure(self, matter, deformation, first, last)
       if (allocated(self%remains)) &
          call self%remains%follow(matter, deformation, first, dt, share)
@@ -256,7 +269,11 @@ contains
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
-      if (allocated(self%eos)) then
+      if (allocated(self%voids)) then
+         call self%voids%squeeze(matter, deformation, first, last)
+         call self%eos%update(matter, deformation, first, last)
+         call self%voids%relax(matter, deformation, first, last)
+      else if (allocated(self%eos)) then
          call self%eos%update(matter, deformation, first, last)
          call self%eos%remember(matter, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
@@ -360,9 +377,14 @@ contains
          deformation%pressure_floor(:last - first + 1) = max(self%law%least_pressure(), &
             deformation%pressure_floor(:last - first + 1))
       end if
+      ! Nobody needs the homologous temperature any more in this step.
+      if (allocated(self%voids)) &
+         deformation%homologous(:last - first + 1) = matter%temperature(first:last)
       call heat(first, last, self%heat%specific_heat, gamma_density, gamma, share, matter%mass, &
          matter%volume, deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
          deformation%plastic_work, deformation%viscous_work, matter%temperature)
+      if (allocated(self%voids)) call expand_grains(first, last, self%voids%expansion, &
+         matter%temperature, deformation%homologous, matter%solid_fraction)
    end subroutine update_temperature
 
    !> True if nothing is left of a particle that bears stress.
@@ -403,6 +425,7 @@ contains
             if (allocated(self%spall)) limit = max(limit, -self%spall%strength)
             if (allocated(matter%failed)) limit = merge(0.0_wp, limit, matter%failed(k) /= 0)
             volume = matter%volume(k)
+            if (allocated(matter%solid_fraction)) volume = volume*matter%solid_fraction(k)
             if (allocated(matter%plastic_dilation)) volume = volume*exp(-matter%plastic_dilation(k))
             energy(i) = energy(i) + self%eos%stored(matter%mass(k), volume, limit)
          else if (self%bulk_in_rate_form()) then

@@ -12,6 +12,7 @@ module material_type
    use material_eos, only: eos_t
    use material_law, only: law_t
    use material_remains, only: choose_remains, declare_remains
+   use material_voids, only: declare_voids, voids_t
    implicit none
    private
 
@@ -111,6 +112,7 @@ contains
          call damage%declare(schema)
       end do
       call declare_remains(schema)
+      call declare_voids(schema)
    end subroutine declare_models
 
    !> Make a material from its group. What the single keys cannot tell is checked here; the material
@@ -212,12 +214,17 @@ contains
       type(effects_t), intent(in) :: effects         !! What is asked for
       type(deck_t), intent(inout) :: deck            !! Notes what is wrong
       character(len=:), allocatable :: strength, damage, fault
+      type(voids_t) :: no_voids
       real(wp) :: rate, reference, melting
       logical :: plastic
 
       plastic = .false.
       if (allocated(material%law)) plastic = material%law%plastic()
       call check_failure(material, group, effects, plastic, deck)
+      if (effects%voids .and. allocated(material%eos)) then
+         fault = no_voids%fault(group)
+         if (len(fault) > 0) call deck%complain(group, fault)
+      end if
       if (.not. allocated(material%law) .and. .not. effects%eos) call deck%complain(group, &
          "a material without strength needs &effects eos = .true.")
       if (allocated(material%law)) then
@@ -354,8 +361,14 @@ contains
       type(effects_t), intent(in) :: effects         !! What is asked for
       type(group_t), intent(in) :: method_group      !! &method
 
+      if (effects%voids .and. allocated(material%eos)) then
+         allocate (material%voids)
+         call material%voids%read(group)
+      end if
       if (allocated(material%eos)) then
          material%eos%density = material%density
+         if (allocated(material%voids)) &
+            material%eos%density = material%density/material%voids%start
          material%eos%bulk = material%bulk
          call material%eos%read(group)
          material%bulk = material%eos%bulk
@@ -365,6 +378,9 @@ contains
          material%law%bulk = material%bulk
          material%law%density = material%density
          call material%law%read(group, effects)
+         ! What has neither cohesion nor tension is loose from the start.
+         if (allocated(material%voids)) &
+            material%voids%loose = material%law%least_pressure() >= 0.0_wp
       end if
       if (effects%viscosity) then
          allocate (material%viscosity)
