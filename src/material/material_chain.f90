@@ -189,6 +189,7 @@ contains
       deformation%wave_speed(:count) = 0.0_wp
       if (allocated(self%voids)) then
          squeezed = matter
+         deformation%share(:count) = 1.0_wp
          call self%voids%squeeze(squeezed, deformation, first, last)
          call self%eos%update(squeezed, deformation, first, last)
          call self%voids%relax(squeezed, deformation, first, last)

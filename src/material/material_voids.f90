@@ -45,7 +45,8 @@ contains
 
       call schema%text("material", "alpha_m", "share of the dilatation that the matter itself "// &
          "takes: one, all; open_when_failed, none in failed or loose matter that opens or "// &
-         "whose grains do not touch; crush, also less than all until pressed grains leave no voids", &
+         "whose grains do not touch; crush, also less than all until pressed grains leave no "// &
+         "voids", &
          default="open_when_failed", words="one open_when_failed crush", owner="effects.voids")
       call schema%real("material", "solid_fraction", "share of the volume that matter fills in "// &
          "the reference state", default="1", range="> 0 <= 1", owner="effects.voids")
@@ -200,7 +201,8 @@ contains
       matter%volume(first:last) = matter%volume(first:last)*matter%solid_fraction(first:last)
    end subroutine voids_squeeze
 
-   !> Volume becomes that of the motion again, and the pressure that on a whole surface.
+   !> Volume becomes that of the motion again, and the pressure that on a whole surface. Where voids
+   !! open or close there is none: round-off of it would stop the opening.
    pure subroutine voids_relax(self, matter, deformation, first, last)
       class(voids_t), intent(in) :: self                   !! The rules
       type(matter_t), intent(inout) :: matter              !! State of the store
@@ -209,8 +211,8 @@ contains
       integer, intent(in) :: last                          !! Last particle of the range
 
       matter%volume(first:last) = deformation%whole_volume(:last - first + 1)
-      deformation%pressure(:last - first + 1) = deformation%pressure(:last - first + 1) &
-         *matter%solid_fraction(first:last)
+      deformation%pressure(:last - first + 1) = merge(deformation%pressure(:last - first + 1) &
+         *matter%solid_fraction(first:last), 0.0_wp, deformation%share(:last - first + 1) > 0.0_wp)
    end subroutine voids_relax
 
    !> Let heated grains fill voids: B = expansion dT/dt.
