@@ -109,7 +109,8 @@ contains
       call keep_affine(store, tile, 1.0_wp, slopes)
    end subroutine slope_tile
 
-   !> Velocity gradient of the solution at the start, dF/dt F**-1, component (k, l) at k + 3 (l - 1).
+   !> Velocity gradient of the solution at the start, dF/dt F**-1, component (k, l) at k + 3 (l -
+   !! 1).
    pure function velocity_gradient(solution, point, dt) result(slopes)
       class(exact_t), intent(in) :: solution         !! The solution
       real(wp), intent(in) :: point(3)               !! Place at rest [m]

@@ -4,7 +4,7 @@
 module driver_gather
    use base_kinds, only: int64, wp
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
-   use driver_method, only: method_t, stress_after
+   use driver_method, only: method_t, stress_after, stress_before
    use driver_nodes, only: divide
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
@@ -16,6 +16,7 @@ module driver_gather
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_store, only: store_t
+   use particle_stretch, only: stretch_tile
    use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
    use transfer_basis, only: expand_spin
    use transfer_even, only: even_gradient
@@ -82,10 +83,11 @@ contains
             call scratch%deformation%reserve(store%count(tile))
             if (parts%work .and. allocated(store%matter%energy)) &
                call add_work(simulation, scratch, store, tile, view)
+            ! before the strain, which may renew the linear velocity fields
+            if (parts%motion .and. allocated(store%matter%energy)) &
+               call add_heat(simulation, scratch, store, tile, view)
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
             if (parts%motion) then
-               if (allocated(store%matter%energy)) call add_heat(simulation, scratch, store, tile, &
-                  view)
                call move_particles(simulation, scratch, store, tile, view, dt)
                call place_tile(simulation%grid, simulation%boundary, &
                   simulation%tiles%coordinate(:, tile), store, tile)
@@ -112,8 +114,8 @@ contains
          call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
    end subroutine look
 
-   !> The node fields that move the particles of a tile, and those of the kinetic energy that the way
-   !! to the nodes and back loses.
+   !> The node fields that move the particles of a tile, and those of the kinetic energy that the
+   !! way to the nodes and back loses.
    subroutine look_motion(simulation, tile, dt, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
@@ -197,12 +199,12 @@ contains
       end associate
    end subroutine move_particles
 
-   !> Do linear velocity fields come from the strain of the step? The modified gradient is less noisy
-   !! than that of the cell, and after the step it is that of the new velocities.
-   pure logical function strained(method)
+   !> Do linear velocity fields come from the strain of the step? The modified gradient is less
+   !! noisy than that of the cell, and after the step it is that of the new velocities.
+   pure logical function strained(method) result(renewed)
       type(method_t), intent(in) :: method           !! The method
 
-      strained = method%dual .and. method%stress == stress_after
+      renewed = method%dual .and. method%stress == stress_after
    end function strained
 
    !> Sum of the patches of a node gradient, divided by the volumes of the nodes.
@@ -219,8 +221,8 @@ contains
          gradient)
    end subroutine node_gradient
 
-   !> Work of the stress that made the force on the mean of the velocities of the nodes, so that what
-   !! the nodes lose in kinetic energy is what the particles gain in internal energy.
+   !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
+   !! what the nodes lose in kinetic energy is what the particles gain in internal energy.
    subroutine add_work(simulation, scratch, store, tile, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -281,14 +283,20 @@ contains
       real(wp) :: fastest
       integer :: p, first, n
 
-      associate (store => simulation%stores(index), deformation => scratch%deformation)
+      associate (store => simulation%stores(index), deformation => scratch%deformation, &
+         method => simulation%method)
          first = store%first(tile)
          n = store%count(tile)
          call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
             view%gradient, dt)
-         if (simulation%method%transfer%affine() .and. strained(simulation%method)) &
+         call stretch_tile(store, tile, deformation%gradient)
+         if (method%transfer%affine() .and. strained(method)) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
-         call centre_gradient(n, deformation%gradient)
+         if (method%stress == stress_before .and. method%leapfrog) then
+            call centre_backward(n, deformation%gradient)
+         else
+            call centre_gradient(n, deformation%gradient)
+         end if
          call simulation%materials(index)%update(store%matter, deformation, first, first + n - 1, &
             dt, simulation%grid%spacing)
          fastest = 0.0_wp
@@ -301,6 +309,26 @@ contains
          call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
       end associate
    end subroutine strain_particles
+
+   !> Gradient at the middle of a step whose motion is over: places were x - G x with the gradient
+   !! at the new places, so it is G (I - G/2)**-1.
+   pure subroutine centre_backward(count, gradient)
+      integer, intent(in) :: count                   !! Particles
+      real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle of the tile, 9)
+      integer :: p, k
+
+      do k = 1, 9
+         do p = 1, count
+            gradient(p, k) = -gradient(p, k)
+         end do
+      end do
+      call centre_gradient(count, gradient)
+      do k = 1, 9
+         do p = 1, count
+            gradient(p, k) = -gradient(p, k)
+         end do
+      end do
+   end subroutine centre_backward
 
    !> Book what artificial viscosity and plastic flow took.
    subroutine book_losses(ledger, material, matter, deformation, count)

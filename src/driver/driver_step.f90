@@ -25,19 +25,20 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(error_t), allocatable, intent(out) :: error !! If numbers went bad
       type(gather_parts_t) :: parts
+      real(wp) :: moved
 
       parts%work = simulation%carries_energy
       if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time
       simulation%kick = simulation%method%kick(simulation%dt, dt)
       associate (method => simulation%method)
-         if (method%stress == stress_before) then
+         ! time for which positions have moved already with the velocity before the step
+         moved = merge(simulation%dt, dt, method%leapfrog)
+         if (method%stress == stress_before .and. moved > 0.0_wp) then
             if (method%controlled()) call find_star(simulation)
             call scatter_particles(simulation)
             if (method%dual) call dual_fields(simulation)
             call move_nodes(simulation, 0.0_wp)
-            ! positions have moved already through the last step, with the velocity before this one
-            call gather_particles(simulation, gather_parts_t(strain=.true.), &
-               merge(simulation%dt, dt, method%leapfrog))
+            call gather_particles(simulation, gather_parts_t(strain=.true.), moved)
          end if
          if (method%controlled()) call find_star(simulation)
          call scatter_particles(simulation)

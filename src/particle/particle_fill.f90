@@ -23,6 +23,8 @@ module particle_fill
       type(shape_holder_t) :: shape                   !! Where it is
       integer :: store = 1                            !! Index of its material
       integer :: per_cell(3) = 2                      !! Particles along each edge of a cell
+      !> Do sites at the surface hold what is inside?
+      logical :: cut = .false.
       real(wp) :: density = 0.0_wp                    !! [kg/m3]
       real(wp) :: velocity(3) = 0.0_wp                !! [m/s]
       real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
@@ -136,7 +138,7 @@ contains
       integer, intent(in) :: body                     !! Which body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer :: sites(3), x, y, z
-      real(wp) :: low(3), high(3), edge(3), position(3)
+      real(wp) :: low(3), high(3), edge(3), position(3), share
 
       number = 0
       call bodies(body)%shape%bounds(low, high)
@@ -146,8 +148,9 @@ contains
       do z = 0, sites(3) - 1
          do y = 0, sites(2) - 1
             do x = 0, sites(1) - 1
-               position = site_position(grid, bodies(body), coordinate, [x, y, z])
-               if (belongs(bodies, body, position)) number = number + 1
+               call look_at_site(grid, bodies, body, site_position(grid, bodies(body), &
+                  coordinate, [x, y, z]), share, position)
+               if (share > 0.0_wp) number = number + 1
             end do
          end do
       end do
@@ -177,6 +180,81 @@ contains
       where (grid%active) position = grid%lower + grid%spacing*(real(coordinate*grid%width, wp) &
          + (real(site, wp) + 0.5_wp)/real(body%per_cell, wp))
    end function site_position
+
+   !> Share of a lattice site that belongs to a body and the centre of that share [m]. A lattice
+   !! that
+   !! is not cut has whole sites, those with their middles inside.
+   pure subroutine look_at_site(grid, bodies, body, middle, share, position)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      integer, intent(in) :: body                     !! Which body
+      real(wp), intent(in) :: middle(3)               !! Of the site [m]
+      real(wp), intent(out) :: share                  !! 0 to 1
+      real(wp), intent(out) :: position(3)            !! Of the particle, if there is a share [m]
+      integer :: x, y, z, corners
+      logical :: inside
+
+      position = middle
+      inside = belongs(bodies, body, middle)
+      share = merge(1.0_wp, 0.0_wp, inside)
+      if (.not. bodies(body)%cut) return
+      corners = 0
+      do z = -1, 1, 2
+         do y = -1, 1, 2
+            do x = -1, 1, 2
+               if (belongs(bodies, body, middle + 0.5_wp*real([x, y, z], wp) &
+                  *site_edge(grid, bodies(body)))) corners = corners + 1
+            end do
+         end do
+      end do
+      if ((inside .and. corners == 8) .or. (.not. inside .and. corners == 0)) return
+      call cut_site(grid, bodies, body, middle, share, position)
+   end subroutine look_at_site
+
+   !> Share and its centre by samples. What is less than a fiftieth of a site is dropped: so light a
+   !! particle would be thrown about by its neighbours.
+   pure subroutine cut_site(grid, bodies, body, middle, share, position)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      integer, intent(in) :: body                     !! Which body
+      real(wp), intent(in) :: middle(3)               !! Of the site [m]
+      real(wp), intent(out) :: share                  !! 0 to 1
+      real(wp), intent(inout) :: position(3)          !! Of the particle, if there is a share [m]
+      integer, parameter :: samples(3) = [64, 12, 6]  ! along an edge, by dimensions
+      real(wp), parameter :: least = 0.02_wp
+      real(wp) :: place(3), edge(3), weight, whole, part, moment(3)
+      integer :: number(3), x, y, z
+
+      number = merge(samples(grid%dimensions), 1, grid%active)
+      edge = site_edge(grid, bodies(body))
+      whole = 0.0_wp
+      part = 0.0_wp
+      moment = 0.0_wp
+      do z = 1, number(3)
+         do y = 1, number(2)
+            do x = 1, number(1)
+               place = middle + edge*((real([x, y, z], wp) - 0.5_wp)/real(number, wp) - 0.5_wp)
+               weight = merge(place(1), 1.0_wp, grid%axisymmetric)
+               whole = whole + weight
+               if (.not. belongs(bodies, body, place)) cycle
+               part = part + weight
+               moment = moment + weight*(place - middle)
+            end do
+         end do
+      end do
+      share = part/whole
+      if (share < least) share = 0.0_wp
+      if (share > 0.0_wp .and. share < 1.0_wp) position = middle + moment/part
+   end subroutine cut_site
+
+   !> Edges of a lattice site [m]; none along a missing direction.
+   pure function site_edge(grid, body) result(edge)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: body                !! The body
+      real(wp) :: edge(3)
+
+      edge = merge(grid%spacing/real(body%per_cell, wp), 0.0_wp, grid%active)
+   end function site_edge
 
    !> True if a place belongs to a body and to no later one.
    pure logical function belongs(bodies, body, position) result(inside)
@@ -234,7 +312,7 @@ contains
       type(store_t), intent(inout) :: store           !! Gets particles
       integer :: sites(3), x, y, z, p, cell(3)
       integer(int64) :: number(3), all_sites(3)
-      real(wp) :: position(3)
+      real(wp) :: middle(3), position(3), share
 
       associate (it => bodies(body))
          sites = tile_sites(grid, it, coordinate)
@@ -242,8 +320,9 @@ contains
          do z = 0, sites(3) - 1
             do y = 0, sites(2) - 1
                do x = 0, sites(1) - 1
-                  position = site_position(grid, it, coordinate, [x, y, z])
-                  if (.not. belongs(bodies, body, position)) cycle
+                  middle = site_position(grid, it, coordinate, [x, y, z])
+                  call look_at_site(grid, bodies, body, middle, share, position)
+                  if (.not. share > 0.0_wp) cycle
                   p = store%first(tile) + store%count(tile)
                   store%count(tile) = store%count(tile) + 1
                   number = [x, y, z]
@@ -259,7 +338,7 @@ contains
                   store%position(p, :) = position
                   store%velocity(p, :) = it%velocity
                   call size_particle(grid, it, p, store)
-                  store%matter%volume(p) = site_volume(grid, it, position)
+                  store%matter%volume(p) = share*site_volume(grid, it, middle)
                   store%matter%mass(p) = it%density*store%matter%volume(p)
                end do
             end do

@@ -104,7 +104,8 @@ module transfer_basis
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
          type(places_t), intent(in) :: places                   !! Of the tile
          real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
-         real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
+         !> (particle of the tile, column) Columns up to the next multiple of three may be written
+         real(wp), contiguous, intent(inout) :: values(:, :)
       end subroutine collect_i
 
       !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
@@ -178,7 +179,8 @@ contains
       call self%spread(grid, start, places, 4, places%values, 0, patch)
    end subroutine basis_scatter_motion
 
-   !> Add mass and momentum of particles that turn, sum m S_i (v + w x (x_i - x)), to columns 1 to 4.
+   !> Add mass and momentum of particles that turn, sum m S_i (v + w x (x_i - x)), to columns 1 to
+   !! 4.
    ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine basis_scatter_turning(self, grid, start, first, places, mass, velocity, spin, &
       patch)
@@ -205,7 +207,8 @@ contains
       end do
       call places%reserve_affine(count)
       call expand_spin(first, count, spin, places%affine)
-      call self%spread_affine(grid, start, 1, places, tile_mass, places%vector, places%affine, patch)
+      call self%spread_affine(grid, start, 1, places, tile_mass, places%vector, places%affine, &
+         patch)
    end subroutine basis_scatter_turning
 
    !> Linear velocity fields of rotations.
@@ -342,9 +345,9 @@ contains
    !!
    !! With a = sum S_i a_i dt, u = sum S_i u_i and r = v_p - u a step v_p <- v_p + a - g r, g the
    !! share of pic, loses per mass 1/2 var(a) + g (r.r + var(u) + cov(u, a)) - 1/2 g^2 r.r, where
-   !! var
-   !! and cov are those of the node values under the weights S_i. Terms that only carry energy from
-   !! particle to particle, and add up to zero, are left out; the rest is not negative for g <= 1.
+   !! var and cov are those of the node values under the weights S_i. Terms that only carry energy
+   !! from particle to particle, and add up to zero, are left out; the rest is not negative for
+   !! g <= 1.
    ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine basis_gather_heat(self, grid, start, first, places, nodes, share, velocity, &
       energy)

@@ -2,14 +2,14 @@
 !> How node velocities come back to particles, and particle velocities to nodes.
 !!
 !! Without anything said otherwise a transfer is PIC: v <- S (u + a dt), with u and a velocity and
-!! acceleration of the nodes, dt the time that the forces act, and S the way from nodes to particles.
-!! Velocities stand in the middle between positions, so u + a dt also moves the particles through the
-!! whole step. A transfer says what it does differently.
+!! acceleration of the nodes, dt the time that the forces act, and S the way from nodes to
+!! particles. Velocities stand in the middle between positions, so u + a dt also moves the particles
+!! through the whole step. A transfer says what it does differently.
 !!
 !! Some transfers want the series w = y_0 + y_1 + ... + y_n of node velocities with y_(s+1) = y_s -
 !! S^+ S y_s, where S^+ is the way from particles to nodes, divided by the mass of nodes. With n + 1
-!! = k it is the sum over l of (-1)**(l+1) binomial(k, l) (S^+ S)**(l-1) y_0, without its large terms
-!! of alternating sign. Each y is one sweep from nodes to particles and back.
+!! = k it is the sum over l of (-1)**(l+1) binomial(k, l) (S^+ S)**(l-1) y_0, without its large
+!! terms of alternating sign. Each y is one sweep from nodes to particles and back.
 module transfer_velocity
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp

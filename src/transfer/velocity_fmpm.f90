@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> FMPM of order k: the node velocity after the forces is replaced by the sum of k terms of the
 !! series, which approximates the inverse of the full mass matrix. J. A. Nairn, C. C. Hammerquist,
-!! Comput. Methods Appl. Mech. Eng. 377 (2021) 113667. The position moves with (v_old + v_new)/2.
+!! Comput. Methods Appl. Mech. Eng. 377 (2021) 113667; but the position moves with the new
+!! velocity, as velocities stand between positions.
 module velocity_fmpm
    use base_kinds, only: wp
    use base_schema, only: schema_t
@@ -43,8 +44,8 @@ contains
    end subroutine fmpm_first_term
 
    !> Half the sum of the powers from k to 2 k - 1, less half of that from 1 to k - 1, which the way
-   !! back gains; what is lost on the way to the nodes outweighs it. The first power is a variance of
-   !! the velocity itself, which would see a uniform velocity on the nodes: particles take it.
+   !! back gains; what is lost on the way to the nodes outweighs it. The first power is a variance
+   !! of the velocity itself, which would see a uniform velocity on the nodes: particles take it.
    pure real(wp) function fmpm_loss_weight(self, power) result(weight)
       class(velocity_fmpm_t), intent(in) :: self             !! The transfer
       integer, intent(in) :: power                           !! Power of A

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> XPIC of order k: the node velocity before the forces is replaced by the sum of k terms of the
 !! series, so that particles lose only what nodes cannot see; the acceleration is added to it. C.
-!! Hammerquist, J. A. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724. The position moves with
-!! S u + (v_new - v_old)/2.
+!! Hammerquist, J. A. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724; but the position moves
+!! with the new node velocity, as velocities stand between positions.
 module velocity_xpic
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -30,12 +30,12 @@ contains
       class(velocity_xpic_t), intent(in) :: self             !! The transfer
       type(schema_t), intent(inout) :: schema                !! Keys of the deck
 
-      call schema%integer("method", "order_k", "order of the filter of velocities: terms of its "// &
-         "series; xpic has 2 at least", default="2", range=">= 1 <= 100", &
+      call schema%integer("method", "order_k", "order of the filter of velocities: terms of "// &
+         "its series; xpic has 2 at least", default="2", range=">= 1 <= 100", &
          owner="transfer = xpic fmpm")
    end subroutine xpic_declare
 
-   !> Read the order. The first one is PIC with a worse position.
+   !> Read the order. The first one is PIC.
    subroutine xpic_read(self, deck, group)
       class(velocity_xpic_t), intent(inout) :: self          !! The transfer
       type(deck_t), intent(inout) :: deck                    !! Collects complaints

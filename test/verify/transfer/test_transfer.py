@@ -16,10 +16,10 @@ Energy: two gases of different density that collide in a corner of walls, of whi
 total energy is kept to rounding with every transfer, gradient and stress update; it was measured to
 be 2e-15.
 
-Disc: one turn of an elastic disc that follows its exact solution, 20 cells across. Affine transfers
-keep angular momentum and energy (0.4 % and 0.01 %), the others do not: flip = 0.999 loses 4.6 %.
+Disc: one turn of an elastic disc that follows its exact solution, 20 cells across. Transfers with
+slopes or rotations keep angular momentum and energy (1e-4), flip = 0.999 loses 4.9 % of the former.
 """
-# timeout: 200
+# timeout: 300
 
 import sys
 from pathlib import Path
@@ -48,7 +48,7 @@ LINE = """
 GAS = """
 &run  dimension='plane_strain'  method='{method}' /
 &grid  lo=0,0,0  hi=2,1,1.2  dx=0.1 /
-&time  t_end=1  max_steps=100 /
+&time  t_end=1  max_steps=60 /
 &method  {words} /
 &effects  strength=.false. /
 &material  name='light'  density=1.2  eos_model='ideal_gas'  ig_gamma=1.4 /
@@ -138,7 +138,7 @@ def main():
                 sheet.below(f"energy, {label}", ledger["energy_error"], 1.0e-13)
                 sheet.below(f"momentum, {label}", ledger["momentum_error"], 1.0e-13)
                 change = table["internal"][-1] / table["internal"][0] - 1.0
-                sheet.require(change > 0.01 and run.summary["steps"] == 100,
+                sheet.require(change > 0.01 and run.summary["steps"] == 60,
                               f"{label}: the gases are compressed")
     for words in ("transfer='flip'", "transfer='apic'", "transfer='aflip'", "transfer='rflip'"):
         run = case.Case(options, "disc", DISC.format(method="ddmp", words=words)).run("-q")
@@ -148,7 +148,7 @@ def main():
         if "'flip'" in words:
             sheet.note("disc, flip: angular momentum in a turn", float(drift))
             continue
-        sheet.below(f"disc, {words}: angular momentum in a turn", drift, 0.005)
+        sheet.below(f"disc, {words}: angular momentum in a turn", drift, 2.0e-4)
         sheet.below(f"disc, {words}: energy in a turn", energy[-1] / energy[0] - 1.0, 5.0e-4)
     sheet.end()
 
