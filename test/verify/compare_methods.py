@@ -37,9 +37,9 @@ WAYS = {  # heading: method, words of &method
     "ddmp control": ("ddmp", "quadrature='control'"),
     "ddmp linear blend": ("ddmp", "blend='linear'"),
     "ddmp product": ("ddmp", "alpha='product'"),
+    "ddmp paper": ("ddmp", "paper=.true."),
     "mpm": ("mpm", ""),
     "gimp": ("mpm", "basis='gimp'"),
-    "cpgimp": ("mpm", "basis='cpgimp'"),
     "quadratic": ("mpm", "basis='quadratic'"),
     "quadratic rflip": ("mpm", "basis='quadratic' transfer='rflip'"),
     "quadratic usl": ("mpm", "basis='quadratic' transfer='rflip' stress_update='usl'"),
@@ -64,7 +64,7 @@ WAVES = """
 VORTEX = """
 &run  dimension='plane_strain'  method='{method}' /
 &grid  lo=-1.5,0,-1.5  hi=1.5,1,1.5  dx=0.05 /
-&time  t_end=1 /
+&time  t_end=0.45 /
 &method  {words} /
 &effects  artificial_viscosity=.false. /
 &material  name='rubber'  density=1000  young=1000  poisson=0.3  strength_model='neo_hookean' /
@@ -92,16 +92,17 @@ def waves(options, name, method, words):
 
 
 def vortex(options, name, method, words):
-    """The ring that is turned by one radian and back."""
+    """The ring whose middle is turned by one radian, just before it turns back."""
     run, result = bodies.launch(options, name, VORTEX.format(method=method, words=words), every=5)
     if result["code"]:
         return None
-    return [run.history["displacement_error"].max() / run.summary["exact"]["greatest_displacement"]]
+    seen = run.summary["exact"]
+    return [seen["displacement_error"] / seen["greatest_displacement"]]
 
 
 def disc(options, name, method, words):
-    """Two turns of a disc."""
-    result = bodies.spin(options, name, method, words, turns=2.0)
+    """A turn of a disc."""
+    result = bodies.spin(options, name, method, words)
     return None if result["code"] else [abs(result["drift"]), result["displacement"]]
 
 
@@ -179,7 +180,7 @@ ROWS = [  # problem, figures with their limits
     (column, [("column, crossing: stress", 2.0e-2)]),
     (cantilever, [("cantilever: deflection", 1.5e-2)]),
     (waves, [("waves, amplitude 0.1: displacement", 5.0e-3)]),
-    (vortex, [("vortex: displacement", 2.0e-2)]),
+    (vortex, [("vortex: displacement", 2.5e-2)]),
     (shear, [("granular shear: stress", 1.0e-2)]),
     (sod, [("Sod: density", 7.4e-3)]),
     (piston, [("piston: pressure", 1.0e-2), ("piston: scatter of pressure", 5.0e-2)]),
