@@ -14,6 +14,7 @@ single row decides. `--only` takes the rows whose name holds a word.
 import argparse
 import importlib.util
 import json
+import re
 import resource
 import sys
 import time
@@ -45,7 +46,11 @@ WAYS = {  # heading: method, words of &method
     "quadratic usl": ("mpm", "basis='quadratic' transfer='rflip' stress_update='usl'"),
     "cubic rflip": ("mpm", "basis='cubic' transfer='rflip'"),
 }
-CPDI = {"cpdi": ("mpm", "basis='cpdi'"), "cpdi rflip": ("mpm", "basis='cpdi' transfer='rflip'")}
+FURTHER = {  # if the program has them
+    "ddmp sub": ("ddmp", "quadrature='sub'"),
+    "cpdi": ("mpm", "basis='cpdi'"),
+    "cpdi rflip": ("mpm", "basis='cpdi' transfer='rflip'"),
+}
 LARGEST = 100.0        # a figure counts in the mean as no more than this many limits, and no less than 1/this
 
 WAVES = """
@@ -191,9 +196,8 @@ def measure(options, only=""):
     """All figures: {row: {way: figure or None}}, and processor seconds over those of the first way."""
     ways = dict(WAYS)
     listed = case.Case(options, "template", "").run("--template").output
-    basis = next(line for line in listed.split("\n") if line.strip().startswith("basis ="))
-    if "cpdi" in basis:
-        ways.update(CPDI)
+    ways.update({way: words for way, words in FURTHER.items()
+                 if re.search(words[1].split("'")[1] + r"[|}]", listed)})
     table, cost = {}, {}
     for problem, figures in ROWS:
         if only not in problem.__name__:

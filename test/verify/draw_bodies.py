@@ -68,10 +68,11 @@ def spin(options):
     middle.legend()
     for name in ("rflip", "apic", "aflip", "flip", "fmpm", "xpic", "pic"):
         result = bodies.spin(options, name, words=f"transfer='{name}'")
-        right.semilogy(result["time"] / (0.2 * np.pi), np.maximum(abs(result["turning"] - 1.0), 1e-7), label=name)
+        right.semilogy(result["time"] / (0.2 * np.pi), np.maximum(abs(result["turning"] - 1.0), 1e-7))
+        place = max(abs(result["drift"]), 1e-7) * {"xpic": 0.6, "fmpm": 0.2, "rflip": 0.7, "aflip": 1.3}.get(name, 1.0)
+        right.text(1.03, place, name, color=right.lines[-1].get_color(), va="center", fontsize=7)
     right.axhline(1e-3, color="k", linestyle=":")
-    right.set(xlabel="turns", ylabel="|L/L0 - 1|", title="angular momentum", ylim=(1e-6, 2.0))
-    right.legend(ncol=2, loc="lower right")
+    right.set(xlabel="turns", ylabel="|L/L0 - 1|", title="angular momentum", ylim=(1e-6, 3.0), xlim=(-0.05, 1.22))
     save(figure, "spin")
 
 

@@ -45,12 +45,13 @@ def judge(sheet, name, result):
 
 
 def main():
-    """The default and GIMP are judged, and what else there is, is shown."""
+    """The default, GIMP and CPDI are judged, others are shown."""
     options = case.arguments()
     sheet = report.Report()
     judge(sheet, "ddmp", bend(options, "ddmp"))
     judge(sheet, "gimp", bend(options, "gimp", "mpm", "basis='gimp'"))
-    for name, words in (("mpm", ""), ("cpgimp", "basis='cpgimp'"), ("quadratic", "basis='quadratic'")):
+    judge(sheet, "cpdi", bend(options, "cpdi", "mpm", "basis='cpdi'"))
+    for name, words in (("mpm", ""), ("quadratic", "basis='quadratic'")):
         bend(options, name, "mpm", words)
     bend(options, "control", "ddmp", "quadrature='control'")
     sheet.end()

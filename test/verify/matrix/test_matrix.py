@@ -27,12 +27,13 @@ UPDATES = ("usl", "usf", "musl")
 
 
 def kinds(options):
-    """Names of the methods: words of &run and &method; bases as the program lists them."""
-    listed = case.Case(options, "template", "").run("--template").output
-    line = next(line for line in listed.split("\n") if line.strip().startswith("basis ="))
-    words = line.split("{")[1].split("}")[0].split("|")
-    found = {f"ddmp {rule}": ("ddmp", f"quadrature='{rule}'") for rule in ("point", "control")}
-    found.update({f"mpm {word}": ("mpm", f"basis='{word}'") for word in words})
+    """Names of the methods: words of &run and &method; rules and bases as the program lists them."""
+    listed = case.Case(options, "template", "").run("--template").output.split("\n")
+    found = {}
+    for key, method in (("quadrature", "ddmp"), ("basis", "mpm")):
+        line = next(line for line in listed if line.strip(" !").startswith(f"{key} ="))
+        for word in line.split("{")[1].split("}")[0].split("|"):
+            found[f"{method} {word}"] = (method, f"{key}='{word}'")
     return found
 
 
