@@ -2,7 +2,8 @@
 !> The mean of the modified gradient over sub-points that share the stress of a particle: T. R.
 !! Dhakal, D. Z. Zhang, J. Comput. Phys. 325 (2016) 301. The form is this program's own: sub-points
 !! lie on a lattice in the box of the particle, which stretches along the directions of the grid, so
-!! the means are products of means along the directions. Mass and velocity stay at the particle.
+!! the means are products of means along the directions. Mass and velocity go to the nodes by means
+!! over the same box (basis cpgimp): else a node at a free surface would feel force without mass.
 module quadrature_sub_points
    use base_kinds, only: wp
    use ddmp_quadrature, only: quadrature_t
@@ -58,15 +59,13 @@ contains
       type(places_t), intent(inout) :: places                !! What the maps need
       integer :: direction, cell, from, to
 
-      call places%reserve_wide(store%count(tile))
       call places%reserve_split(store%count(tile))
-      places%weight = 0.0_wp
+      places%whole = 0.0_wp
       places%share = 0.0_wp
       places%rest = 0.0_wp
-      places%low = 1
       do direction = 1, 3
          if (.not. grid%active(direction)) then
-            places%weight(:, 1, direction) = 1.0_wp
+            places%whole(:, 1, direction) = 1.0_wp
             cycle
          end if
          do cell = 0, grid%tile_cells - 1
@@ -111,8 +110,7 @@ contains
             value = [1.0_wp - y, y]
             do node = 0, 1
                associate (at => k + node + 2)
-                  places%weight(p, at, direction) = places%weight(p, at, direction) &
-                     + part*value(node)
+                  places%whole(p, at, direction) = places%whole(p, at, direction) + part*value(node)
                   places%share(p, at, direction) = places%share(p, at, direction) &
                      + part*alpha*real(2*node - 1, wp)/grid%spacing
                   places%rest(p, at, direction) = places%rest(p, at, direction) &
@@ -133,15 +131,15 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: whole(start(grid%tile_cells), line)
-      integer :: p, k, l, count
+      real(wp) :: basis(start(grid%tile_cells), line, 3)
+      integer :: low(start(grid%tile_cells), 3), p, k, l, count
 
       count = start(grid%tile_cells)
+      call put_on(places, count, basis, low)
       places%values(:count, 1) = volume(first:first + count - 1)
       call spread_lines(grid, layers(grid), start, places, 1, places%values, 7, patch)
       do l = 1, 3
          if (.not. grid%active(l)) cycle
-         whole = places%weight(:count, :, l)
          do k = 1, 3
             do p = 1, count
                places%values(p, k) = volume(first + p - 1)*stress(first + p - 1, component(k, l))
@@ -151,8 +149,10 @@ contains
          call spread_lines(grid, layers(grid), start, places, 3, places%values, 4, patch)
          places%weight(:count, :, l) = places%rest(:count, :, l)
          call spread_lines(grid, layers(grid), start, places, 3, places%values, 5 + 3*l, patch)
-         places%weight(:count, :, l) = whole
+         places%weight(:count, :, l) = places%whole(:count, :, l)
       end do
+      places%weight(:count, :, :) = basis
+      places%low(:count, :) = low
    end subroutine sub_scatter_force
 
    !> Velocity gradient.
@@ -166,16 +166,16 @@ contains
       real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: whole(start(grid%tile_cells), line), column(3, size(nodes, 2))
-      integer :: p, k, l, count
+      real(wp) :: basis(start(grid%tile_cells), line, 3), column(3, size(nodes, 2))
+      integer :: low(start(grid%tile_cells), 3), p, k, l, count
 
       count = start(grid%tile_cells)
+      call put_on(places, count, basis, low)
       do l = 1, 3
          if (.not. grid%active(l)) then
             gradient(:count, 3*l - 2:3*l) = 0.0_wp
             cycle
          end if
-         whole = places%weight(:count, :, l)
          column = node_gradient(3*l - 2:3*l, :)
          places%weight(:count, :, l) = places%share(:count, :, l)
          call collect_lines(grid, layers(grid), start, places, size(nodes, 2), nodes, 0, &
@@ -183,14 +183,30 @@ contains
          places%weight(:count, :, l) = places%rest(:count, :, l)
          call collect_lines(grid, layers(grid), start, places, size(nodes, 2), column, 3, &
             places%values)
-         places%weight(:count, :, l) = whole
+         places%weight(:count, :, l) = places%whole(:count, :, l)
          do k = 1, 3
             do p = 1, count
                gradient(p, k + 3*(l - 1)) = scale*(places%values(p, k) + places%values(p, 3 + k))
             end do
          end do
       end do
+      places%weight(:count, :, :) = basis
+      places%low(:count, :) = low
    end subroutine sub_gather_gradient
+
+   !> Put the functions of the dual gradient where the maps look for functions, and keep those of the
+   !! basis.
+   pure subroutine put_on(places, count, basis, low)
+      type(places_t), intent(inout) :: places                !! Of the tile
+      integer, intent(in) :: count                           !! Particles of the tile
+      real(wp), contiguous, intent(inout) :: basis(:, :, :)  !! (particle of the tile, node, 3)
+      integer, contiguous, intent(inout) :: low(:, :)        !! (particle of the tile, 3)
+
+      basis = places%weight(:count, :, :)
+      low = places%low(:count, :)
+      places%weight(:count, :, :) = places%whole(:count, :, :)
+      places%low(:count, :) = 1
+   end subroutine put_on
 
    !> Layers of a block after the first one.
    pure integer function layers(grid) result(number)

@@ -223,6 +223,8 @@ contains
       call choose_quadrature(quadrature, self%quadrature)
       if (.not. allocated(self%quadrature)) call choose_quadrature("point", self%quadrature)
       self%quadrature%alpha = alpha_split
+      ! boxes on all ways: force without mass at free surfaces would be lost
+      if (quadrature == "sub_points") call choose_basis("cpgimp", self%basis)
    end subroutine method_choose
 
    !> True if a mean stress of the nodes is taken out of the particles.
