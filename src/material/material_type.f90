@@ -11,6 +11,7 @@ module material_type
    use material_effects, only: effects_t
    use material_eos, only: eos_t
    use material_law, only: law_t
+   use material_presets, only: aluminium, glass, grains, metals
    use material_remains, only: choose_remains, declare_remains
    use material_voids, only: declare_voids, voids_t
    implicit none
@@ -42,6 +43,13 @@ contains
          default="4.0", range=">= 0", owner="effects.artificial_viscosity")
       call schema%group("material", "one material; flat keys, prefix = model", many=.true.)
       call schema%text("material", "name", "what bodies refer to")
+      call schema%text("material", "preset", "material of the library; it gives the keys that "// &
+         "the deck does not (scree --list materials, scree --explain NAME)", default="none", &
+         words="none")
+      call schema%preset("material", aluminium)
+      call schema%preset("material", metals)
+      call schema%preset("material", glass)
+      call schema%preset("material", grains)
       call declare_elasticity(schema)
       call declare_heat(schema)
       call declare_models(schema)
@@ -61,7 +69,8 @@ contains
       call schema%real("material", "bulk", "bulk modulus, with shear, instead of young and "// &
          "poisson", unit="Pa", range="> 0")
       call schema%real("material", "shear", "shear modulus, with bulk or where the equation of "// &
-         "state gives the bulk modulus", unit="Pa", range="> 0")
+         "state gives the bulk modulus", unit="Pa", range="> 0", &
+         owner="effects.strength & elastic = isotropic")
       call schema%text("material", "eos_model", "equation of state", default="linear", &
          owner="effects.eos")
       call schema%words("material", "eos_model", eos_names)
