@@ -21,6 +21,7 @@ module ddmp_quadrature
    contains
       procedure :: margin => quadrature_margin       !! Layers of nodes reached beyond a tile
       procedure :: controlled => quadrature_controlled !! Is a mean stress integrated exactly?
+      procedure :: differing => quadrature_differing !! Is the force of stress differences?
       procedure :: request => quadrature_request     !! Asks for what particles must carry
       procedure(locate_i), deferred :: locate        !! Looks where the particles of a tile are
       procedure(scatter_i), deferred :: scatter_force !! Force, volume and node stress
@@ -86,6 +87,14 @@ contains
 
       controlled = .false.
    end function quadrature_controlled
+
+   !> True if each node has a force that is right for uniform stress, and the point rule acts on
+   !! what differs from the mean stress of that node.
+   pure logical function quadrature_differing(self) result(differing)
+      class(quadrature_t), intent(in) :: self                !! The rule
+
+      differing = .false.
+   end function quadrature_differing
 
    !> Ask for what particles must carry. Most ask for nothing.
    pure subroutine quadrature_request(self, traits)

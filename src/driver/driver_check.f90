@@ -144,6 +144,8 @@ contains
       columns = real(2*motion_columns + 9, wp)
       if (simulation%method%dual) columns = real(2*dual_columns + 9 + 1 + 1 + 3 + 9, wp)
       if (simulation%method%dual .and. simulation%carries_energy) columns = columns + 9.0_wp
+      if (simulation%method%controlled()) columns = columns + real(7 + 6, wp)
+      if (simulation%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 + 3, wp)
       bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
          + real(size(survey%key), wp)*(9.0_wp/8.0_wp*8.0_wp*columns &
          *real(simulation%grid%tile_nodes, wp) &

@@ -38,6 +38,7 @@ module driver_method
       procedure :: read => method_read               !! Make it from the deck
       procedure :: choose => method_choose           !! Make it from words
       procedure :: controlled => method_controlled   !! Is a mean stress taken out?
+      procedure :: differing => method_differing     !! Is the force of stress differences?
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
       procedure :: kick => method_kick               !! Time over which the forces act
@@ -106,6 +107,7 @@ contains
          call deck%complain(group, &
          "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions", "basis")
       if (self%dual) call read_dual(self, deck, group)
+      if (self%controlled() .or. self%differing()) call refuse_axis(deck, group, quadrature)
       call group%get("stress_update", word)
       self%stress = max(position_of(word, stress_names), 1)
       call group%get("transfer", word)
@@ -207,6 +209,22 @@ contains
       method%leapfrog = .not. paper
    end subroutine read_dual
 
+   !> Refuse rules that know nothing of the hoop stress: what they take out of the particles they
+   !! give back without it.
+   subroutine refuse_axis(deck, group, quadrature)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      type(group_t), intent(in) :: group             !! &method
+      character(len=*), intent(in) :: quadrature     !! Word of the rule
+      character(len=:), allocatable :: dimension
+      type(group_t) :: run
+
+      run = deck%group("run", 1)
+      call run%get("dimension", dimension)
+      if (dimension == "axisymmetric") call deck%complain(group, "quadrature = '"//quadrature// &
+         "' does not know the hoop stress of dimension = 'axisymmetric'; write 'point'", &
+         "quadrature")
+   end subroutine refuse_axis
+
    !> Choose node functions and gradient; words that are not known give the linear ones.
    subroutine method_choose(self, dual, basis, quadrature)
       class(method_t), intent(inout) :: self         !! The method
@@ -234,6 +252,14 @@ contains
       controlled = .false.
       if (allocated(self%quadrature)) controlled = self%quadrature%controlled()
    end function method_controlled
+
+   !> True if the force of each node is corrected for how the particles lie.
+   pure logical function method_differing(self) result(differing)
+      class(method_t), intent(in) :: self            !! The method
+
+      differing = .false.
+      if (allocated(self%quadrature)) differing = self%quadrature%differing()
+   end function method_differing
 
    !> Layers of nodes beyond a tile that its particles reach.
    pure integer function method_margin(self) result(margin)

@@ -177,6 +177,8 @@ contains
             call assemble(grid, simulation%tiles, nodes%force, tile, force)
             acceleration = acceleration + force
          end if
+         if (simulation%method%differing()) &
+            acceleration = acceleration + nodes%difference(:, :, tile)
          call divide(nodes%total(:, :, tile), 1, velocity)
          call divide(nodes%total(:, :, tile), 1, acceleration)
          if (allocated(simulation%gravity)) then

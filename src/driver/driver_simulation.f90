@@ -36,8 +36,12 @@ module driver_simulation
       real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]
       real(wp), allocatable :: loss(:, :, :)         !! (1) Kinetic energy that it loses [J/kg]
       real(wp), allocatable :: strain(:, :, :)       !! (3) Velocity of the strain increment [m/s]
-      real(wp), allocatable :: mean(:, :, :)         !! Patch (7): volume, stress times volume
-      real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress, taken out of particles [Pa]
+      !> Patch (7): volume, stress times volume; (20) for stress differences: the same and the force
+      !! of unit stress
+      real(wp), allocatable :: mean(:, :, :)
+      real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress [Pa]
+      real(wp), allocatable :: unit(:, :, :)         !! Patch (3): wrong force of unit stress [m2]
+      real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force for that [N]
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]

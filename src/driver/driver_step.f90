@@ -4,6 +4,7 @@ module driver_step
    use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: int64, wp
    use driver_control, only: find_star
+   use driver_difference, only: find_difference
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
    use driver_method, only: stress_before, stress_remapped
@@ -34,15 +35,11 @@ contains
          ! time for which positions have moved already with the velocity before the step
          moved = merge(simulation%dt, dt, method%leapfrog)
          if (method%stress == stress_before .and. moved > 0.0_wp) then
-            if (method%controlled()) call find_star(simulation)
-            call scatter_particles(simulation)
-            if (method%dual) call dual_fields(simulation)
+            call find_force(simulation)
             call move_nodes(simulation, 0.0_wp)
             call gather_particles(simulation, gather_parts_t(strain=.true.), moved)
          end if
-         if (method%controlled()) call find_star(simulation)
-         call scatter_particles(simulation)
-         if (method%dual) call dual_fields(simulation)
+         call find_force(simulation)
          call move_nodes(simulation, simulation%kick)
          if (allocated(simulation%exact)) call book_body_force(simulation, simulation%kick)
          if (method%transfer%sweeps() > 0) call filter_nodes(simulation, simulation%kick)
@@ -62,6 +59,16 @@ contains
       if (allocated(error)) return
       call sort_particles(simulation)
    end subroutine advance
+
+   !> Mass, momentum and force of the nodes from the particles.
+   subroutine find_force(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      if (simulation%method%controlled()) call find_star(simulation)
+      call scatter_particles(simulation)
+      if (simulation%method%dual) call dual_fields(simulation)
+      if (simulation%method%differing()) call find_difference(simulation)
+   end subroutine find_force
 
    !> Collect what the threads saw: the books, the next time step, bad numbers.
    subroutine close_step(simulation, error)

@@ -15,6 +15,7 @@ module transfer_pushed
       real(wp), allocatable :: stress(:, :)          !! (particle of the tile, 6) [Pa]
    contains
       procedure :: copy => pushed_copy               !! From the particles of a store
+      procedure :: make_unit => pushed_make_unit     !! Give all unit stress
       procedure :: subtract => pushed_subtract       !! Take a stress away
    end type pushed_t
 
@@ -49,6 +50,19 @@ contains
          end do
       end do
    end subroutine pushed_copy
+
+   !> Give each particle unit stress.
+   pure subroutine pushed_make_unit(self, count)
+      class(pushed_t), intent(inout) :: self                 !! The copy
+      integer, intent(in) :: count                           !! Particles of the tile
+      integer :: p, k
+
+      do k = 1, 6
+         do p = 1, count
+            self%stress(p, k) = merge(1.0_wp, 0.0_wp, k <= 3)
+         end do
+      end do
+   end subroutine pushed_make_unit
 
    !> Take a stress away from that of each particle.
    pure subroutine pushed_subtract(self, count, values)

@@ -160,6 +160,15 @@ def main():
             restart(options, sheet, f"block_{basis}", deck, digest, (2, 1), (1, 2), 21)
     sheet.require(len(seen) == 6, "every basis gives another state")
 
+    seen = set()
+    for rule in ("point", "control", "lsd"):
+        deck = wide.format(**{**words, "words": f"quadrature='{rule}'", "steps": 40, "block": 5})
+        _, digest = compare(options, sheet, f"block_{rule}", deck, ((1, 1), (2, 2), (3, 1)))
+        seen.add(digest)
+        if rule != "point":
+            restart(options, sheet, f"block_{rule}", deck, digest, (2, 1), (1, 2), 21)
+    sheet.require(len(seen) == 3, "every rule of the dual gradient gives another state")
+
     _, digest = compare(options, sheet, "bar", BAR)
     restart(options, sheet, "bar", BAR, digest, (2, 1), (1, 2), 75)
     series = BAR + "&method  transfer='fmpm'  order_k=4 /"

@@ -1,0 +1,27 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The modified gradient at the particle, with the local stress difference: what the force of a
+!! uniform stress is wrong by, for particles that lie as they do, is taken out of the force of each
+!! node with the mean stress there (A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys. (2023)
+!! 112681). Momentum is not kept exactly, as each node has a mean stress of its own.
+module quadrature_lsd
+   use quadrature_point, only: quadrature_point_t
+   implicit none
+   private
+
+   public :: quadrature_lsd_t
+
+   !> The gradient at one point, with a force that is right for uniform stress.
+   type, extends(quadrature_point_t) :: quadrature_lsd_t
+   contains
+      procedure :: differing => lsd_differing        !! The force is of stress differences
+   end type quadrature_lsd_t
+
+contains
+
+   !> The force is of stress differences.
+   pure logical function lsd_differing(self) result(differing)
+      class(quadrature_lsd_t), intent(in) :: self            !! The rule
+
+      differing = .true.
+   end function lsd_differing
+end module quadrature_lsd
