@@ -25,11 +25,11 @@ END = """
 FIELDS = "'identity','velocity','stress'"
 
 
-def launch(options, name, deck, every=1, count=1, fields=FIELDS, timeout=250):
-    """Run a deck; the case and a dict with its exit code."""
+def launch(options, name, deck, every=1, count=1, fields=FIELDS):
+    """Run a deck; the case and a dict with its exit code; `options` may hold a `timeout` in seconds."""
     run = case.Case(options, name, deck + END.format(every=every, count=count, fields=fields))
     try:
-        run.run("-q", expect=None, timeout=timeout)
+        run.run("-q", expect=None, timeout=getattr(options, "timeout", 250))
     except subprocess.TimeoutExpired:
         run.code = "timeout"
     result = {"name": name, "code": run.code, "run": run}

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One table over all problems of verification and the main ways to compute.
 
-    python test/verify/compare_methods.py --scree build/bin/scree --work FOLDER [--table FILE] [--only WORD]
+    python test/verify/compare_methods.py --scree build/bin/scree --work FOLDER
 
 runs every problem with every way and writes FOLDER/comparison.json and the table in Markdown. A figure is
 the one that decides: an error against the closed solution, or a change of energy. A run that fails is
 `x`; figures that are above the limit of their row are in brackets. The last line counts the rows in
 which a way is within the limit, the line above it is the mean over the rows of log10(figure/limit),
 with a figure counted as no less than a hundredth and no more than a hundred times the limit, so that no
-single row decides. `--only` takes the rows whose name holds a word.
+single row decides. `--only WORD` takes the problems, `--ways WORD` the ways whose
+name holds a word; `--from FILE FILE ...` writes the table of such runs together without running.
 """
 
 import argparse
@@ -47,7 +48,7 @@ WAYS = {  # heading: method, words of &method
     "cubic rflip": ("mpm", "basis='cubic' transfer='rflip'"),
 }
 FURTHER = {  # if the program has them
-    "ddmp sub": ("ddmp", "quadrature='sub'"),
+    "ddmp sub-points": ("ddmp", "quadrature='sub_points'"),
     "cpdi": ("mpm", "basis='cpdi'"),
     "cpdi rflip": ("mpm", "basis='cpdi' transfer='rflip'"),
 }
@@ -192,12 +193,13 @@ ROWS = [  # problem, figures with their limits
 ]
 
 
-def measure(options, only=""):
+def measure(options, only="", some=""):
     """All figures: {row: {way: figure or None}}, and processor seconds over those of the first way."""
     ways = dict(WAYS)
     listed = case.Case(options, "template", "").run("--template").output
     ways.update({way: words for way, words in FURTHER.items()
                  if re.search(words[1].split("'")[1] + r"[|}]", listed)})
+    ways = {way: words for way, words in ways.items() if some in way}
     table, cost = {}, {}
     for problem, figures in ROWS:
         if only not in problem.__name__:
@@ -256,8 +258,18 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--table", help="file for the table; default: comparison.md in the work folder")
     parser.add_argument("--only", default="", help="problems whose name holds this")
+    parser.add_argument("--ways", default="", help="ways whose name holds this")
+    parser.add_argument("--from", dest="files", nargs="+", help="files comparison.json to join")
     further = parser.parse_args()
-    table, cost = measure(options, further.only)
+    if further.files:
+        table, cost = {}, {}
+        for file in further.files:
+            seen = json.loads(Path(file).read_text(encoding="utf-8"))
+            for whole, part in ((table, seen["figures"]), (cost, seen["seconds"])):
+                for row, figures in part.items():
+                    whole.setdefault(row, {}).update(figures)
+    else:
+        table, cost = measure(options, further.only, further.ways)
     text = write(table, cost)
     Path(further.table or options.work / "comparison.md").write_text(text, encoding="utf-8")
     print(text)
