@@ -63,7 +63,8 @@ contains
    !> Place along each direction by which the stress is handed to the nodes and their gradient taken
    !! from them: 3 x**2 - 2 x**3 instead of x.
    !!
-   !! With it the modified gradient has no kink either where a particle changes its cell: the bubbles
+   !! With it the modified gradient has no kink either where a particle changes its cell: the
+   !! bubbles
    !! of neighbouring cells cancel there, and what is left is the kink of a linear interpolation of
    !! the node gradient. All sums over nodes remain, because the functions still add up to one and
    !! force and strain use the same.

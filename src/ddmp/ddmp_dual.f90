@@ -49,7 +49,8 @@ contains
       integer :: column, cell, i, j, direction, other, bit_i(3), bit_j(3)
 
       self%columns = merge(grid%cells(1), 1, grid%axisymmetric)
-      ! near the axis the volume of the particles of a node is not that of the node, and only weights
+      ! near the axis the volume of the particles of a node is not that of the node, and only
+      ! weights
       ! that follow it keep the node stress right
       self%enough = merge(1.0_wp, 0.5_wp, grid%axisymmetric)
       if (allocated(self%force)) deallocate (self%force, self%strain, self%volume)

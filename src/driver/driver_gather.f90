@@ -16,6 +16,7 @@ module driver_gather
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_store, only: store_t
+   use particle_stretch, only: stretch_tile
    use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
    use transfer_basis, only: expand_spin
    use transfer_even, only: even_gradient
@@ -288,6 +289,7 @@ contains
          n = store%count(tile)
          call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
             view%gradient, dt)
+         call stretch_tile(store, tile, deformation%gradient)
          if (method%transfer%affine() .and. strained(method)) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          if (method%stress == stress_before .and. method%leapfrog) then

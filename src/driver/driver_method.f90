@@ -62,6 +62,8 @@ contains
          call choose_velocity(velocity_names(n), transfer)
          call transfer%declare(schema)
       end do
+      call schema%logical("method", "paper", "the exact scheme of the seed of the method; other "// &
+         "keys of the scheme are then fixed", default=".false.", owner="run.method = ddmp")
       call schema%text("method", "alpha", "share of the own cell in the gradient: one bubble a "// &
          "direction, their product, or its square", default="split", owner="run.method = ddmp")
       call schema%words("method", "alpha", alpha_names)
@@ -91,11 +93,11 @@ contains
       class(method_t), intent(inout) :: self         !! The method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       type(group_t) :: group
-      character(len=:), allocatable :: word, basis, quadrature, dimension
+      character(len=:), allocatable :: word, basis, quadrature
 
+      call settle_defaults(deck)
       group = deck%group("run", 1)
       call group%get("method", word)
-      call group%get("dimension", dimension)
       group = deck%group("method", 1)
       call group%get("basis", basis)
       call group%get("quadrature", quadrature)
@@ -103,26 +105,7 @@ contains
       if (self%dual .and. basis /= "linear" .and. group%valid(["basis"])) &
          call deck%complain(group, &
          "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions", "basis")
-      if (allocated(self%quadrature)) then
-         call group%get("alpha", word)
-         self%quadrature%alpha = max(position_of(word, alpha_names), 1)
-         ! by measurement: a smooth blend makes the other forms noisier, and the axis with it
-         if (.not. group%given("blend")) call deck%settle("method", 1, "blend", &
-            trim(merge("smooth", "linear", self%quadrature%alpha == alpha_split .and. &
-            dimension /= "axisymmetric")))
-         group = deck%group("method", 1)
-         call group%get("blend", word)
-         self%quadrature%smooth = word == "smooth"
-         call group%get("alpha_0", self%quadrature%alpha_centre)
-         call group%get("free_surface", word)
-         self%surface = max(position_of(word, surface_names), 1)
-      end if
-      if (.not. (group%given("transfer") .or. self%dual)) call deck%settle("method", 1, &
-         "transfer", "flip")
-      ! by measurement: the plain method blows up where the dual one is calm (two elastic discs)
-      if (.not. group%given("stress_update")) call deck%settle("method", 1, "stress_update", &
-         trim(stress_names(merge(stress_after, stress_remapped, self%dual))))
-      group = deck%group("method", 1)
+      if (self%dual) call read_dual(self, group)
       call group%get("stress_update", word)
       self%stress = max(position_of(word, stress_names), 1)
       call group%get("transfer", word)
@@ -137,6 +120,88 @@ contains
       group = deck%group("time", 1)
       call group%get("cfl", self%cfl)
    end subroutine method_read
+
+   !> Settle the defaults that depend on other keys; all are by measurement: see
+   !! doc/theory/choice_of_defaults.md.
+   subroutine settle_defaults(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      character(len=:), allocatable :: method, dimension, alpha
+      logical :: paper
+      type(group_t) :: run, group
+
+      run = deck%group("run", 1)
+      call run%get("method", method)
+      call run%get("dimension", dimension)
+      group = deck%group("method", 1)
+      call group%get("paper", paper)
+      if (method /= "ddmp") then
+         if (.not. group%given("transfer")) call deck%settle("method", 1, "transfer", "flip")
+         if (.not. group%given("stress_update")) &
+            call deck%settle("method", 1, "stress_update", trim(stress_names(stress_remapped)))
+         return
+      end if
+      if (paper) then
+         call settle_paper(deck, group)
+         return
+      end if
+      call group%get("alpha", alpha)
+      if (.not. group%given("blend")) call deck%settle("method", 1, "blend", &
+         trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
+      if (.not. group%given("stress_update")) &
+         call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
+   end subroutine settle_defaults
+
+   !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.
+   subroutine settle_paper(deck, group)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      type(group_t), intent(in) :: group             !! &method
+      character(len=13), parameter :: keys(6) = [character(len=13) :: "transfer", "alpha", &
+         "blend", "free_surface", "quadrature", "stress_update"]
+      character(len=7), parameter :: fixed(6) = [character(len=7) :: "flip", "product", "linear", &
+         "none", "point", "usf"]
+      character(len=:), allocatable :: word
+      real(wp) :: number
+      integer :: n
+
+      do n = 1, size(keys)
+         if (group%given(trim(keys(n)))) then
+            call group%get(trim(keys(n)), word)
+            if (word /= fixed(n)) call deck%complain(group, "paper = .true. needs "// &
+               trim(keys(n))//" = '"//trim(fixed(n))//"'; remove one of the two", trim(keys(n)))
+         else
+            call deck%settle("method", 1, trim(keys(n)), trim(fixed(n)))
+         end if
+      end do
+      do n = 1, 2
+         associate (key => merge("flip   ", "alpha_0", n == 1))
+            if (.not. group%given(trim(key))) then
+               call deck%settle("method", 1, trim(key), "1.0")
+               cycle
+            end if
+            call group%get(trim(key), number)
+            if (abs(number - 1.0_wp) > 0.0_wp) call deck%complain(group, &
+               "paper = .true. needs "//trim(key)//" = 1; remove one of the two", trim(key))
+         end associate
+      end do
+   end subroutine settle_paper
+
+   !> What belongs to the dual domain gradient.
+   subroutine read_dual(method, group)
+      class(method_t), intent(inout) :: method       !! The method with its rule chosen
+      type(group_t), intent(in) :: group             !! &method
+      character(len=:), allocatable :: word
+      logical :: paper
+
+      call group%get("alpha", word)
+      method%quadrature%alpha = max(position_of(word, alpha_names), 1)
+      call group%get("blend", word)
+      method%quadrature%smooth = word == "smooth"
+      call group%get("alpha_0", method%quadrature%alpha_centre)
+      call group%get("free_surface", word)
+      method%surface = max(position_of(word, surface_names), 1)
+      call group%get("paper", paper)
+      method%leapfrog = .not. paper
+   end subroutine read_dual
 
    !> Choose node functions and gradient; words that are not known give the linear ones.
    subroutine method_choose(self, dual, basis, quadrature)

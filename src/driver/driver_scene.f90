@@ -12,9 +12,11 @@ module driver_scene
    use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
       version_text
    use io_checkpoint, only: checkpoint_place_t
+   use io_deck_check_grid, only: axis_names
    use material_type, only: material_t
    use material_wishes, only: wishes_t
    use mesh_boundary, only: face_names, face_outflow, face_periodic, face_symmetry, face_types
+   use mesh_grid, only: grid_t
    use particle_fill, only: body_t
    use particle_store, only: traits_t
    implicit none
@@ -41,6 +43,7 @@ contains
       call read_boundary(deck, simulation)
       simulation%grid%margin = simulation%method%margin()
       call simulation%grid%start(block_of(deck))
+      call check_periodic(deck, simulation%grid)
       call read_gravity(deck, simulation)
       call read_shapes(deck, simulation%grid, shapes)
       call read_bodies(deck, simulation, shapes, bodies)
@@ -132,6 +135,28 @@ contains
          end do
       end associate
    end subroutine read_boundary
+
+   !> Node functions that reach beyond a cell must not meet themselves round a periodic box.
+   subroutine check_periodic(deck, grid)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, parameter :: least = 4                ! nodes that a particle may touch along a line
+      type(group_t) :: group
+      character(len=:), allocatable :: basis
+      integer :: direction
+
+      if (grid%margin == 0) return
+      group = deck%group("method", 1)
+      call group%get("basis", basis)
+      do direction = 1, 3
+         if (.not. (grid%active(direction) .and. grid%periodic(direction))) cycle
+         if (grid%cells(direction) >= least) cycle
+         call deck%complain(group, "basis = '"//basis//"' needs at least 4 cells along "// &
+            axis_names(direction)//", which is periodic, but there are "// &
+            achar(iachar("0") + grid%cells(direction))//"; take smaller cells or "// &
+            "basis = 'linear'", "basis")
+      end do
+   end subroutine check_periodic
 
    !> Gravity, if it acts.
    subroutine read_gravity(deck, simulation)

@@ -52,7 +52,8 @@ contains
       call schema%text("body", "material", "what it is made of")
       call schema%integer("body", "ppc(3)", "points per cell along x, y, z", default="2 2 2", &
          range="> 0 <= 16")
-      call schema%text("body", "packing", "lattice: whole sites with their middles inside; cut: "// &
+      call schema%text("body", "packing", &
+         "lattice: whole sites with their middles inside; cut: "// &
          "those at the surface have the volume and centre of what is inside", default="lattice", &
          words="lattice cut")
       call schema%real("body", "velocity(3)", "velocity of its centre of mass", unit="m/s", &

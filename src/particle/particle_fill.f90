@@ -23,7 +23,8 @@ module particle_fill
       type(shape_holder_t) :: shape                   !! Where it is
       integer :: store = 1                            !! Index of its material
       integer :: per_cell(3) = 2                      !! Particles along each edge of a cell
-      logical :: cut = .false.                        !! Do sites at the surface hold what is inside?
+      !> Do sites at the surface hold what is inside?
+      logical :: cut = .false.
       real(wp) :: density = 0.0_wp                    !! [kg/m3]
       real(wp) :: velocity(3) = 0.0_wp                !! [m/s]
       real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
@@ -180,7 +181,8 @@ contains
          + (real(site, wp) + 0.5_wp)/real(body%per_cell, wp))
    end function site_position
 
-   !> Share of a lattice site that belongs to a body and the centre of that share [m]. A lattice that
+   !> Share of a lattice site that belongs to a body and the centre of that share [m]. A lattice
+   !! that
    !! is not cut has whole sites, those with their middles inside.
    pure subroutine look_at_site(grid, bodies, body, middle, share, position)
       type(grid_t), intent(in) :: grid                !! The grid

@@ -34,6 +34,7 @@ module particle_store
       integer(int64), allocatable :: body(:)          !! Index of the body (only if asked for)
       real(wp), allocatable :: position(:, :)         !! (particle, 3) [m]
       real(wp), allocatable :: velocity(:, :)         !! (particle, 3) [m/s]
+      logical :: stretching = .false.                 !! Do boxes follow the stretch?
       real(wp), allocatable :: extent(:, :)           !! (particle, 3) Half edges of its box [m]
       !> (particle, 9) Half edges of its parallelepiped, edge k in columns 3 k - 2 to 3 k [m]
       real(wp), allocatable :: domain(:, :)
@@ -98,6 +99,7 @@ contains
       allocate (self%identity(0), self%position(0, 3), self%velocity(0, 3), self%home(0))
       if (traits%body) allocate (self%body(0))
       if (traits%extent) allocate (self%extent(0, 3))
+      self%stretching = traits%extent .and. traits%stretching
       if (traits%domain) allocate (self%domain(0, 9))
       if (traits%affine) allocate (self%affine(0, 9))
       if (traits%spin) allocate (self%spin(0, 3))

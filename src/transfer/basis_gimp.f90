@@ -5,12 +5,14 @@ module basis_gimp
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use particle_store, only: store_t, traits_t
-   use transfer_places, only: places_t
+   use transfer_places, only: line, places_t
    use transfer_tensor, only: basis_tensor_t
    implicit none
    private
 
    public :: basis_gimp_t
+
+   real(wp), parameter :: least = 1.0e-6_wp          !! Least half of a box [cells]
 
    !> Means of the linear functions over boxes.
    type, extends(basis_tensor_t) :: basis_gimp_t
@@ -29,7 +31,11 @@ contains
       traits%extent = .true.
    end subroutine gimp_request
 
-   !> Means over the box. It is no longer than a cell, so that it touches three nodes along a line.
+   !> Means over the box, which is no longer than a cell, so that it touches three nodes along a
+   !! line. With the distance d from a node and half the box l in cells the mean is the hat function
+   !! 1 - d, less (l - d)**2/(2 l) where the box holds the top, more (l - |1 - d|)**2/(4 l) where it
+   !! holds the foot. That is the form without branches of 1 - (d**2 + l**2)/(2 l), 1 - d and
+   !! (1 + l - d)**2/(4 l).
    pure subroutine gimp_weigh(self, grid, store, tile, direction, places)
       class(basis_gimp_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
@@ -37,47 +43,28 @@ contains
       integer, intent(in) :: tile                            !! Index of the tile
       integer, intent(in) :: direction                       !! 1 to 3
       type(places_t), intent(inout) :: places                !! Of the tile
-      real(wp) :: x, half, inverse, away
-      integer :: p, n
+      real(wp) :: half, inverse, away, top, foot, step
+      integer :: p, n, before
 
       inverse = 1.0_wp/grid%spacing
+      before = store%first(tile) - 1
       do p = 1, store%count(tile)
-         x = places%local(p, direction)
-         half = min(store%extent(store%first(tile) + p - 1, direction)*inverse, 0.5_wp)
-         places%low(p, direction) = merge(1, 2, x < half)
-         do n = 1, size(places%weight, 2)
-            away = x - real(n - 2, wp)
-            places%weight(p, n, direction) = mean_function(abs(away), half)
-            places%slope(p, n, direction) = -sign(inverse*mean_fall(abs(away), half), away)
+         half = min(max(store%extent(before + p, direction)*inverse, least), 0.5_wp)
+         places%low(p, direction) = merge(1, 2, places%local(p, direction) < half)
+      end do
+      do n = 1, line
+         !$omp simd private(half, away, top, foot, step)
+         do p = 1, store%count(tile)
+            half = min(max(store%extent(before + p, direction)*inverse, least), 0.5_wp)
+            away = places%local(p, direction) - real(n - 2, wp)
+            ! how far the box reaches over top and foot, as shares of its half
+            top = max(half - abs(away), 0.0_wp)*(1.0_wp/half)
+            foot = max(half - abs(1.0_wp - abs(away)), 0.0_wp)*(1.0_wp/half)
+            step = sign(0.5_wp, 1.0_wp - abs(away))
+            places%weight(p, n, direction) = max(1.0_wp - abs(away), 0.0_wp) &
+               + half*(0.25_wp*foot*foot - 0.5_wp*top*top)
+            places%slope(p, n, direction) = -sign(inverse, away)*((0.5_wp + step) - step*foot - top)
          end do
       end do
    end subroutine gimp_weigh
-
-   !> Mean of the hat function over a box with its centre at a distance from the node, in cells.
-   pure real(wp) function mean_function(away, half) result(mean)
-      real(wp), intent(in) :: away                           !! Distance, not negative [cells]
-      real(wp), intent(in) :: half                           !! Half the box [cells]
-
-      if (away < half) then
-         mean = 1.0_wp - (away**2 + half**2)/(2.0_wp*half)
-      else if (away < 1.0_wp - half) then
-         mean = 1.0_wp - away
-      else
-         mean = max(1.0_wp + half - away, 0.0_wp)**2/(4.0_wp*half)
-      end if
-   end function mean_function
-
-   !> How fast this mean falls with the distance [1/cell].
-   pure real(wp) function mean_fall(away, half) result(fall)
-      real(wp), intent(in) :: away                           !! Distance, not negative [cells]
-      real(wp), intent(in) :: half                           !! Half the box [cells]
-
-      if (away < half) then
-         fall = away/half
-      else if (away < 1.0_wp - half) then
-         fall = 1.0_wp
-      else
-         fall = max(1.0_wp + half - away, 0.0_wp)/(2.0_wp*half)
-      end if
-   end function mean_fall
 end module basis_gimp

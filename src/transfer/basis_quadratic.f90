@@ -5,7 +5,7 @@ module basis_quadratic
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use transfer_places, only: places_t
+   use transfer_places, only: line, places_t
    use transfer_tensor, only: basis_tensor_t
    implicit none
    private
@@ -20,9 +20,8 @@ module basis_quadratic
 
 contains
 
-   !> With the distance d from the nearest node in cells: 3/4 - d**2 there and (1/2 -+ d)**2/2 at
-   !! its
-   !! neighbours.
+   !> With the distance d from a node in cells: (3/2 - d)**2/2, less 3 (1/2 - d)**2/2 where d < 1/2,
+   !! which is 3/4 - d**2.
    pure subroutine quadratic_weigh(self, grid, store, tile, direction, places)
       class(basis_quadratic_t), intent(in) :: self           !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
@@ -30,22 +29,21 @@ contains
       integer, intent(in) :: tile                            !! Index of the tile
       integer, intent(in) :: direction                       !! 1 to 3
       type(places_t), intent(inout) :: places                !! Of the tile
-      real(wp) :: d, inverse
-      integer :: p, upper
+      real(wp) :: away, outer, inner, inverse
+      integer :: p, n
 
       inverse = 1.0_wp/grid%spacing
       do p = 1, store%count(tile)
-         upper = merge(1, 0, places%local(p, direction) >= 0.5_wp)
-         d = places%local(p, direction) - real(upper, wp)
-         places%weight(p, :, direction) = 0.0_wp
-         places%slope(p, :, direction) = 0.0_wp
-         places%low(p, direction) = 1 + upper
-         places%weight(p, 1 + upper, direction) = 0.5_wp*(0.5_wp - d)**2
-         places%weight(p, 2 + upper, direction) = 0.75_wp - d**2
-         places%weight(p, 3 + upper, direction) = 0.5_wp*(0.5_wp + d)**2
-         places%slope(p, 1 + upper, direction) = inverse*(d - 0.5_wp)
-         places%slope(p, 2 + upper, direction) = -2.0_wp*inverse*d
-         places%slope(p, 3 + upper, direction) = inverse*(d + 0.5_wp)
+         places%low(p, direction) = merge(1, 2, places%local(p, direction) < 0.5_wp)
+      end do
+      do n = 1, line
+         do p = 1, store%count(tile)
+            away = places%local(p, direction) - real(n - 2, wp)
+            outer = max(1.5_wp - abs(away), 0.0_wp)
+            inner = max(0.5_wp - abs(away), 0.0_wp)
+            places%weight(p, n, direction) = 0.5_wp*outer**2 - 1.5_wp*inner**2
+            places%slope(p, n, direction) = -sign(inverse*(outer - 3.0_wp*inner), away)
+         end do
       end do
    end subroutine quadratic_weigh
 end module basis_quadratic

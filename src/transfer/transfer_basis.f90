@@ -104,7 +104,8 @@ module transfer_basis
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
          type(places_t), intent(in) :: places                   !! Of the tile
          real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
-         real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
+         !> (particle of the tile, column) Columns up to the next multiple of three may be written
+         real(wp), contiguous, intent(inout) :: values(:, :)
       end subroutine collect_i
 
       !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
@@ -344,9 +345,9 @@ contains
    !!
    !! With a = sum S_i a_i dt, u = sum S_i u_i and r = v_p - u a step v_p <- v_p + a - g r, g the
    !! share of pic, loses per mass 1/2 var(a) + g (r.r + var(u) + cov(u, a)) - 1/2 g^2 r.r, where
-   !! var
-   !! and cov are those of the node values under the weights S_i. Terms that only carry energy from
-   !! particle to particle, and add up to zero, are left out; the rest is not negative for g <= 1.
+   !! var and cov are those of the node values under the weights S_i. Terms that only carry energy
+   !! from particle to particle, and add up to zero, are left out; the rest is not negative for
+   !! g <= 1.
    ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine basis_gather_heat(self, grid, start, first, places, nodes, share, velocity, &
       energy)

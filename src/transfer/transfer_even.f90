@@ -17,7 +17,8 @@ module transfer_even
 
 contains
 
-   !> Directions that share the dilatation: those of the plane in plane strain, else those there are.
+   !> Directions that share the dilatation: those of the plane in plane strain, else those there
+   !! are.
    pure function sharing(grid) result(share)
       type(grid_t), intent(in) :: grid                       !! The grid
       logical :: share(3)

@@ -20,6 +20,10 @@ module transfer_places
       integer, allocatable :: low(:, :)              !! (particle, 3) First node that counts, 1 or 2
       real(wp), allocatable :: share(:, :, :)        !! The same as weight: alpha times derivative
       real(wp), allocatable :: rest(:, :, :)         !! The same: (1 - alpha) times function
+      real(wp), allocatable :: corner(:, :, :)       !! (corner, direction, particle) In its cell
+      integer, allocatable :: corner_node(:, :)      !! (corner, particle) First node of that cell
+      real(wp), allocatable :: edge(:, :)            !! (9, particle) Half edges, one after another
+      real(wp), allocatable :: inverse(:, :)         !! (9, particle) The inverse of their matrix
       real(wp), allocatable :: vector(:, :)          !! (particle, 3) What is mapped
       real(wp), allocatable :: values(:, :)          !! (particle, 9) Between two steps of a map
       real(wp), allocatable :: affine(:, :)          !! (particle, 9) Linear velocity fields [1/s]
@@ -27,6 +31,7 @@ module transfer_places
       procedure :: reserve => places_reserve         !! Room for the particles of a tile
       procedure :: reserve_wide => places_reserve_wide !! Room for wide stencils
       procedure :: reserve_affine => places_reserve_affine !! Room for linear velocity fields
+      procedure :: reserve_corners => places_reserve_corners !! Room for corners
       procedure :: reserve_split => places_reserve_split !! Room for means of the dual gradient
    end type places_t
 
@@ -61,6 +66,22 @@ contains
       allocate (self%weight(n, line, 3), self%slope(n, line, 3), self%low(n, 3))
    end subroutine places_reserve_wide
 
+   !> Make room for the corners of particles. What was there is lost.
+   pure subroutine places_reserve_corners(self, particles, corners)
+      class(places_t), intent(inout) :: self         !! The scratch space
+      integer, intent(in) :: particles               !! Most particles in a tile
+      integer, intent(in) :: corners                 !! Corners of a particle
+      integer :: n
+
+      if (allocated(self%corner)) then
+         if (size(self%corner, 3) >= particles) return
+         deallocate (self%corner, self%corner_node, self%edge, self%inverse)
+      end if
+      n = room_for(particles)
+      allocate (self%corner(corners, 3, n), self%corner_node(corners, n), self%edge(9, n), &
+         self%inverse(9, n))
+   end subroutine places_reserve_corners
+
    !> Make room for the two parts of the dual gradient. What was there is lost.
    pure subroutine places_reserve_split(self, particles)
       class(places_t), intent(inout) :: self         !! The scratch space
@@ -88,8 +109,7 @@ contains
    end subroutine places_reserve_affine
 
    !> Length of columns: not as long as the particles are many, since a length that is a power of
-   !! two
-   !! would put all columns into the same few places of the cache.
+   !! two would put all columns into the same few places of the cache.
    pure integer function room_for(particles) result(room)
       integer, intent(in) :: particles               !! Particles of a tile
 

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A copy of what the particles of a tile push the nodes with, for methods that change it on the way.
+!> A copy of what the particles of a tile push the nodes with, for methods that change it on the
+!! way.
 module transfer_pushed
    use base_kinds, only: wp
    implicit none
@@ -53,7 +54,8 @@ contains
    pure subroutine pushed_subtract(self, count, values)
       class(pushed_t), intent(inout) :: self                 !! The copy
       integer, intent(in) :: count                           !! Particles of the tile
-      real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, 6 or more) [Pa]
+      !> (particle of the tile, 6 or more) [Pa]
+      real(wp), contiguous, intent(in) :: values(:, :)
       integer :: p, k
 
       do k = 1, 6

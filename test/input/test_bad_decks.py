@@ -74,6 +74,9 @@ CHANGES = [
     ("'metal' /", "'metal' velocity = 0 0 NaN /", "velocity = 0 0 NaN  <- expects 3 numbers"),
     ("'metal' /", "'metal' velocity = 1 2 3 4 /", "velocity = 1 2 3 4  <- expects 3 numbers, not 4"),
     ("'metal' /", "'metal' velocity = 0 1 0 /", "velocity must be 0 in y"),
+    ("/\n&grid lo = 0 0 0  hi = 1 0.1 1", " method = 'mpm' /\n&method basis = 'gimp' /\n&boundary "
+     "face = 'all' type = 'periodic' /\n&grid lo = 0.4 0 0  hi = 0.7 0.1 1", ":2: error: &method: "
+     "basis = 'gimp' needs at least 4 cells along x, which is periodic, but there are 3; take"),
     ("'metal' /", "'metal' temperature = 300 /", "temperature needs &effects thermal = .true."),
     ("'metal' /", "'metal' specific_energy = 1 /", "material 'metal' carries no internal energy"),
     ("'metal' /", "'metal' /\n&exact solution = 'vortx' /", "did you mean 'vortex'?"),

@@ -148,6 +148,18 @@ def main():
     _, digest = compare(options, sheet, "affine", affine, ((1, 1), (3, 1)))
     restart(options, sheet, "affine", affine, digest, (2, 1), (1, 2), 31)
 
+    # cells so small that there are tiles to share
+    wide = BLOCK.replace("dx=1", "dx=0.8")
+    seen = set()
+    for basis in ("linear", "gimp", "cpgimp", "cpdi", "quadratic", "cubic"):
+        deck = wide.format(**{**words, "method": "mpm", "words": f"basis='{basis}'", "steps": 40,
+                              "block": 5})
+        _, digest = compare(options, sheet, f"block_{basis}", deck, ((1, 1), (2, 2)))
+        seen.add(digest)
+        if basis in ("cpgimp", "cpdi"):
+            restart(options, sheet, f"block_{basis}", deck, digest, (2, 1), (1, 2), 21)
+    sheet.require(len(seen) == 6, "every basis gives another state")
+
     _, digest = compare(options, sheet, "bar", BAR)
     restart(options, sheet, "bar", BAR, digest, (2, 1), (1, 2), 75)
     series = BAR + "&method  transfer='fmpm'  order_k=4 /"
