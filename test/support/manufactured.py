@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs of manufactured solutions that are finer and finer, and how fast their errors fall.
+
+    import manufactured
+    line = manufactured.waves(options, "default", "ddmp", amplitude=0.1, cells=(16, 32, 64))
+    line.errors                        # greatest in time, one for each of line.cells
+    line.order(16, 64)                 # end to end; line.fit(16, 64) by least squares
+
+The error is the root mean square of the displacement error of all particles at a time, its greatest
+value in the run, over the greatest displacement of the solution. Tests judge these numbers, the
+script draw_manufactured.py of test/verify draws them.
+"""
+
+import math
+
+import numpy as np
+
+import case
+
+WAVES = """
+&run  dimension='{dimension}'  method='{method}' /
+&grid  lo=0,0,0  hi=1,1,1  dx={spacing} /
+&time  t_end={end}  cfl={cfl} /
+&method  {words} /
+&effects  artificial_viscosity=.false. /
+&material  name='rubber'  density=1  young=1.0e4  poisson={poisson}  strength_model='neo_hookean' /
+&region  name='cube'  shape='box'  lo=0,0,0  hi=1,1,1 /
+&body  name='cube'  region='cube'  material='rubber'  ppc={ppc} /
+&boundary  face='all'  type='symmetry' /
+&exact  solution='axis_aligned'  amplitude={amplitude} /
+&output  name='h'  kind='history'  every={every} /
+&checkpoint  at_end=.false. /
+"""
+
+VORTEX = """
+&run  dimension='plane_strain'  method='{method}' /
+&grid  lo=-1.5,0,-1.5  hi=1.5,1,1.5  dx={spacing} /
+&time  t_end={end}  cfl={cfl}  dt_min={least} /
+&method  {words} /
+&effects  artificial_viscosity=.false. /
+&material  name='rubber'  density=1000  young=1000  poisson=0.3  strength_model='neo_hookean' /
+&region  name='outer'  shape='cylinder'  axis=0,1,0  centre=0,0.5,0  radius=1.25  height=4 /
+&region  name='inner'  shape='cylinder'  axis=0,1,0  centre=0,0.5,0  radius=0.75  height=4 /
+&region  name='ring'  shape='difference'  of='outer','inner' /
+&body  name='ring'  region='ring'  material='rubber'  ppc={ppc}  {body} /
+&exact  solution='vortex'  frequency=0.5  twist={twist} /
+&output  name='h'  kind='history'  every=4 /
+&checkpoint  at_end=.false. /
+"""
+
+PERIOD = 0.02                          # of the waves: 2 L/c with L = 1 m, c = 100 m/s [s]
+CONTROL = "quadrature='control'"
+# One step like that of the dual domain methods for others: nothing damps, stress at the end.
+PLAIN = "stress_update='usl'  flip=1"
+AFFINE = "stress_update='usl'  transfer='aflip'"
+PPC = {"1d": "{0},1,1", "plane_strain": "{0},1,{0}", "3d": "{0},{0},{0}"}
+
+
+class Series:
+    """Errors of one method on grids that are finer and finer; a run that failed has infinity."""
+
+    def __init__(self, name):
+        self.name, self.cells, self.errors, self.seconds, self.steps = name, [], [], [], []
+
+    def add(self, cells, run):
+        """Take the greatest error of a run."""
+        self.cells.append(cells)
+        error, seconds, steps = math.inf, math.nan, 0
+        if run.code == 0:
+            summary = run.summary
+            error = run.history["displacement_error"].max() / summary["exact"]["greatest_displacement"]
+            seconds, steps = summary["wall_s"], summary["steps"]
+        self.errors.append(error if math.isfinite(error) else math.inf)
+        self.seconds.append(seconds)
+        self.steps.append(steps)
+
+    def error(self, cells):
+        """The error on one of the grids."""
+        return self.errors[self.cells.index(cells)]
+
+    def order(self, coarse, fine):
+        """Observed order from one grid to another."""
+        return math.log(self.error(coarse) / self.error(fine)) / math.log(fine / coarse)
+
+    def fit(self, coarse, fine):
+        """Observed order by least squares over all grids from one to another."""
+        pairs = [(math.log(cells), math.log(error)) for cells, error in zip(self.cells, self.errors)
+                 if coarse <= cells <= fine]
+        return -np.polyfit(*zip(*pairs), 1)[0]
+
+    def show(self):
+        """Print errors and the orders between neighbours."""
+        line = [f"{self.errors[0]:.2e}"]
+        for n in range(1, len(self.cells)):
+            line.append(f"{self.errors[n]:.2e} "
+                        f"({self.order(self.cells[n - 1], self.cells[n]):+.2f})"
+                        if math.isfinite(self.errors[n] * self.errors[n - 1]) else "failed")
+        print(f"         {self.name:<26} " + "  ".join(line), flush=True)
+        return self
+
+
+def waves(options, name, method="ddmp", words="", amplitude=0.1, cells=(16, 32, 64), ppc=4,
+          dimension="1d", end=0.5 * PERIOD, cfl=0.2):
+    """Waves along the axes of a cube whose faces do not move along their normals."""
+    series = Series(name)
+    poisson = 0.0 if dimension == "1d" else 0.3
+    for number in cells:
+        deck = WAVES.format(dimension=dimension, method=method, spacing=f"{1.0 / number:.17g}", end=end,
+                            cfl=cfl, words=words, poisson=poisson, amplitude=amplitude,
+                            ppc=PPC[dimension].format(ppc), every=4 if dimension == "1d" else 1)
+        label = "".join(sign if sign.isalnum() else "_" for sign in f"{name}_{amplitude:g}_{ppc}")
+        run = case.Case(options, f"waves_{dimension}_{label}_{number}", deck)
+        series.add(number, run.run("-q", expect=None, timeout=3000))
+    return series.show()
+
+
+def vortex(options, name, method="ddmp", words="", twist=0.1, cells=(10, 20), ppc=3, end=1.0, cfl=0.4,
+           body=""):
+    """A ring whose circles turn to and fro; cells in a unit of length, half of them in its width."""
+    series = Series(name)
+    for number in cells:
+        deck = VORTEX.format(method=method, spacing=f"{1.0 / number:.17g}", end=end, cfl=cfl, words=words,
+                             twist=twist, least=f"{0.008 * cfl / number:.17g}", ppc=PPC["plane_strain"].format(ppc), body=body)
+        label = "".join(sign if sign.isalnum() else "_" for sign in f"{name}_{twist:g}_{ppc}")
+        run = case.Case(options, f"vortex_{label}_{number}", deck)
+        series.add(number, run.run("-q", expect=None, timeout=3000))
+    return series.show()
