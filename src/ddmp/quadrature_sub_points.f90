@@ -194,7 +194,8 @@ contains
       places%low(:count, :) = low
    end subroutine sub_gather_gradient
 
-   !> Put the functions of the dual gradient where the maps look for functions, and keep those of the
+   !> Put the functions of the dual gradient where the maps look for functions, and keep those of
+   !! the
    !! basis.
    pure subroutine put_on(places, count, basis, low)
       type(places_t), intent(inout) :: places                !! Of the tile
