@@ -8,6 +8,7 @@ module base_deck
    use base_deck_fill, only: fill_defaults, fill_groups, start_group
    use base_deck_group, only: group_t, unset_whole
    use base_deck_override, only: override, take_apart
+   use base_deck_preset, only: apply_presets
    use base_deck_problems, only: problems_t
    use base_deck_value, only: value_t
    use base_error, only: error_t, exit_input, fail
@@ -88,6 +89,7 @@ contains
          call groups(i)%get("name", groups(i)%title)
       end do
       self%groups = groups(:filled)
+      call apply_presets(schema, self%problems, self%groups)
       call check_groups(schema, self%groups, file, self%problems)
    end subroutine deck_read
 

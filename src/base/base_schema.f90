@@ -5,6 +5,7 @@
 !! explanations all walk this one table.
 module base_schema
    use base_kinds, only: wp
+   use base_preset, only: preset_t, read_presets
    use base_text, only: append, split, text_t
    use base_units, only: unit_of, unit_t
    implicit none
@@ -60,6 +61,7 @@ module base_schema
    !> All groups.
    type :: schema_t
       type(group_rule_t), allocatable :: groups(:)       !! In the order of the echo
+      type(preset_t), allocatable :: presets(:)          !! Values that a deck may ask for by name
       character(len=:), allocatable :: fault             !! First mistake in a declaration
    contains
       procedure :: group => schema_group                 !! Declare a group
@@ -70,6 +72,7 @@ module base_schema
       procedure :: words => schema_words                 !! Allow more words for a key of texts
       procedure :: require => schema_require             !! Keys that must be given
       procedure :: refer => schema_refer                 !! Names of which group a key refers to
+      procedure :: preset => schema_preset               !! Declare presets of a group
       procedure :: find => schema_find                   !! Index of a group
       procedure :: names => schema_names                 !! Names of all groups
       procedure, private :: add => schema_add            !! Append a key
@@ -308,6 +311,28 @@ contains
          found = found .or. list(i)%text == word
       end do
    end function holds
+
+   !> Declare presets of a group, whose key `preset` must be declared.
+   subroutine schema_preset(self, group, lines)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: group              !! The group
+      character(len=*), intent(in) :: lines(:)           !! See base_preset
+      type(preset_t), allocatable :: read(:), longer(:)
+      integer :: i, known
+
+      call read_presets(group, lines, read)
+      known = 0
+      if (allocated(self%presets)) known = size(self%presets)
+      allocate (longer(known + size(read)))
+      do i = 1, known
+         longer(i) = self%presets(i)
+      end do
+      do i = 1, size(read)
+         longer(known + i) = read(i)
+         call self%words(group, "preset", [read(i)%name])
+      end do
+      call move_alloc(longer, self%presets)
+   end subroutine schema_preset
 
    !> Keys that must be given where they apply.
    subroutine schema_require(self, group, names)

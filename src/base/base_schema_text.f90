@@ -3,6 +3,7 @@
 module base_schema_text
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
+   use base_preset, only: preset_t
    use base_schema, only: group_rule_t, key_t, kind_integer, kind_logical, kind_real, kind_text, &
       schema_t
    use base_text, only: append, buffer_t, closest, join, lower, number, split, text_t
@@ -45,6 +46,13 @@ contains
             end do
          end associate
       end do
+      if (allocated(schema%presets)) then
+         do i = 1, size(schema%presets)
+            call append(names, schema%presets(i)%name)
+            if (wanted == schema%presets(i)%name) call explain_preset(schema, schema%presets(i), &
+               buffer)
+         end do
+      end if
       text = buffer%content()
       if (text /= "") return
       near = closest(wanted(index(wanted, ".") + 1:), names)
@@ -52,6 +60,30 @@ contains
       call fail(error, exit_input, "no key '"//name//"'"//near//newline// &
          "groups: "//join(schema%names(), " "))
    end subroutine explain
+
+   !> A preset: its numbers and where they are from.
+   subroutine explain_preset(schema, preset, buffer)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(preset_t), intent(in) :: preset               !! The preset
+      type(buffer_t), intent(inout) :: buffer            !! Gets the text
+      character(len=:), allocatable :: line
+      integer :: i, rule, place
+
+      call buffer%line("preset "//preset%name//"  "//preset%title)
+      rule = schema%find(preset%group)
+      do i = 1, size(preset%entries)
+         associate (entry => preset%entries(i))
+            line = "   "//entry%key//" = "//entry%value
+            place = schema%groups(rule)%find(entry%key)
+            if (place > 0) line = line//" "//schema%groups(rule)%keys(place)%unit_text
+            line = line//repeat(" ", max(comment_column - len(line), 1))//entry%source
+            if (size(entry%unless) > 0) line = line//"; unless "//join(entry%unless, " or ")// &
+               " is given"
+            if (entry%switch /= "") line = line//"; with "//entry%switch
+            call buffer%line(line)
+         end associate
+      end do
+   end subroutine explain_preset
 
    !> A group: its meaning and its keys.
    subroutine explain_group(rule, buffer)

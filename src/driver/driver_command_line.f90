@@ -12,6 +12,7 @@ module driver_command_line
    type :: command_t
       character(len=:), allocatable :: deck              !! Name of the deck
       logical :: check = .false.                         !! Read and check, compute nothing
+      logical :: point = .false.                         !! Drive one material point
       logical :: restart = .false.                       !! Go on from a checkpoint
       character(len=:), allocatable :: checkpoint        !! Which; without it the newest valid one
       type(text_t), allocatable :: overrides(:)          !! GROUP.KEY=VALUE in the order given
@@ -35,14 +36,14 @@ module driver_command_line
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(13) = [ &
+   type(option_t), parameter :: options(14) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
       option_t("outdir  ", "o", a_value), option_t("quiet   ", "q", nothing), &
       option_t("verbose ", "v", nothing), option_t("digest  ", " ", a_value), &
       option_t("template", " ", nothing), option_t("explain ", " ", a_value), &
-      option_t("list    ", " ", a_value)]
+      option_t("list    ", " ", a_value), option_t("point   ", " ", nothing)]
    character(len=9), parameter :: lists(3) = [character(len=9) :: "materials", "fields", "shapes"]
 
 contains
@@ -219,6 +220,8 @@ contains
          command%version = .true.
       case ("check")
          command%check = .true.
+      case ("point")
+         command%point = .true.
       case ("restart")
          command%restart = .true.
          if (allocated(value)) command%checkpoint = value
@@ -267,6 +270,8 @@ contains
       if (allocated(command%explain) .or. command%template .or. allocated(command%digest)) return
       if (command%quiet .and. command%verbose) then
          call complain(error, "--quiet and --verbose exclude each other")
+      else if (command%point .and. (command%check .or. command%restart)) then
+         call complain(error, "--point excludes --check and --restart")
       else if (command%check .and. command%restart) then
          call complain(error, "--check and --restart exclude each other")
       else if (.not. allocated(command%deck)) then
@@ -299,6 +304,8 @@ contains
          "  -v, --verbose          details too"//newline// &
          "      --template         print a deck with all keys and defaults"//newline// &
          "      --explain KEY      what a key or group of the deck means"//newline// &
+         "      --point            drive one material along &point, write CASE_point.csv"// &
+         newline// &
          "      --list WHAT        materials, fields or shapes"//newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
          "  -h, --help             this text"//newline// &

@@ -4,15 +4,14 @@
 module driver_gather
    use base_kinds, only: int64, wp
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
-   use driver_method, only: method_t, stress_after, stress_before
-   use driver_nodes, only: divide
+   use driver_method, only: method_t, stress_before
+   use driver_nodes, only: node_gradient
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
-   use driver_sweep, only: find_filtered
+   use driver_sweep, only: find_filtered, find_slopes
    use material_kinematics, only: centre_gradient
    use material_matter, only: deformation_t, matter_t
    use material_type, only: material_t
-   use mesh_patch, only: assemble
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_store, only: store_t
@@ -108,8 +107,8 @@ contains
          + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, :, tile)
       if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
       if (.not. simulation%method%dual) return
-      if (parts%strain) call node_gradient(simulation, tile, simulation%nodes%gradient, &
-         view%gradient)
+      if (parts%strain .or. (parts%motion .and. simulation%method%transfer%affine())) &
+         call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
       if (parts%work .and. simulation%carries_energy) &
          call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
    end subroutine look
@@ -194,8 +193,9 @@ contains
          call method%basis%gather_motion(grid, start, first, places, view%push, view%carry, &
             method%transfer%keep(), dt, store%velocity, store%position)
          if (.not. method%transfer%affine() .or. strained(method)) return
-         call method%basis%collect_affine(grid, start, places, view%after, places%values)
-         call keep_affine(store, tile, 1.0_wp, places%values)
+         call find_slopes(simulation, places, start, view%after, view%gradient, &
+            scratch%deformation%gradient)
+         call keep_affine(store, tile, 1.0_wp, scratch%deformation%gradient)
       end associate
    end subroutine move_particles
 
@@ -204,22 +204,8 @@ contains
    pure logical function strained(method) result(renewed)
       type(method_t), intent(in) :: method           !! The method
 
-      renewed = method%dual .and. method%stress == stress_after
+      renewed = method%dual .and. method%stress /= stress_before
    end function strained
-
-   !> Sum of the patches of a node gradient, divided by the volumes of the nodes.
-   subroutine node_gradient(simulation, tile, patch, gradient)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp), contiguous, intent(in) :: patch(:, :, :)   !! (9, node, tile)
-      real(wp), allocatable, intent(out) :: gradient(:, :) !! (9, node) [1/s]
-
-      allocate (gradient(9, simulation%grid%tile_nodes))
-      call assemble(simulation%grid, simulation%tiles, patch, tile, gradient)
-      call divide(simulation%nodes%volume(:, :, tile), 1, gradient)
-      call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
-         gradient)
-   end subroutine node_gradient
 
    !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
    !! what the nodes lose in kinetic energy is what the particles gain in internal energy.

@@ -63,8 +63,8 @@ contains
          call choose_velocity(velocity_names(n), transfer)
          call transfer%declare(schema)
       end do
-      call schema%logical("method", "paper", "the exact scheme of the seed of the method; other "// &
-         "keys of the scheme are then fixed", default=".false.", owner="run.method = ddmp")
+      call schema%logical("method", "paper", "the exact scheme of the seed of the method; it "// &
+         "fixes the other keys of the scheme", default=".false.", owner="run.method = ddmp")
       call schema%text("method", "alpha", "share of the own cell in the gradient: one bubble a "// &
          "direction, their product, or its square", default="split", owner="run.method = ddmp")
       call schema%words("method", "alpha", alpha_names)
@@ -106,7 +106,7 @@ contains
       if (self%dual .and. basis /= "linear" .and. group%valid(["basis"])) &
          call deck%complain(group, &
          "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions", "basis")
-      if (self%dual) call read_dual(self, group)
+      if (self%dual) call read_dual(self, deck, group)
       if (self%controlled() .or. self%differing()) call refuse_axis(deck, group, quadrature)
       call group%get("stress_update", word)
       self%stress = max(position_of(word, stress_names), 1)
@@ -188,14 +188,18 @@ contains
    end subroutine settle_paper
 
    !> What belongs to the dual domain gradient.
-   subroutine read_dual(method, group)
+   subroutine read_dual(method, deck, group)
       class(method_t), intent(inout) :: method       !! The method with its rule chosen
+      type(deck_t), intent(inout) :: deck            !! Collects complaints
       type(group_t), intent(in) :: group             !! &method
-      character(len=:), allocatable :: word
+      character(len=:), allocatable :: word, quadrature
       logical :: paper
 
       call group%get("alpha", word)
       method%quadrature%alpha = max(position_of(word, alpha_names), 1)
+      call group%get("quadrature", quadrature)
+      if (quadrature == "sub_points" .and. word /= "split") call deck%complain(group, &
+         "quadrature = 'sub_points' needs alpha = 'split', whose means are products", "alpha")
       call group%get("blend", word)
       method%quadrature%smooth = word == "smooth"
       call group%get("alpha_0", method%quadrature%alpha_centre)
@@ -237,6 +241,8 @@ contains
       call choose_quadrature(quadrature, self%quadrature)
       if (.not. allocated(self%quadrature)) call choose_quadrature("point", self%quadrature)
       self%quadrature%alpha = alpha_split
+      ! boxes on all ways: force without mass at free surfaces would be lost
+      if (quadrature == "sub_points") call choose_basis("cpgimp", self%basis)
    end subroutine method_choose
 
    !> True if a mean stress of the nodes is taken out of the particles.

@@ -10,7 +10,7 @@ module driver_nodes
    implicit none
    private
 
-   public :: book_push, divide, dual_fields, move_nodes, remap_nodes
+   public :: node_gradient, book_push, divide, dual_fields, move_nodes, remap_nodes
 
    !> Nodes with less mass than this are empty; far below any mass, far above underflow.
    real(wp), parameter, public :: empty_mass = 1.0e-200_wp
@@ -297,4 +297,17 @@ contains
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
    end subroutine remap_nodes
+   !> Sum of the patches of a node gradient, divided by the volumes of the nodes.
+   subroutine node_gradient(simulation, tile, patch, gradient)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: patch(:, :, :)   !! (9, node, tile)
+      real(wp), allocatable, intent(out) :: gradient(:, :) !! (9, node) [1/s]
+
+      allocate (gradient(9, simulation%grid%tile_nodes))
+      call assemble(simulation%grid, simulation%tiles, patch, tile, gradient)
+      call divide(simulation%nodes%volume(:, :, tile), 1, gradient)
+      call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
+         gradient)
+   end subroutine node_gradient
 end module driver_nodes

@@ -20,6 +20,7 @@ module driver_program
    use driver_lists, only: list_text
    use driver_method, only: declare_method
    use driver_output, only: outputs_t
+   use driver_point, only: declare_point, drive_point, relieve
    use driver_restart, only: resume
    use driver_run, only: limits_t, read_limits, run_to_end
    use driver_scene, only: build_scene, describe_run
@@ -27,7 +28,7 @@ module driver_program
    use driver_start, only: fill_simulation, first_step, spin_bodies, survey_t, take_survey
    use driver_summary, only: summarise
    use io_checkpoint, only: checkpoint_place_t
-   use io_deck_check, only: check_deck
+   use io_deck_check, only: check_case, check_deck
    use io_deck_file, only: read_deck_file
    use io_deck_schema, only: declare_deck
    use io_digest, only: file_digest
@@ -135,6 +136,7 @@ contains
       call declare_method(schema)
       call declare_material_keys(schema)
       call declare_exact(schema)
+      call declare_point(schema)
    end subroutine declare_all
 
    !> Read the deck, build the run, and run or check it.
@@ -144,9 +146,14 @@ contains
       type(error_t), allocatable, intent(out) :: error !! What stopped it
 
       code = exit_success
-      if (.not. session%command%check) call session%simulation%communicator%start()
+      if (.not. (session%command%check .or. session%command%point)) &
+         call session%simulation%communicator%start()
       call read_deck(session, error)
       if (allocated(error)) return
+      if (session%command%point) then
+         call move_point(session, error)
+         return
+      end if
       call build_scene(session%deck, session%simulation, session%bodies)
       call session%deck%verdict(error)
       if (allocated(error)) return
@@ -181,14 +188,28 @@ contains
          if (allocated(error)) return
          call communicator%broadcast(session%deck_text)
          call declare_all(session%schema)
+         if (command%point) call relieve(session%schema)
          overrides = command%overrides
          if (allocated(command%case_name)) &
             call append(overrides, "run.case='"//command%case_name//"'")
          call session%deck%read(session%schema, session%deck_text, command%deck, overrides, error)
          if (allocated(error)) return
-         call check_deck(session%deck)
+         if (.not. command%point) call check_deck(session%deck)
       end associate
    end subroutine read_deck
+
+   !> Drive one material point.
+   subroutine move_point(session, error)
+      type(session_t), intent(inout) :: session      !! The deck
+      type(error_t), allocatable, intent(out) :: error !! What stopped it
+      character(len=:), allocatable :: note
+
+      call check_case(session%deck)
+      call session%deck%verdict(error)
+      if (allocated(error)) return
+      call drive_point(session%deck, session%command%output_folder, note, error)
+      if (.not. allocated(error)) write (output_unit, "(a)") note
+   end subroutine move_point
 
    !> Every body must hold particles.
    subroutine check_bodies(session)

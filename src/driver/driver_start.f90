@@ -128,6 +128,8 @@ contains
                      bodies(body)%temperature)
                   if (bodies(body)%energy > 0.0_wp) store%matter%energy(p) = bodies(body)%energy
                end do
+               call simulation%materials(index)%scatter(store%matter, store%identity, &
+                  store%first(tile), store%first(tile) + store%count(tile) - 1)
                if (any(bodies%energy > 0.0_wp .and. bodies%store == index)) &
                   call simulation%materials(index)%settle(store%matter, store%first(tile), &
                   store%first(tile) + store%count(tile) - 1)

@@ -3,7 +3,7 @@
 !! node velocities, and the map of the new particle velocities that strains with `musl`.
 module driver_sweep
    use base_kinds, only: wp
-   use driver_nodes, only: book_push, divide
+   use driver_nodes, only: book_push, divide, node_gradient
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use mesh_halo, only: exchange_patches
@@ -11,10 +11,11 @@ module driver_sweep
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use transfer_affine, only: turn_only
+   use transfer_places, only: places_t
    implicit none
    private
 
-   public :: filter_nodes, find_filtered, scatter_again
+   public :: filter_nodes, find_filtered, find_slopes, scatter_again
 
 contains
 
@@ -175,10 +176,12 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp) :: push(3, simulation%grid%tile_nodes), after(3, simulation%grid%tile_nodes)
-      real(wp), allocatable :: filtered(:, :)
+      real(wp), allocatable :: filtered(:, :), gradient(:, :)
       integer :: index
 
       patch = 0.0_wp
+      if (simulation%method%dual .and. simulation%method%transfer%affine()) &
+         call node_gradient(simulation, tile, simulation%nodes%gradient, gradient)
       call find_filtered(simulation, tile, dt, filtered)
       call simulation%method%transfer%push(dt, simulation%nodes%acceleration(:, :, tile), &
          filtered, push)
@@ -193,9 +196,11 @@ contains
             call basis%collect(grid, start, places, push, places%vector)
             call keep_velocity(store, tile, simulation%method%transfer%keep(), places%vector)
             if (simulation%method%transfer%affine()) then
-               call basis%collect_affine(grid, start, places, after, places%values)
+               call scratch%deformation%reserve(store%count(tile))
+               call find_slopes(simulation, places, start, after, gradient, &
+                  scratch%deformation%gradient)
                if (simulation%method%transfer%turning()) &
-                  call turn_only(store%count(tile), places%values)
+                  call turn_only(store%count(tile), scratch%deformation%gradient)
                call spread_fields(simulation, scratch, store, tile, patch)
             else
                call basis%scatter_product(grid, start, store%first(tile), places, &
@@ -204,6 +209,26 @@ contains
          end associate
       end do
    end subroutine scatter_tile
+
+   !> Slopes of a node velocity round the particles of a tile: with the dual domain method its
+   !! modified gradient, which does not see nodes that have no mass and so no velocity.
+   subroutine find_slopes(simulation, places, start, velocity, gradient, slopes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(places_t), intent(inout) :: places        !! Of the tile
+      integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), allocatable, intent(in) :: gradient(:, :) !! (9, node) On the nodes, if dual [1/s]
+      real(wp), contiguous, intent(inout) :: slopes(:, :) !! (particle of the tile, 9) [1/s]
+
+      associate (grid => simulation%grid, method => simulation%method)
+         if (method%dual) then
+            call method%quadrature%gather_gradient(grid, start, places, velocity, gradient, &
+               1.0_wp, slopes)
+         else
+            call method%basis%collect_affine(grid, start, places, velocity, slopes)
+         end if
+      end associate
+   end subroutine find_slopes
 
    !> Add the share of their own velocity that particles keep.
    pure subroutine keep_velocity(store, tile, keep, vector)
@@ -231,6 +256,6 @@ contains
 
       mass = store%matter%mass(store%first(tile):store%first(tile) + store%count(tile) - 1)
       call simulation%method%basis%spread_affine(simulation%grid, store%cell_start(:, tile), 1, &
-         scratch%places, mass, scratch%places%vector, scratch%places%values, patch)
+         scratch%places, mass, scratch%places%vector, scratch%deformation%gradient, patch)
    end subroutine spread_fields
 end module driver_sweep

@@ -11,7 +11,7 @@ module io_deck_check
    implicit none
    private
 
-   public :: check_deck
+   public :: check_case, check_deck
 
 contains
 

@@ -1,17 +1,19 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The chain of laws that a time step of a material runs through, each link only if asked for.
 module material_chain
-   use base_kinds, only: wp
+   use base_kinds, only: int64, wp
    use material_damage, only: damage_t
    use material_eos, only: eos_t
    use material_heat, only: heat, heat_t, melt
    use material_kinematics, only: dilate
    use material_law, only: law_t
    use material_matter, only: deformation_t, matter_t
+   use material_remains, only: remains_t, share_t, vanish
    use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
-   use material_tension, only: break, cut_tension, drop_failed, drop_melted, fracture_t, &
+   use material_tension, only: break, cut_tension, drop_failed, drop_melted, fail, fracture_t, &
       open_voids, spall_t
    use material_viscosity, only: resist, viscosity_t, viscous_losses
+   use material_voids, only: expand_grains, voids_t
    use material_wishes, only: wishes_t
    implicit none
    private
@@ -30,12 +32,16 @@ module material_chain
       type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
       type(spall_t), allocatable :: spall            !! Tension cut-off without memory
       type(fracture_t), allocatable :: fracture      !! Failure for good
+      type(remains_t), allocatable :: remains        !! Law of failed matter
+      type(voids_t), allocatable :: voids            !! Voids open and close
+      integer(int64) :: seed = 0                     !! Of random strength
       type(heat_t), allocatable :: heat              !! Temperature follows the work
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]
    contains
       procedure :: wishes => chain_wishes            !! Fields to be carried, and why
       procedure :: request => chain_request          !! Allocates these fields
       procedure :: start => chain_start              !! Initial state of particles
+      procedure :: scatter => chain_scatter          !! Random strength of particles
       procedure :: settle => chain_settle            !! Stress of the state as it is
       procedure :: update => chain_update            !! One time step
       procedure :: signal_speed => chain_signal_speed         !! Fastest signal of a state
@@ -58,6 +64,7 @@ contains
       if (allocated(self%eos)) call self%eos%request(wishes)
       if (allocated(self%law)) call self%law%request(wishes)
       if (allocated(self%damage)) call self%damage%request(wishes)
+      if (allocated(self%voids)) call wishes%ask("solid_fraction", "voids", 1)
       if (allocated(self%heat)) call wishes%ask("temperature", "thermal effect", 1)
       if (allocated(self%fracture)) then
          call wishes%ask("damage", "failure", 1)
@@ -85,6 +92,9 @@ contains
       if (wishes%asked("plastic_dilation")) allocate (matter%plastic_dilation(n))
       if (wishes%asked("distension")) allocate (matter%distension(n))
       if (wishes%asked("damage")) allocate (matter%damage(n))
+      if (wishes%asked("scatter")) allocate (matter%scatter(n))
+      if (wishes%asked("bulking")) allocate (matter%bulking(n))
+      if (wishes%asked("solid_fraction")) allocate (matter%solid_fraction(n))
       if (wishes%asked("deformation_gradient")) allocate (matter%deformation_gradient(n, 9))
       if (wishes%asked("failed")) allocate (matter%failed(n))
    end subroutine chain_request
@@ -106,12 +116,27 @@ contains
       if (allocated(matter%plastic_dilation)) matter%plastic_dilation(first:last) = 0.0_wp
       if (allocated(matter%distension)) matter%distension(first:last) = self%eos%distension
       if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
+      if (allocated(matter%scatter)) matter%scatter(first:last) = 1.0_wp
+      if (allocated(matter%bulking)) matter%bulking(first:last) = 0.0_wp
+      if (allocated(matter%solid_fraction)) matter%solid_fraction(first:last) = self%voids%start
       if (allocated(matter%deformation_gradient)) then
          matter%deformation_gradient(first:last, :) = 0.0_wp
          matter%deformation_gradient(first:last, [1, 5, 9]) = 1.0_wp
       end if
       if (allocated(matter%failed)) matter%failed(first:last) = 0
    end subroutine chain_start
+
+   !> Random strength of new particles. Their mass is known, and who they are decides.
+   pure subroutine chain_scatter(self, matter, identity, first, last)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(inout) :: matter        !! State of the store
+      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+
+      if (allocated(matter%scatter)) call self%damage%draw(self%seed, identity, first, last, &
+         matter%mass, matter%scatter)
+   end subroutine chain_scatter
 
    !> Stress of particles at rest whose volume, energy, deformation gradient or deviator of stress
    !! were set from outside: a step without deformation that takes no time.
@@ -154,6 +179,7 @@ contains
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       type(deformation_t) :: deformation
+      type(matter_t) :: squeezed
       integer :: count
 
       speed = 0.0_wp
@@ -161,7 +187,13 @@ contains
       if (count < 1) return
       call deformation%reserve(count)
       deformation%wave_speed(:count) = 0.0_wp
-      if (allocated(self%eos)) then
+      if (allocated(self%voids)) then
+         squeezed = matter
+         deformation%share(:count) = 1.0_wp
+         call self%voids%squeeze(squeezed, deformation, first, last)
+         call self%eos%update(squeezed, deformation, first, last)
+         call self%voids%relax(squeezed, deformation, first, last)
+      else if (allocated(self%eos)) then
          call self%eos%update(matter, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
          deformation%wave_speed(:count) = self%bulk*matter%volume(first:last) &
@@ -181,10 +213,14 @@ contains
       integer, intent(in) :: last                        !! Last particle of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
+      type(share_t) :: share
       integer :: count
 
       count = last - first + 1
       if (count < 1) return
+      if (allocated(self%remains)) &
+         call self%remains%collect(matter, deformation, first, last, share)
+      if (allocated(self%voids)) call self%voids%choose(matter, deformation, first, last)
       deformation%plastic_work(:count) = 0.0_wp
       deformation%viscous_work(:count) = 0.0_wp
       deformation%plastic_increment(:count) = 0.0_wp
@@ -194,8 +230,13 @@ contains
          call dilate(first, last, deformation%gradient, matter%volume, deformation%old_volume, &
             deformation%dilatation)
       end if
+      if (allocated(self%voids)) call self%voids%open(matter, deformation, first, last)
       call update_pressure(self, matter, deformation, first, last)
+      if (allocated(self%remains)) &
+         call self%remains%follow(matter, deformation, first, dt, share)
       if (allocated(self%law)) call update_deviator(self, matter, deformation, first, last, dt)
+      if (allocated(self%remains)) &
+         call self%remains%give_back(share, matter, deformation, first)
       if (allocated(self%damage)) call self%damage%update(matter, deformation, first, last, dt)
       call limit_tension(self, matter, deformation, first, last)
       if (allocated(self%viscosity)) call viscous_losses(first, last, matter%viscous_pressure, &
@@ -214,6 +255,11 @@ contains
       else
          call assemble_isotropic(first, last, deformation%pressure, matter%stress)
       end if
+      if (.not. allocated(self%fracture)) return
+      if (.not. self%fracture%leaves_nothing) return
+      call vanish(first, last, matter%failed, matter%stress, deformation%wave_speed)
+      if (allocated(self%viscosity)) matter%viscous_pressure(first:last) = &
+         merge(0.0_wp, matter%viscous_pressure(first:last), matter%failed(first:last) /= 0)
    end subroutine chain_update
 
    !> Pressure of the material, and the square of its wave speed without strength.
@@ -224,7 +270,11 @@ contains
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
-      if (allocated(self%eos)) then
+      if (allocated(self%voids)) then
+         call self%voids%squeeze(matter, deformation, first, last)
+         call self%eos%update(matter, deformation, first, last)
+         call self%voids%relax(matter, deformation, first, last)
+      else if (allocated(self%eos)) then
          call self%eos%update(matter, deformation, first, last)
          call self%eos%remember(matter, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
@@ -235,6 +285,8 @@ contains
       else
          deformation%wave_speed(:last - first + 1) = 0.0_wp
       end if
+      if (allocated(matter%bulking)) deformation%pressure(:last - first + 1) = &
+         deformation%pressure(:last - first + 1) + matter%bulking(first:last)
    end subroutine update_pressure
 
    !> Deviator of stress, and what strength adds to the square of the wave speed.
@@ -247,12 +299,40 @@ contains
       real(wp), intent(in) :: dt                         !! Time step [s]
 
       ! Before the law, so that what has no strength does not flow plastically.
-      if (allocated(self%fracture)) call drop_failed(first, last, matter%failed, matter%stress)
+      if (drops(self)) call drop_failed(first, last, matter%failed, matter%stress)
       if (allocated(self%melting)) &
          call drop_melted(first, last, self%melting, matter%temperature, matter%stress)
       call self%law%update(matter, deformation, first, last, dt)
       call self%law%stiffen(matter, deformation, first, last)
    end subroutine update_deviator
+
+   !> True if the law of strength must not see failed matter.
+   pure logical function drops(self) result(drop)
+      class(chain_t), intent(in) :: self                 !! The material
+
+      drop = .false.
+      if (allocated(self%fracture)) drop = allocated(self%remains) .or. &
+         .not. self%fracture%leaves_strength
+   end function drops
+
+   !> Let particles fail.
+   pure subroutine break_or_fail(self, matter, deformation, first, last)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (self%fracture%leaves_strength) then
+         call fail(first, last, self%fracture%strength, self%bulk, matter%volume, &
+            deformation%pressure, deformation%pressure_floor, matter%damage, matter%failed, &
+            deformation%plastic_work)
+      else
+         call break(first, last, self%fracture%strength, self%shear, self%bulk, matter%volume, &
+            matter%stress, deformation%pressure, deformation%pressure_floor, matter%damage, &
+            matter%failed, deformation%plastic_work)
+      end if
+   end subroutine break_or_fail
 
    !> Cut the tension or let particles fail.
    pure subroutine limit_tension(self, matter, deformation, first, last)
@@ -263,9 +343,7 @@ contains
       integer, intent(in) :: last                        !! Last particle of the range
 
       if (allocated(self%fracture)) then
-         call break(first, last, self%fracture%strength, self%shear, self%bulk, matter%volume, &
-            matter%stress, deformation%pressure, deformation%pressure_floor, matter%damage, &
-            matter%failed, deformation%plastic_work)
+         call break_or_fail(self, matter, deformation, first, last)
          if (.not. allocated(self%eos)) call open_voids(first, last, self%density, self%bulk, &
             matter%mass, matter%volume, matter%failed, deformation%pressure, &
             deformation%wave_speed)
@@ -300,10 +378,26 @@ contains
          deformation%pressure_floor(:last - first + 1) = max(self%law%least_pressure(), &
             deformation%pressure_floor(:last - first + 1))
       end if
+      ! Nobody needs the homologous temperature any more in this step.
+      if (allocated(self%voids)) &
+         deformation%homologous(:last - first + 1) = matter%temperature(first:last)
       call heat(first, last, self%heat%specific_heat, gamma_density, gamma, share, matter%mass, &
          matter%volume, deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
          deformation%plastic_work, deformation%viscous_work, matter%temperature)
+      if (allocated(self%voids)) call expand_grains(first, last, self%voids%expansion, &
+         matter%temperature, deformation%homologous, matter%solid_fraction)
    end subroutine update_temperature
+
+   !> True if nothing is left of a particle that bears stress.
+   pure logical function gone(self, matter, particle) result(nothing)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(in) :: matter           !! State of the store
+      integer, intent(in) :: particle                !! Which particle
+
+      nothing = .false.
+      if (.not. allocated(self%fracture)) return
+      nothing = self%fracture%leaves_nothing .and. matter%failed(particle) /= 0
+   end function gone
 
    !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.
    pure subroutine chain_stored_energy(self, matter, first, last, energy)
@@ -322,6 +416,7 @@ contains
             cycle
          end if
          energy(i) = 0.0_wp
+         if (gone(self, matter, k)) cycle
          limit = -huge(1.0_wp)
          if (allocated(self%law)) then
             energy(i) = self%law%stored(matter, k)
@@ -331,6 +426,7 @@ contains
             if (allocated(self%spall)) limit = max(limit, -self%spall%strength)
             if (allocated(matter%failed)) limit = merge(0.0_wp, limit, matter%failed(k) /= 0)
             volume = matter%volume(k)
+            if (allocated(matter%solid_fraction)) volume = volume*matter%solid_fraction(k)
             if (allocated(matter%plastic_dilation)) volume = volume*exp(-matter%plastic_dilation(k))
             energy(i) = energy(i) + self%eos%stored(matter%mass(k), volume, limit)
          else if (self%bulk_in_rate_form()) then

@@ -14,6 +14,8 @@ module material_effects
       logical :: strength = .true.                   !! Stress has a deviator
       logical :: eos = .true.                        !! Pressure from an equation of state
       logical :: damage = .false.                    !! Particles fail for good
+      logical :: size_scatter = .false.              !! Their strength scatters
+      logical :: voids = .false.                     !! Volume is more than that of the matter
       logical :: thermal = .false.                   !! Temperature follows the work
       logical :: melting = .false.                   !! No strength when melted
       logical :: viscosity = .true.                  !! Artificial viscosity of shocks
@@ -35,6 +37,10 @@ contains
       call schema%logical("effects", "eos", "pressure from an equation of state; else the mean "// &
          "stress follows a rate form", default=".true.")
       call schema%logical("effects", "damage", "particles fail for good", default=".false.")
+      call schema%logical("effects", "size_scatter", "the strength of particles scatters after "// &
+         "Weibull and falls with their size", default=".false.", owner="effects.damage")
+      call schema%logical("effects", "voids", "voids between grains and fragments open and close", &
+         default=".false.", owner="effects.eos")
       call schema%logical("effects", "thermal", "work and compression heat", default=".false.")
       call schema%logical("effects", "melting", "no strength and no tension above t_melt", &
          default=".false.", owner="effects.thermal")
@@ -52,6 +58,8 @@ contains
       call group%get("strength", self%strength)
       call group%get("eos", self%eos)
       call group%get("damage", self%damage)
+      call group%get("size_scatter", self%size_scatter)
+      call group%get("voids", self%voids)
       call group%get("thermal", self%thermal)
       call group%get("melting", self%melting)
       call group%get("artificial_viscosity", self%viscosity)

@@ -22,6 +22,9 @@ module material_matter
       real(wp), allocatable :: plastic_dilation(:)   !! Logarithm of volume gained by shear [1]
       real(wp), allocatable :: distension(:)         !! Of porous matter, solid over density [1]
       real(wp), allocatable :: damage(:)             !! 0 intact to 1 failed [1]
+      real(wp), allocatable :: scatter(:)            !! Random strength of its own [1]
+      real(wp), allocatable :: bulking(:)            !! Pressure gained by fracture [Pa]
+      real(wp), allocatable :: solid_fraction(:)     !! Share of the volume without voids [1]
       !> Gradient of place now to place at the start, dx_k/dX_l, column k + 3 (l - 1) (:, 9) [1].
       real(wp), allocatable :: deformation_gradient(:, :)
       integer(int64), allocatable :: failed(:)       !! Failure flag, 0 or 1, never averaged
@@ -43,6 +46,8 @@ module material_matter
       real(wp), allocatable :: loosening(:)          !! Logarithm of volume gained by shear [1]
       real(wp), allocatable :: distension(:)         !! Of porous matter after the step [1]
       real(wp), allocatable :: modulus(:)            !! Shear modulus over that at reference [1]
+      real(wp), allocatable :: share(:)              !! Of the dilatation, of matter itself [1]
+      real(wp), allocatable :: whole_volume(:)       !! Volume with its voids [m3]
       real(wp), allocatable :: wave_speed(:)         !! Limits the next time step (out) [m/s]
       real(wp), allocatable :: plastic_work(:)       !! Work into plastic flow in the step (out) [J]
       real(wp), allocatable :: viscous_work(:)       !! Work into artificial viscosity (out) [J]
@@ -71,6 +76,10 @@ contains
          call worker%scalar("plastic_dilation", "1", self%plastic_dilation)
       if (allocated(self%distension)) call worker%scalar("distension", "1", self%distension)
       if (allocated(self%damage)) call worker%scalar("damage", "1", self%damage)
+      if (allocated(self%scatter)) call worker%scalar("scatter", "1", self%scatter)
+      if (allocated(self%bulking)) call worker%scalar("bulking", "Pa", self%bulking)
+      if (allocated(self%solid_fraction)) &
+         call worker%scalar("solid_fraction", "1", self%solid_fraction)
       if (allocated(self%deformation_gradient)) &
          call worker%vector("deformation_gradient", "1", self%deformation_gradient)
       if (allocated(self%failed)) call worker%whole("failed", "1", self%failed)
@@ -89,12 +98,14 @@ contains
          if (size(self%dilatation) >= particles) return
          deallocate (self%gradient, self%old_volume, self%dilatation, self%pressure, &
             self%pressure_floor, self%homologous, self%plastic_increment, self%loosening, &
-            self%distension, self%modulus, self%wave_speed, self%plastic_work, self%viscous_work)
+            self%distension, self%modulus, self%share, self%whole_volume, &
+            self%wave_speed, self%plastic_work, self%viscous_work)
       end if
       n = 64*((particles + 63)/64) + 8
       allocate (self%gradient(n, 9), self%old_volume(n), self%dilatation(n), self%pressure(n), &
          self%pressure_floor(n), self%homologous(n), self%plastic_increment(n), &
          self%loosening(n), self%distension(n), self%modulus(n), self%wave_speed(n), &
+         self%share(n), self%whole_volume(n), &
          self%plastic_work(n), self%viscous_work(n))
    end subroutine deformation_reserve
 end module material_matter

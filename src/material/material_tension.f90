@@ -7,7 +7,7 @@ module material_tension
    implicit none
    private
 
-   public :: break, cut_tension, drop_failed, drop_melted, fracture_t, open_voids, spall_t, &
+   public :: break, cut_tension, fail,  drop_failed, drop_melted, fracture_t, open_voids, spall_t, &
       stiffen, stiffen_intact
 
    !> Tension cut-off that leaves no trace.
@@ -18,6 +18,8 @@ module material_tension
    !> Failure for good, by damage and by tension.
    type :: fracture_t
       real(wp) :: strength = huge(1.0_wp)            !! Tension at failure [Pa]
+      logical :: leaves_strength = .false.           !! Failed matter follows a law
+      logical :: leaves_nothing = .false.            !! Failed matter has no stress
    end type fracture_t
 
 contains
@@ -104,6 +106,37 @@ contains
          if (pressure(i) < 0.0_wp) pressure(i) = 0.0_wp
       end do
    end subroutine break
+
+   !> Let particles fail as above, but leave the deviator to the law of failed matter. Of the
+   !! elastic energy only that of the tension is lost.
+   pure subroutine fail(first, last, strength, bulk, volume, pressure, pressure_floor, damage, &
+      failed, plastic_work)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: strength               !! Tension at failure [Pa]
+      real(wp), intent(in) :: bulk                   !! Bulk modulus, 0 for a gas [Pa]
+      real(wp), contiguous, intent(in) :: volume(:)            !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: damage(:)         !! (store) [1]
+      integer(int64), contiguous, intent(inout) :: failed(:)   !! Flag of failure (store)
+      real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step (range) [J]
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         pressure_floor(i) = -strength
+         if (failed(k) == 0) then
+            if (damage(k) < 1.0_wp .and. pressure(i) > -strength) cycle
+            failed(k) = 1
+            damage(k) = 1.0_wp
+            if (bulk > 0.0_wp) plastic_work(i) = plastic_work(i) &
+               + volume(k)*0.5_wp*min(pressure(i), 0.0_wp)**2/bulk
+         end if
+         pressure_floor(i) = 0.0_wp
+         if (pressure(i) < 0.0_wp) pressure(i) = 0.0_wp
+      end do
+   end subroutine fail
 
    !> Without equation of state the mean stress does not know of voids: rubble less dense than the
    !! material bears no pressure, and no signal faster than that of the material runs through it.

@@ -2,7 +2,7 @@
 !> A material of the scene, and its keys in the deck.
 module material_type
    use base_deck, only: deck_t, group_t
-   use base_kinds, only: wp
+   use base_kinds, only: int64, wp
    use base_schema, only: schema_t
    use material_catalogue, only: choose_damage, choose_eos, choose_law, damage_names, eos_names, &
       law_names
@@ -11,6 +11,9 @@ module material_type
    use material_effects, only: effects_t
    use material_eos, only: eos_t
    use material_law, only: law_t
+   use material_presets, only: aluminium, glass, grains, metals
+   use material_remains, only: choose_remains, declare_remains
+   use material_voids, only: declare_voids, voids_t
    implicit none
    private
 
@@ -30,6 +33,9 @@ contains
       type(effects_t) :: effects
 
       call effects%declare(schema)
+      call schema%group("run", "identity and problem class")
+      call schema%integer("run", "seed", "all random numbers derive from it", default="12345", &
+         range=">= 0")
       call schema%group("method", "numerical method")
       call schema%real("method", "bulk_q1", "linear coefficient of artificial viscosity", &
          default="0.06", range=">= 0", owner="effects.artificial_viscosity")
@@ -37,6 +43,13 @@ contains
          default="4.0", range=">= 0", owner="effects.artificial_viscosity")
       call schema%group("material", "one material; flat keys, prefix = model", many=.true.)
       call schema%text("material", "name", "what bodies refer to")
+      call schema%text("material", "preset", "material of the library; it gives the keys that "// &
+         "the deck does not (scree --list materials, scree --explain NAME)", default="none", &
+         words="none")
+      call schema%preset("material", aluminium)
+      call schema%preset("material", metals)
+      call schema%preset("material", glass)
+      call schema%preset("material", grains)
       call declare_elasticity(schema)
       call declare_heat(schema)
       call declare_models(schema)
@@ -56,7 +69,8 @@ contains
       call schema%real("material", "bulk", "bulk modulus, with shear, instead of young and "// &
          "poisson", unit="Pa", range="> 0")
       call schema%real("material", "shear", "shear modulus, with bulk or where the equation of "// &
-         "state gives the bulk modulus", unit="Pa", range="> 0")
+         "state gives the bulk modulus", unit="Pa", range="> 0", &
+         owner="effects.strength & elastic = isotropic")
       call schema%text("material", "eos_model", "equation of state", default="linear", &
          owner="effects.eos")
       call schema%words("material", "eos_model", eos_names)
@@ -106,6 +120,8 @@ contains
          call choose_damage(damage_names(i), damage)
          call damage%declare(schema)
       end do
+      call declare_remains(schema)
+      call declare_voids(schema)
    end subroutine declare_models
 
    !> Make a material from its group. What the single keys cannot tell is checked here; the material
@@ -127,6 +143,7 @@ contains
       call group%get("density", self%density)
       call read_moduli(self, group)
       call read_models(self, group, effects, deck%group("method"))
+      call read_failure(self, group, effects, deck%group("run"))
    end subroutine material_read
 
    !> Allocate the models that are asked for.
@@ -206,14 +223,17 @@ contains
       type(effects_t), intent(in) :: effects         !! What is asked for
       type(deck_t), intent(inout) :: deck            !! Notes what is wrong
       character(len=:), allocatable :: strength, damage, fault
+      type(voids_t) :: no_voids
       real(wp) :: rate, reference, melting
       logical :: plastic
 
       plastic = .false.
       if (allocated(material%law)) plastic = material%law%plastic()
-      if (allocated(material%damage) .and. .not. plastic) call deck%complain(group, &
-         "this damage_model counts plastic strain and needs a strength_model that flows", &
-         "damage_model")
+      call check_failure(material, group, effects, plastic, deck)
+      if (effects%voids .and. allocated(material%eos)) then
+         fault = no_voids%fault(group)
+         if (len(fault) > 0) call deck%complain(group, fault)
+      end if
       if (.not. allocated(material%law) .and. .not. effects%eos) call deck%complain(group, &
          "a material without strength needs &effects eos = .true.")
       if (allocated(material%law)) then
@@ -251,6 +271,44 @@ contains
       end if
    end subroutine check_models
 
+   !> Failure that fits the law and the effects.
+   subroutine check_failure(material, group, effects, plastic, deck)
+      class(material_t), intent(in) :: material      !! The material with its models chosen
+      type(group_t), intent(in) :: group             !! &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+      logical, intent(in) :: plastic                 !! The law flows
+      type(deck_t), intent(inout) :: deck            !! Notes what is wrong
+      character(len=:), allocatable :: fault, word
+      logical :: scatters
+
+      scatters = .false.
+      if (allocated(material%damage)) then
+         scatters = material%damage%takes_scatter()
+         fault = material%damage%fault(group)
+         if (len(fault) > 0) call deck%complain(group, fault, "damage_model")
+         if (material%damage%needs_flow() .and. .not. plastic) call deck%complain(group, &
+            "this damage_model counts plastic strain and needs a strength_model that flows", &
+            "damage_model")
+         if (.not. has_shear(material)) call deck%complain(group, &
+            "damage_model needs a material with a shear modulus", "damage_model")
+      end if
+      call group%get("damage_model", word)
+      if ((effects%size_scatter .and. scatters .or. word == "grady_kipp") .and. &
+         .not. group%given("weibull_m")) call deck%complain(group, "weibull_m must be given")
+      if (group%given("weibull_m") .and. .not. (effects%size_scatter .or. word == "grady_kipp")) &
+         call deck%complain(group, "weibull_m needs &effects size_scatter = .true.", "weibull_m")
+      if (.not. group%given("failed_as")) return
+      if (.not. (allocated(material%damage) .or. group%given("spall"))) call deck%complain(group, &
+         "failed_as is given but nothing fails; give damage_model or spall", "failed_as")
+      call group%get("failed_as", word)
+      if (word == "granular" .and. .not. (group%given("failed_tau") .or. &
+         group%given("failed_gamma_c"))) call deck%complain(group, &
+         "failed_as = 'granular' needs failed_tau [s], failed_gamma_c or both", "failed_as")
+      if ((word == "granular" .or. word == "drucker_prager") .and. .not. has_shear(material)) &
+         call deck%complain(group, "failed matter with a law of its own needs a shear modulus", &
+         "failed_as")
+   end subroutine check_failure
+
    !> A law that gives the whole stress stands alone.
    subroutine check_whole(material, group, deck)
       class(material_t), intent(in) :: material      !! The material with its models chosen
@@ -264,8 +322,11 @@ contains
       if (group%given("eos_model") .and. eos /= "linear") call deck%complain(group, &
          "eos_model is not used, as strength_model = '"//strength//"' gives the whole stress; "// &
          "remove it", "eos_model")
-      if (allocated(material%damage) .and. material%law%plastic()) call deck%complain(group, &
-         "damage_model is not used by strength_model = '"//strength//"'; remove it", "damage_model")
+      if (allocated(material%damage)) then
+         if (material%law%plastic() .or. .not. material%damage%needs_flow()) &
+            call deck%complain(group, "damage_model is not used by strength_model = '"// &
+            strength//"'; remove it", "damage_model")
+      end if
       if (group%given("spall")) call deck%complain(group, &
          "spall is not used by strength_model = '"//strength//"'; remove it", "spall")
       if (group%given("t_melt")) call deck%complain(group, "t_melt is not used by "// &
@@ -309,8 +370,14 @@ contains
       type(effects_t), intent(in) :: effects         !! What is asked for
       type(group_t), intent(in) :: method_group      !! &method
 
+      if (effects%voids .and. allocated(material%eos)) then
+         allocate (material%voids)
+         call material%voids%read(group)
+      end if
       if (allocated(material%eos)) then
          material%eos%density = material%density
+         if (allocated(material%voids)) &
+            material%eos%density = material%density/material%voids%start
          material%eos%bulk = material%bulk
          call material%eos%read(group)
          material%bulk = material%eos%bulk
@@ -320,19 +387,14 @@ contains
          material%law%bulk = material%bulk
          material%law%density = material%density
          call material%law%read(group, effects)
+         ! What has neither cohesion nor tension is loose from the start.
+         if (allocated(material%voids)) &
+            material%voids%loose = material%law%least_pressure() >= 0.0_wp
       end if
-      if (allocated(material%damage)) call material%damage%read(group, effects)
       if (effects%viscosity) then
          allocate (material%viscosity)
          call method_group%get("bulk_q1", material%viscosity%linear)
          call method_group%get("bulk_q2", material%viscosity%quadratic)
-      end if
-      if (effects%damage .and. (allocated(material%damage) .or. group%given("spall"))) then
-         allocate (material%fracture)
-         if (group%given("spall")) call group%get("spall", material%fracture%strength)
-      else if (group%given("spall")) then
-         allocate (material%spall)
-         call group%get("spall", material%spall%strength)
       end if
       if (effects%thermal) then
          allocate (material%heat)
@@ -343,4 +405,39 @@ contains
          call group%get("t_melt", material%melting)
       end if
    end subroutine read_models
+
+   !> How the material fails, and what is left then.
+   subroutine read_failure(material, group, effects, run_group)
+      class(material_t), intent(inout) :: material   !! The material
+      type(group_t), intent(in) :: group             !! Its &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(group_t), intent(in) :: run_group         !! &run
+      character(len=:), allocatable :: word
+      integer :: seed
+
+      if (allocated(material%damage)) then
+         material%damage%shear = material%shear
+         material%damage%bulk = material%bulk
+         material%damage%density = material%density
+         call material%damage%read(group, effects)
+      end if
+      call run_group%get("seed", seed)
+      material%seed = int(seed, int64)
+      if (.not. effects%damage) then
+         if (.not. group%given("spall")) return
+         allocate (material%spall)
+         call group%get("spall", material%spall%strength)
+         return
+      end if
+      if (.not. (allocated(material%damage) .or. group%given("spall"))) return
+      allocate (material%fracture)
+      if (group%given("spall")) call group%get("spall", material%fracture%strength)
+      call group%get("failed_as", word)
+      call choose_remains(group, material%shear, material%bulk, material%density, &
+         material%remains)
+      material%fracture%leaves_nothing = word == "nothing"
+      material%fracture%leaves_strength = allocated(material%remains)
+      if (allocated(material%damage) .and. .not. group%given("failed_as")) &
+         material%fracture%leaves_strength = material%damage%leaves_strength()
+   end subroutine read_failure
 end module material_type

@@ -18,7 +18,8 @@ module transfer_places
       real(wp), allocatable :: weight(:, :, :)
       real(wp), allocatable :: slope(:, :, :)        !! The same: their mean derivatives [1/m]
       integer, allocatable :: low(:, :)              !! (particle, 3) First node that counts, 1 or 2
-      real(wp), allocatable :: share(:, :, :)        !! The same as weight: alpha times derivative
+      real(wp), allocatable :: whole(:, :, :)        !! The same as weight, of the dual gradient
+      real(wp), allocatable :: share(:, :, :)        !! The same: alpha times derivative
       real(wp), allocatable :: rest(:, :, :)         !! The same: (1 - alpha) times function
       real(wp), allocatable :: corner(:, :, :)       !! (corner, direction, particle) In its cell
       integer, allocatable :: corner_node(:, :)      !! (corner, particle) First node of that cell
@@ -90,10 +91,10 @@ contains
 
       if (allocated(self%share)) then
          if (size(self%share, 1) >= particles) return
-         deallocate (self%share, self%rest)
+         deallocate (self%whole, self%share, self%rest)
       end if
       n = room_for(particles)
-      allocate (self%share(n, line, 3), self%rest(n, line, 3))
+      allocate (self%whole(n, line, 3), self%share(n, line, 3), self%rest(n, line, 3))
    end subroutine places_reserve_split
 
    !> Make room for linear velocity fields. What was there is lost.

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Particle updates a second of an elastic block that flies: whole steps with sorting, no output.
 !!
-!! bench_block [CELLS] [ddmp|mpm|BASIS] [STEPS]   cells along each edge, 8 particles a cell,
+!! bench_block [CELLS] [ddmp|mpm|BASIS] [STEPS] [TRANSFER]   cells along each edge, 8 particles a cell,
 !! flying at 0.1 of its sound speed along a diagonal, in a box a quarter larger that is periodic.
 program bench_block
    use base_communicator, only: communicator_t
@@ -16,6 +16,7 @@ program bench_block
    use particle_fill, only: body_t
    use particle_shape, only: box
    use particle_store, only: traits_t
+   use transfer_catalogue, only: choose_velocity
    implicit none
 
    type(simulation_t) :: simulation
@@ -24,7 +25,7 @@ program bench_block
    type(traits_t) :: traits
    type(error_t), allocatable :: error
    integer :: cells, steps, step
-   character(len=32) :: word
+   character(len=32) :: word, transfer
    integer(int64) :: before, after, rate, updates
    real(wp) :: seconds
 
@@ -34,10 +35,14 @@ program bench_block
    if (len_trim(word) > 0) read (word, *) cells
    call get_command_argument(3, word)
    if (len_trim(word) > 0) read (word, *) steps
+   transfer = "flip"
+   call get_command_argument(4, word)
+   if (len_trim(word) > 0) transfer = word
    call get_command_argument(2, word)
    call simulation%communicator%start()
    if (len_trim(word) == 0) word = "ddmp"
    call simulation%method%choose(word == "ddmp", trim(word), "point")
+   call choose_velocity(trim(transfer), simulation%method%transfer)
    simulation%grid%margin = simulation%method%margin()
    simulation%grid%spacing = 1.0_wp
    simulation%grid%upper = real(cells + max(cells/4, 4), wp)

@@ -1,0 +1,91 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Presets of a deck: they give the keys of their group that the deck does not give and that apply.
+module base_deck_preset
+   use base_deck_check, only: applies
+   use base_deck_group, only: group_t
+   use base_deck_problems, only: problems_t
+   use base_deck_value, only: read_default, value_t
+   use base_preset, only: preset_entry_t
+   use base_schema, only: key_t, schema_t
+   implicit none
+   private
+
+   public :: apply_presets
+
+contains
+
+   !> Apply the presets that the groups ask for. Words that choose models stand first in a preset,
+   !! so that what belongs to them applies.
+   subroutine apply_presets(schema, problems, groups)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(group_t), intent(inout) :: groups(:)          !! All groups, with their defaults
+      character(len=:), allocatable :: name
+      integer :: i, p, e
+
+      if (.not. allocated(schema%presets)) return
+      do i = 1, size(groups)
+         if (.not. groups(i)%given("preset")) cycle
+         call groups(i)%get("preset", name)
+         do p = 1, size(schema%presets)
+            if (schema%presets(p)%name /= name) cycle
+            if (schema%presets(p)%group /= groups(i)%group) cycle
+            do e = 1, size(schema%presets(p)%entries)
+               call apply(schema, schema%presets(p)%entries(e), i, problems, groups)
+            end do
+         end do
+      end do
+   end subroutine apply_presets
+
+   !> Apply one value, unless the deck knows better.
+   subroutine apply(schema, entry, which, problems, groups)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(preset_entry_t), intent(in) :: entry          !! The value
+      integer, intent(in) :: which                       !! Index of the group
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(group_t), intent(inout) :: groups(:)          !! All groups
+      type(key_t) :: key
+      type(value_t) :: value
+      character(len=:), allocatable :: complaint, reason
+      integer :: i, line, place, rule
+
+      rule = schema%find(groups(which)%group)
+      place = schema%groups(rule)%find(entry%key)
+      line = groups(which)%line("preset")
+      if (place == 0) then
+         call problems%error(groups(which)%file("preset"), line, "the preset gives "// &
+            entry%key//", which is no key")
+         return
+      end if
+      if (groups(which)%given(entry%key)) return
+      do i = 1, size(entry%unless)
+         if (groups(which)%given(entry%unless(i)%text)) return
+      end do
+      if (.not. switched_on(entry%switch, groups)) return
+      key = schema%groups(rule)%keys(place)
+      if (.not. applies(schema, key, groups, which)) return
+      key%default = entry%value
+      call read_default(key, value, complaint)
+      reason = entry%key//" = "//entry%value
+      if (complaint /= "") call problems%error(groups(which)%file("preset"), line, &
+         "the preset gives "//reason//complaint)
+      value%given = .true.
+      value%line = line
+      value%file = groups(which)%file("preset")
+      groups(which)%values(place) = value
+   end subroutine apply
+
+   !> True if GROUP.KEY is .true., or nothing is asked for.
+   logical function switched_on(switch, groups) result(on)
+      character(len=*), intent(in) :: switch             !! GROUP.KEY or empty
+      type(group_t), intent(in) :: groups(:)             !! All groups
+      integer :: i, dot
+
+      on = switch == ""
+      dot = index(switch, ".")
+      do i = 1, size(groups)
+         if (on .or. dot == 0) return
+         if (groups(i)%group == switch(:dot - 1)) call groups(i)%get(switch(dot + 1:), on)
+      end do
+   end function switched_on
+end module base_deck_preset

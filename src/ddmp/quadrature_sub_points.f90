@@ -1,0 +1,217 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The mean of the modified gradient over sub-points that share the stress of a particle: T. R.
+!! Dhakal, D. Z. Zhang, J. Comput. Phys. 325 (2016) 301. The form is this program's own: sub-points
+!! lie on a lattice in the box of the particle, which stretches along the directions of the grid, so
+!! the means are products of means along the directions. Mass and velocity go to the nodes by means
+!! over the same box (basis cpgimp): else a node at a free surface would feel force without mass.
+module quadrature_sub_points
+   use base_kinds, only: wp
+   use ddmp_quadrature, only: quadrature_t
+   use mesh_grid, only: grid_t
+   use particle_store, only: store_t, traits_t
+   use transfer_lines, only: collect_lines, spread_lines
+   use transfer_places, only: line, places_t
+   implicit none
+   private
+
+   public :: quadrature_sub_points_t
+
+   integer, parameter :: points = 4                  !! Sub-points along a direction
+   integer, parameter :: after = line - 1            !! Layers of a block after the first one
+   !> Component (k, l) of a symmetric tensor
+   integer, parameter :: component(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
+
+   !> Means over sub-points.
+   type, extends(quadrature_t) :: quadrature_sub_points_t
+   contains
+      procedure :: margin => sub_margin              !! Nodes beyond a tile that boxes reach
+      procedure :: request => sub_request            !! Particles carry boxes that stretch
+      procedure :: locate => sub_locate              !! Means along the directions
+      procedure :: scatter_force => sub_scatter_force !! Force, volume and node stress
+      procedure :: gather_gradient => sub_gather_gradient !! Velocity gradient
+   end type quadrature_sub_points_t
+
+contains
+
+   !> Boxes reach into the cells next to that of the particle.
+   pure integer function sub_margin(self) result(margin)
+      class(quadrature_sub_points_t), intent(in) :: self     !! The rule
+
+      margin = 1
+   end function sub_margin
+
+   !> Particles carry half the edges of their boxes, and these stretch.
+   pure subroutine sub_request(self, traits)
+      class(quadrature_sub_points_t), intent(in) :: self     !! The rule
+      type(traits_t), intent(inout) :: traits                !! Fields of the stores
+
+      traits%extent = .true.
+      traits%stretching = .true.
+   end subroutine sub_request
+
+   !> Means of the functions, of alpha times their derivative, and of 1 - alpha times the functions.
+   pure subroutine sub_locate(self, grid, coordinate, store, tile, places)
+      class(quadrature_sub_points_t), intent(in) :: self     !! The rule
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
+      type(store_t), intent(in) :: store                     !! The particles
+      integer, intent(in) :: tile                            !! Index of the tile
+      type(places_t), intent(inout) :: places                !! What the maps need
+      integer :: direction, cell, from, to
+
+      call places%reserve_split(store%count(tile))
+      places%whole = 0.0_wp
+      places%share = 0.0_wp
+      places%rest = 0.0_wp
+      do direction = 1, 3
+         if (.not. grid%active(direction)) then
+            places%whole(:, 1, direction) = 1.0_wp
+            cycle
+         end if
+         do cell = 0, grid%tile_cells - 1
+            from = store%cell_start(cell, tile) + 1
+            to = store%cell_start(cell + 1, tile)
+            if (to >= from) call mean_cell(self, grid, direction, &
+               coordinate(direction)*grid%width(direction) + grid%cell_position(direction, cell), &
+               store%first(tile), from, to, store%extent, places)
+         end do
+      end do
+   end subroutine sub_locate
+
+   !> Means along one direction for the particles of a cell. Sub-points beyond the box of the grid,
+   !! or more than a cell away, are put on the border.
+   ! gate: long kernel because a cell is told by its range and place
+   pure subroutine mean_cell(rule, grid, direction, cell, first, from, to, extent, places)
+      class(quadrature_sub_points_t), intent(in) :: rule     !! alpha and blend
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: direction                       !! 1 to 3
+      integer, intent(in) :: cell                            !! Of the box along it, from 0
+      integer, intent(in) :: first                           !! First particle of the tile
+      integer, intent(in) :: from, to                        !! Particles of the cell, in the tile
+      real(wp), contiguous, intent(in) :: extent(:, :)       !! (particle, 3) Half edges [m]
+      type(places_t), intent(inout) :: places                !! Gets the means
+      real(wp) :: low, high, half, x, y, alpha, value(0:1), part
+      integer :: p, n, k, node
+
+      low = merge(0.0_wp, -1.0_wp, cell == 0 .and. .not. grid%periodic(direction))
+      high = merge(1.0_wp, 2.0_wp, cell == grid%cells(direction) - 1 .and. &
+         .not. grid%periodic(direction))
+      part = 1.0_wp/real(points, wp)
+      do p = from, to
+         half = extent(first + p - 1, direction)/grid%spacing
+         do n = 1, points
+            x = places%local(p, direction) + half*(2.0_wp*part*(real(n, wp) - 0.5_wp) - 1.0_wp)
+            x = min(max(x, low), high)
+            ! a point on the upper border belongs to the cell below it
+            k = min(floor(x), int(high) - 1)
+            y = x - real(k, wp)
+            alpha = 4.0_wp*rule%alpha_centre*y*(1.0_wp - y)
+            if (rule%smooth) y = y*y*(3.0_wp - 2.0_wp*y)
+            value = [1.0_wp - y, y]
+            do node = 0, 1
+               associate (at => k + node + 2)
+                  places%whole(p, at, direction) = places%whole(p, at, direction) + part*value(node)
+                  places%share(p, at, direction) = places%share(p, at, direction) &
+                     + part*alpha*real(2*node - 1, wp)/grid%spacing
+                  places%rest(p, at, direction) = places%rest(p, at, direction) &
+                     + part*(1.0_wp - alpha)*value(node)
+               end associate
+            end do
+         end do
+      end do
+   end subroutine mean_cell
+
+   !> Force, volume and node stress.
+   pure subroutine sub_scatter_force(self, grid, start, first, places, volume, stress, patch)
+      class(quadrature_sub_points_t), intent(in) :: self     !! The rule
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: basis(start(grid%tile_cells), line, 3)
+      integer :: low(start(grid%tile_cells), 3), p, k, l, count
+
+      count = start(grid%tile_cells)
+      call put_on(places, count, basis, low)
+      places%values(:count, 1) = volume(first:first + count - 1)
+      call spread_lines(grid, layers(grid), start, places, 1, places%values, 7, patch)
+      do l = 1, 3
+         if (.not. grid%active(l)) cycle
+         do k = 1, 3
+            do p = 1, count
+               places%values(p, k) = volume(first + p - 1)*stress(first + p - 1, component(k, l))
+            end do
+         end do
+         places%weight(:count, :, l) = -places%share(:count, :, l)
+         call spread_lines(grid, layers(grid), start, places, 3, places%values, 4, patch)
+         places%weight(:count, :, l) = places%rest(:count, :, l)
+         call spread_lines(grid, layers(grid), start, places, 3, places%values, 5 + 3*l, patch)
+         places%weight(:count, :, l) = places%whole(:count, :, l)
+      end do
+      places%weight(:count, :, :) = basis
+      places%low(:count, :) = low
+   end subroutine sub_scatter_force
+
+   !> Velocity gradient.
+   pure subroutine sub_gather_gradient(self, grid, start, places, nodes, node_gradient, scale, &
+      gradient)
+      class(quadrature_sub_points_t), intent(in) :: self     !! The rule
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
+      real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
+      real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
+      real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
+      real(wp) :: basis(start(grid%tile_cells), line, 3), column(3, size(nodes, 2))
+      integer :: low(start(grid%tile_cells), 3), p, k, l, count
+
+      count = start(grid%tile_cells)
+      call put_on(places, count, basis, low)
+      do l = 1, 3
+         if (.not. grid%active(l)) then
+            gradient(:count, 3*l - 2:3*l) = 0.0_wp
+            cycle
+         end if
+         column = node_gradient(3*l - 2:3*l, :)
+         places%weight(:count, :, l) = places%share(:count, :, l)
+         call collect_lines(grid, layers(grid), start, places, size(nodes, 2), nodes, 0, &
+            places%values)
+         places%weight(:count, :, l) = places%rest(:count, :, l)
+         call collect_lines(grid, layers(grid), start, places, size(nodes, 2), column, 3, &
+            places%values)
+         places%weight(:count, :, l) = places%whole(:count, :, l)
+         do k = 1, 3
+            do p = 1, count
+               gradient(p, k + 3*(l - 1)) = scale*(places%values(p, k) + places%values(p, 3 + k))
+            end do
+         end do
+      end do
+      places%weight(:count, :, :) = basis
+      places%low(:count, :) = low
+   end subroutine sub_gather_gradient
+
+   !> Put the functions of the dual gradient where the maps look for functions, and keep those of the
+   !! basis.
+   pure subroutine put_on(places, count, basis, low)
+      type(places_t), intent(inout) :: places                !! Of the tile
+      integer, intent(in) :: count                           !! Particles of the tile
+      real(wp), contiguous, intent(inout) :: basis(:, :, :)  !! (particle of the tile, node, 3)
+      integer, contiguous, intent(inout) :: low(:, :)        !! (particle of the tile, 3)
+
+      basis = places%weight(:count, :, :)
+      low = places%low(:count, :)
+      places%weight(:count, :, :) = places%whole(:count, :, :)
+      places%low(:count, :) = 1
+   end subroutine put_on
+
+   !> Layers of a block after the first one.
+   pure integer function layers(grid) result(number)
+      type(grid_t), intent(in) :: grid                       !! The grid
+
+      number = merge(after, 0, grid%active(3))
+   end function layers
+end module quadrature_sub_points

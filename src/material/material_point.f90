@@ -1,0 +1,259 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> One material point that is driven along a path, without grid, by the chain that particles run
+!! through.
+!!
+!! Where the energy is carried it gets the work of the mean of the stresses before and after a step.
+module material_point
+   use base_kinds, only: wp
+   use material_chain, only: chain_t
+   use material_matter, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: point_t
+
+   !> What is done to the point, and the point.
+   type :: point_t
+      character(len=:), allocatable :: path          !! Word of the deck
+      real(wp) :: rate = 1.0_wp                      !! Rate of strain or shear [1/s]
+      real(wp) :: strain = 0.0_wp                    !! At the end, logarithmic or of shear [1]
+      integer :: steps = 100                         !! From the start to it
+      logical :: returns = .false.                   !! And back again, in as many steps
+      real(wp) :: confinement = 0.0_wp               !! Pressure from the sides [Pa]
+      real(wp) :: direction(9) = 0.0_wp !! Velocity gradient over the rate, k + 3 (l - 1) [1]
+      real(wp) :: speed = 0.0_wp                     !! Greatest particle speed of shocks [m/s]
+      real(wp) :: temperature = 293.0_wp             !! At the start [K]
+      real(wp) :: volume = 1.0e-9_wp                 !! At the start [m3]
+      type(matter_t) :: matter                       !! State
+      type(deformation_t) :: deformation             !! Step
+   contains
+      procedure :: start => point_start              !! Puts the point at rest
+      procedure :: run => point_run                  !! Drives it along its path
+      procedure :: header => point_header            !! Names of the columns
+      procedure, private :: row => point_row         !! Its state as numbers
+   end type point_t
+
+   integer, parameter :: most_iterations = 100
+
+contains
+
+   !> Put the point at rest.
+   pure subroutine point_start(self, chain)
+      class(point_t), intent(inout) :: self          !! The point
+      class(chain_t), intent(in) :: chain            !! Its material
+
+      call chain%request(self%matter, 1)
+      call self%deformation%reserve(1)
+      self%matter%volume = self%volume
+      self%matter%mass = chain%density*self%volume
+      call chain%start(self%matter, 1, 1, self%temperature)
+      self%deformation%gradient = 0.0_wp
+      self%deformation%wave_speed(1) = chain%signal_speed(self%matter, 1, 1)
+      select case (self%path)
+      case ("uniaxial_strain", "triaxial")
+         self%direction = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
+      case ("hydrostatic")
+         self%direction = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp] &
+            /3.0_wp
+      case ("shear")
+         self%direction = [0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
+      case default
+      end select
+   end subroutine point_start
+
+   !> Drive the point; a row of the table for the start and one for each step.
+   pure subroutine point_run(self, chain, table)
+      class(point_t), intent(inout) :: self          !! The point
+      class(chain_t), intent(in) :: chain            !! Its material
+      real(wp), allocatable, intent(out) :: table(:, :) !! (column, row)
+      real(wp) :: increment, dt, lateral, done
+      integer :: step, steps
+
+      call self%start(chain)
+      if (self%path == "hugoniot") then
+         call shock(self, chain, table)
+         return
+      end if
+      lateral = 0.0_wp
+      if (self%path == "triaxial") call confine(self, chain)
+      steps = merge(2, 1, self%returns)*self%steps
+      allocate (table(size(self%row(0.0_wp, 0.0_wp)), steps + 1))
+      dt = abs(self%strain/(self%rate*real(self%steps, wp)))
+      table(:, 1) = self%row(0.0_wp, 0.0_wp)
+      done = 0.0_wp
+      do step = 1, steps
+         increment = self%strain/real(self%steps, wp)
+         if (step > self%steps) increment = -increment
+         if (self%path == "triaxial") then
+            call balance(self, chain, increment*self%direction, [5, 9], dt, lateral)
+         else
+            call advance(chain, increment*self%direction, dt, self%matter, self%deformation)
+         end if
+         done = done + increment
+         table(:, step + 1) = self%row(real(step, wp)*dt, done)
+      end do
+   end subroutine point_run
+
+   !> One step with a gradient that is referred to its middle.
+   pure subroutine advance(chain, gradient, dt, matter, deformation)
+      class(chain_t), intent(in) :: chain                !! The material
+      real(wp), intent(in) :: gradient(9)                !! dt du_k/dx_l [1]
+      real(wp), intent(in) :: dt                         !! Time step [s]
+      type(matter_t), intent(inout) :: matter            !! State of the point
+      type(deformation_t), intent(inout) :: deformation  !! Step of the point
+      real(wp), parameter :: spacing = 1.0e-3_wp         !! Of no meaning without viscosity [m]
+      type(matter_t) :: before
+      real(wp) :: volume, power
+      integer :: pass
+
+      before = matter
+      volume = before%volume(1)*(1.0_wp + 0.5_wp*(gradient(1) + gradient(5) + gradient(9)))
+      do pass = 1, 4
+         if (pass > 1 .and. .not. allocated(matter%energy)) exit
+         power = 0.5_wp*(work(before%stress(1, :), gradient) + work(matter%stress(1, :), gradient))
+         matter = before
+         if (allocated(matter%energy)) &
+            matter%energy(1) = before%energy(1) + volume*power/matter%mass(1)
+         deformation%gradient(1, :) = gradient
+         call chain%update(matter, deformation, 1, 1, dt, spacing)
+      end do
+   end subroutine advance
+
+   !> Stress times gradient.
+   pure real(wp) function work(stress, gradient)
+      real(wp), intent(in) :: stress(:)                  !! [Pa]
+      real(wp), intent(in) :: gradient(9)                !! [1]
+
+      work = stress(1)*gradient(1) + stress(2)*gradient(5) + stress(3)*gradient(9) &
+         + stress(4)*(gradient(2) + gradient(4)) + stress(5)*(gradient(6) + gradient(8)) &
+         + stress(6)*(gradient(3) + gradient(7))
+   end function work
+
+   !> One step in which some diagonal components of the gradient, all the same, hold the pressure
+   !! from the sides: secants, and bisection where these leave the bracket that was found.
+   pure subroutine balance(point, chain, gradient, places, dt, lateral)
+      type(point_t), intent(inout) :: point          !! The point
+      class(chain_t), intent(in) :: chain            !! Its material
+      real(wp), intent(in) :: gradient(9)            !! The other components [1]
+      integer, intent(in) :: places(:)               !! Which components are found
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(inout) :: lateral             !! Last and new value [1]
+      type(matter_t) :: before
+      real(wp) :: whole(9), low, high, excess, width, slope
+      integer :: iteration
+
+      before = point%matter
+      whole = gradient
+      slope = chain%bulk + 4.0_wp/3.0_wp*chain%shear
+      width = 4.0_wp*(maxval(abs(gradient)) + abs(lateral)) &
+         + 4.0_wp*abs(before%stress(1, 2) + point%confinement)/slope
+      low = lateral - width
+      high = lateral + width
+      do iteration = 1, most_iterations
+         lateral = 0.5_wp*(low + high)
+         whole(places) = lateral
+         point%matter = before
+         call advance(chain, whole, dt, point%matter, point%deformation)
+         excess = point%matter%stress(1, 2) + point%confinement
+         if (abs(excess) <= 1.0e-12_wp*slope*width) exit
+         if (excess > 0.0_wp) then
+            high = lateral
+         else
+            low = lateral
+         end if
+      end do
+   end subroutine balance
+
+   !> Load the point from all sides.
+   pure subroutine confine(point, chain)
+      type(point_t), intent(inout) :: point          !! The point
+      class(chain_t), intent(in) :: chain            !! Its material
+      integer, parameter :: steps = 50
+      real(wp) :: lateral, whole, none(9)
+      integer :: step
+
+      if (.not. point%confinement > 0.0_wp) return
+      lateral = 0.0_wp
+      none = 0.0_wp
+      whole = point%confinement
+      do step = 1, steps
+         point%confinement = whole*real(step, wp)/real(steps, wp)
+         call balance(point, chain, none, [1, 5, 9], 1.0_wp/point%rate, lateral)
+      end do
+   end subroutine confine
+
+   !> States behind shocks of growing speed u in matter at rest: p = rho0 u**2/(1 - r) and e =
+   !! u**2/2 with r = rho0/rho, where p is that of the chain.
+   pure subroutine shock(point, chain, table)
+      type(point_t), intent(inout) :: point          !! The point
+      class(chain_t), intent(in) :: chain            !! Its material
+      real(wp), allocatable, intent(out) :: table(:, :) !! (column, row)
+      real(wp) :: low, high, ratio, speed, pressure
+      integer :: step, iteration
+
+      allocate (table(5, point%steps))
+      do step = 1, point%steps
+         speed = point%speed*real(step, wp)/real(point%steps, wp)
+         low = 0.02_wp
+         high = 1.0_wp
+         do iteration = 1, most_iterations
+            ratio = 0.5_wp*(low + high)
+            call point%start(chain)
+            point%matter%volume = point%volume*ratio
+            if (allocated(point%matter%energy)) point%matter%energy = 0.5_wp*speed**2
+            call chain%settle(point%matter, 1, 1)
+            pressure = -sum(point%matter%stress(1, 1:3))/3.0_wp
+            if (pressure*(1.0_wp - ratio) > chain%density*speed**2) then
+               low = ratio
+            else
+               high = ratio
+            end if
+         end do
+         table(:, step) = [speed, speed/(1.0_wp - ratio), pressure, chain%density/ratio, &
+            0.5_wp*speed**2]
+      end do
+   end subroutine shock
+
+   !> Names of the columns, with commas between them.
+   pure function point_header(self) result(text)
+      class(point_t), intent(in) :: self             !! The point, started
+      character(len=:), allocatable :: text
+
+      if (self%path == "hugoniot") then
+         text = "particle_speed,shock_speed,pressure,density,energy"
+         return
+      end if
+      text = "time,strain,density,xx,yy,zz,xy,yz,xz,pressure,mises,wave_speed"
+      if (allocated(self%matter%energy)) text = text//",energy"
+      if (allocated(self%matter%temperature)) text = text//",temperature"
+      if (allocated(self%matter%plastic_strain)) text = text//",plastic_strain"
+      if (allocated(self%matter%damage)) text = text//",damage"
+      if (allocated(self%matter%failed)) text = text//",failed"
+      if (allocated(self%matter%distension)) text = text//",distension"
+      if (allocated(self%matter%solid_fraction)) text = text//",solid_fraction"
+   end function point_header
+
+   !> The state as numbers.
+   pure function point_row(self, time, strain) result(row)
+      class(point_t), intent(in) :: self             !! The point
+      real(wp), intent(in) :: time                   !! [s]
+      real(wp), intent(in) :: strain                 !! [1]
+      real(wp), allocatable :: row(:)
+      real(wp) :: pressure, mises
+
+      associate (matter => self%matter)
+         pressure = -sum(matter%stress(1, 1:3))/3.0_wp
+         mises = sqrt(1.5_wp*(sum((matter%stress(1, 1:3) + pressure)**2) &
+            + 2.0_wp*sum(matter%stress(1, 4:6)**2)))
+         row = [time, strain, matter%mass(1)/matter%volume(1), matter%stress(1, :), pressure, &
+            mises, self%deformation%wave_speed(1)]
+         if (allocated(matter%energy)) row = [row, matter%energy(1)]
+         if (allocated(matter%temperature)) row = [row, matter%temperature(1)]
+         if (allocated(matter%plastic_strain)) row = [row, matter%plastic_strain(1)]
+         if (allocated(matter%damage)) row = [row, matter%damage(1)]
+         if (allocated(matter%failed)) row = [row, real(matter%failed(1), wp)]
+         if (allocated(matter%distension)) row = [row, matter%distension(1)]
+         if (allocated(matter%solid_fraction)) row = [row, matter%solid_fraction(1)]
+      end associate
+   end function point_row
+end module material_point

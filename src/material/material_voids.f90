@@ -1,0 +1,235 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Voids between the grains or fragments of a particle. The volume V of a particle is that of the
+!! motion; matter of its own density rho fills the share theta of it, m = theta rho V.
+!!
+!! The dilatation of the matter is alpha times that of the motion and B (D. Z. Zhang, X. Ma, B.
+!! Jayaraman, LA-UR-11-06616), so that
+!!
+!!    d ln rho = -(alpha d ln V + B dt),   d ln theta = (alpha - 1) d ln V + B dt
+!!
+!! Only theta is carried. Where alpha is 0 theta V is kept to round-off, and so is rho: voids open
+!! and close without pressure, and closed ones leave the pressure of the volume alone.
+module material_voids
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use material_matter, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: declare_voids, expand_grains, voids_t
+
+   !> Rules of the voids of a material.
+   type :: voids_t
+      logical :: opens = .true.                      !! Voids of loose matter open and close
+      logical :: crushes = .false.                   !! Pressed grains close them for good
+      logical :: loose = .false.                     !! All matter is loose, not failed one only
+      real(wp) :: start = 1.0_wp                     !! theta of the reference state [1]
+      real(wp) :: critical = 1.0_wp                  !! theta from which on grains touch [1]
+      real(wp) :: shearing = 0.0_wp                  !! Of B: -d ln theta for a unit of shear [1]
+      real(wp) :: expansion = 0.0_wp                 !! Of B: thermal expansion of volume [1/K]
+   contains
+      procedure :: read => voids_read                !! Reads the keys
+      procedure :: fault => voids_fault              !! What is wrong with them
+      procedure :: choose => voids_choose            !! Which share matter takes of the motion
+      procedure :: open => voids_open                !! Opens and closes voids
+      procedure :: squeeze => voids_squeeze          !! Volume becomes that of the matter
+      procedure :: relax => voids_relax              !! And back again
+   end type voids_t
+
+contains
+
+   !> Declare the keys.
+   subroutine declare_voids(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%text("material", "alpha_m", "share of the dilatation that the matter itself "// &
+         "takes: one, all; open_when_failed, none in failed or loose matter that opens or "// &
+         "whose grains do not touch; crush, also less than all until pressed grains leave no "// &
+         "voids", &
+         default="open_when_failed", words="one open_when_failed crush", owner="effects.voids")
+      call schema%real("material", "solid_fraction", "share of the volume that matter fills in "// &
+         "the reference state", default="1", range="> 0 <= 1", owner="effects.voids")
+      call schema%real("material", "critical_packing", "share from which on grains touch; "// &
+         "default: solid_fraction", range="> 0 <= 1", owner="effects.voids")
+      call schema%real("material", "b_shear", "voids that shear opens in pressed loose matter: "// &
+         "logarithm of volume for a unit of shear strain", default="0", range=">= 0", &
+         owner="effects.voids")
+      call schema%real("material", "b_thermal", "thermal expansion of the volume of grains, "// &
+         "which closes voids", unit="1/K", default="0", range=">= 0", &
+         owner="effects.voids & effects.thermal")
+   end subroutine declare_voids
+
+   !> What is wrong with the keys taken together; empty if nothing is.
+   pure function voids_fault(self, group) result(text)
+      class(voids_t), intent(in) :: self             !! The rules
+      type(group_t), intent(in) :: group             !! &material
+      character(len=:), allocatable :: text
+      character(len=:), allocatable :: eos, law
+      real(wp) :: dilation
+
+      text = ""
+      call group%get("eos_model", eos)
+      call group%get("strength_model", law)
+      dilation = 0.0_wp
+      if (group%given("dilation_angle")) call group%get("dilation_angle", dilation)
+      if (eos == "p_alpha") then
+         text = "eos_model = 'p_alpha' has pores of its own; remove it or &effects voids"
+      else if (dilation > 0.0_wp) then
+         text = "with &effects voids shear opens them by b_shear, not by dilation_angle"
+      else if (law == "jh2") then
+         text = "strength_model = 'jh2' makes pressure of its own; remove &effects voids"
+      end if
+   end function voids_fault
+
+   !> Read the keys.
+   pure subroutine voids_read(self, group)
+      class(voids_t), intent(inout) :: self          !! The rules
+      type(group_t), intent(in) :: group             !! &material
+      character(len=:), allocatable :: rule
+
+      call group%get("alpha_m", rule)
+      self%opens = rule /= "one"
+      self%crushes = rule == "crush"
+      call group%get("solid_fraction", self%start)
+      self%critical = self%start
+      if (group%given("critical_packing")) call group%get("critical_packing", self%critical)
+      call group%get("b_shear", self%shearing)
+      call group%get("b_thermal", self%expansion)
+   end subroutine voids_read
+
+   !> Which share of the dilatation the matter takes in the step, from the stress before it.
+   pure subroutine voids_choose(self, matter, deformation, first, last)
+      class(voids_t), intent(in) :: self                   !! The rules
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      integer :: count, k
+
+      count = last - first + 1
+      deformation%homologous(:count) = merge(1.0_wp, 0.0_wp, self%loose)
+      if (allocated(matter%failed)) deformation%homologous(:count) = &
+         max(deformation%homologous(:count), real(matter%failed(first:last), wp))
+      do k = first, last
+         deformation%loosening(k - first + 1) = -(matter%stress(k, 1) + matter%stress(k, 2) &
+            + matter%stress(k, 3))/3.0_wp
+      end do
+      if (allocated(matter%viscous_pressure)) deformation%loosening(:count) = &
+         deformation%loosening(:count) - matter%viscous_pressure(first:last)
+      call choose(first, last, self, deformation%gradient, deformation%homologous, &
+         deformation%loosening, matter%solid_fraction, deformation%share)
+   end subroutine voids_choose
+
+   !> Kernel of the above, with the voids that shear opens.
+   pure subroutine choose(first, last, voids, gradient, loose, pressure, solid_fraction, share)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      type(voids_t), intent(in) :: voids             !! The rules
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
+      real(wp), contiguous, intent(in) :: loose(:)   !! 1 if voids can open, else 0 (range) [1]
+      real(wp), contiguous, intent(in) :: pressure(:)        !! Before the step (range) [Pa]
+      real(wp), contiguous, intent(inout) :: solid_fraction(:) !! (store) [1]
+      real(wp), contiguous, intent(inout) :: share(:)        !! alpha (range) [1]
+      real(wp) :: trace, mean, shear, theta, alpha, crushing
+      integer :: i, k
+
+      crushing = 0.0_wp
+      if (voids%crushes .and. voids%critical < 1.0_wp) crushing = 1.0_wp/(1.0_wp - voids%critical)
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         trace = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
+         mean = trace/3.0_wp
+         shear = sqrt(2.0_wp*((gradient(i, 1) - mean)**2 + (gradient(i, 5) - mean)**2 &
+            + (gradient(i, 9) - mean)**2) + (gradient(i, 2) + gradient(i, 4))**2 &
+            + (gradient(i, 3) + gradient(i, 7))**2 + (gradient(i, 6) + gradient(i, 8))**2)
+         theta = solid_fraction(k)
+         ! Pressed grains climb over each other, until they are as loose as they can be.
+         solid_fraction(k) = merge(max(min(theta, voids%critical), &
+            theta*(1.0_wp - voids%shearing*shear)), theta, &
+            loose(i) > 0.5_wp .and. pressure(i) > 0.0_wp)
+         theta = solid_fraction(k)
+         alpha = merge(min(1.0_wp, (theta - voids%critical)*crushing), 1.0_wp, &
+            crushing > 0.0_wp .and. trace < 0.0_wp)
+         alpha = merge(0.0_wp, alpha, (trace > 0.0_wp .and. pressure(i) <= 0.0_wp) .or. &
+            (trace <= 0.0_wp .and. theta < voids%critical))
+         share(i) = merge(alpha, 1.0_wp, voids%opens .and. loose(i) > 0.5_wp)
+      end do
+   end subroutine choose
+
+   !> Open and close voids, with the volume before and after the step.
+   pure subroutine voids_open(self, matter, deformation, first, last)
+      class(voids_t), intent(in) :: self                   !! The rules
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(in) :: deformation       !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+
+      call open_or_close(first, last, self%critical, matter%volume, deformation%old_volume, &
+         deformation%share, matter%solid_fraction)
+   end subroutine voids_open
+
+   !> Kernel of the above. What closes voids beyond the touching of grains is left to the matter.
+   pure subroutine open_or_close(first, last, critical, volume, old_volume, share, solid_fraction)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: critical               !! theta from which on grains touch [1]
+      real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
+      real(wp), contiguous, intent(in) :: old_volume(:)      !! Before it (range) [m3]
+      real(wp), contiguous, intent(in) :: share(:)           !! alpha (range) [1]
+      real(wp), contiguous, intent(inout) :: solid_fraction(:) !! (store) [1]
+      real(wp) :: most, theta
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         most = merge(critical, 1.0_wp, solid_fraction(k) < critical .and. share(i) <= 0.0_wp)
+         theta = solid_fraction(k)*(share(i) + (1.0_wp - share(i))*(old_volume(i)/volume(k)))
+         solid_fraction(k) = merge(solid_fraction(k), min(theta, most), share(i) >= 1.0_wp)
+      end do
+   end subroutine open_or_close
+
+   !> Give laws of the matter its own volume.
+   pure subroutine voids_squeeze(self, matter, deformation, first, last)
+      class(voids_t), intent(in) :: self                   !! The rules
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+
+      deformation%whole_volume(:last - first + 1) = matter%volume(first:last)
+      matter%volume(first:last) = matter%volume(first:last)*matter%solid_fraction(first:last)
+   end subroutine voids_squeeze
+
+   !> Volume becomes that of the motion again, and the pressure that on a whole surface. Where voids
+   !! open or close there is none: round-off of it would stop the opening.
+   pure subroutine voids_relax(self, matter, deformation, first, last)
+      class(voids_t), intent(in) :: self                   !! The rules
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+
+      matter%volume(first:last) = deformation%whole_volume(:last - first + 1)
+      deformation%pressure(:last - first + 1) = merge(deformation%pressure(:last - first + 1) &
+         *matter%solid_fraction(first:last), 0.0_wp, deformation%share(:last - first + 1) > 0.0_wp)
+   end subroutine voids_relax
+
+   !> Let heated grains fill voids: B = expansion dT/dt.
+   pure subroutine expand_grains(first, last, expansion, temperature, old_temperature, &
+      solid_fraction)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: expansion              !! Thermal, of the volume [1/K]
+      real(wp), contiguous, intent(in) :: temperature(:)     !! After the step (store) [K]
+      real(wp), contiguous, intent(in) :: old_temperature(:) !! Before it (range) [K]
+      real(wp), contiguous, intent(inout) :: solid_fraction(:) !! (store) [1]
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         solid_fraction(k) = min(1.0_wp, solid_fraction(k) &
+            *(1.0_wp + expansion*(temperature(k) - old_temperature(i))))
+      end do
+   end subroutine expand_grains
+end module material_voids

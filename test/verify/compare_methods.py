@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One table over all problems of verification and the main ways to compute.
+
+    python test/verify/compare_methods.py --scree build/bin/scree --work FOLDER [--table FILE] [--only WORD]
+
+runs every problem with every way and writes FOLDER/comparison.json and the table in Markdown. A figure is
+the one that decides: an error against the closed solution, or a change of energy. A run that fails is
+`x`; figures that are above the limit of their row are in brackets. The last line counts the rows in
+which a way is within the limit, the line above it is the mean over the rows of log10(figure/limit),
+with a figure counted as no less than a hundredth and no more than a hundred times the limit, so that no
+single row decides. `--only` takes the rows whose name holds a word.
+"""
+
+import argparse
+import importlib.util
+import json
+import re
+import resource
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "support"))
+import bodies  # noqa: E402
+import case    # noqa: E402
+
+WAYS = {  # heading: method, words of &method
+    "ddmp": ("ddmp", ""),
+    "ddmp flip": ("ddmp", "transfer='flip'"),
+    "ddmp aflip": ("ddmp", "transfer='aflip'"),
+    "ddmp apic": ("ddmp", "transfer='apic'"),
+    "ddmp xpic": ("ddmp", "transfer='xpic'"),
+    "ddmp musl": ("ddmp", "stress_update='musl'"),
+    "ddmp usf": ("ddmp", "stress_update='usf'"),
+    "ddmp control": ("ddmp", "quadrature='control'"),
+    "ddmp linear blend": ("ddmp", "blend='linear'"),
+    "ddmp product": ("ddmp", "alpha='product'"),
+    "ddmp paper": ("ddmp", "paper=.true."),
+    "mpm": ("mpm", ""),
+    "gimp": ("mpm", "basis='gimp'"),
+    "quadratic": ("mpm", "basis='quadratic'"),
+    "quadratic rflip": ("mpm", "basis='quadratic' transfer='rflip'"),
+    "quadratic usl": ("mpm", "basis='quadratic' transfer='rflip' stress_update='usl'"),
+    "cubic rflip": ("mpm", "basis='cubic' transfer='rflip'"),
+}
+FURTHER = {  # if the program has them
+    "ddmp sub": ("ddmp", "quadrature='sub'"),
+    "cpdi": ("mpm", "basis='cpdi'"),
+    "cpdi rflip": ("mpm", "basis='cpdi' transfer='rflip'"),
+}
+LARGEST = 100.0        # a figure counts in the mean as no more than this many limits, and no less than 1/this
+
+WAVES = """
+&run  dimension='1d'  method='{method}' /
+&grid  lo=0,0,0  hi=1,1,1  dx=0.015625 /
+&time  t_end=0.01  cfl=0.2 /
+&method  {words} /
+&effects  artificial_viscosity=.false. /
+&material  name='rubber'  density=1  young=1.0e4  poisson=0  strength_model='neo_hookean' /
+&region  name='bar'  shape='box'  lo=0,0,0  hi=1,1,1 /
+&body  name='bar'  region='bar'  material='rubber'  ppc=4,1,1 /
+&boundary  face='all'  type='symmetry' /
+&exact  solution='axis_aligned'  amplitude=0.1 /
+"""
+
+VORTEX = """
+&run  dimension='plane_strain'  method='{method}' /
+&grid  lo=-1.5,0,-1.5  hi=1.5,1,1.5  dx=0.05 /
+&time  t_end=0.45 /
+&method  {words} /
+&effects  artificial_viscosity=.false. /
+&material  name='rubber'  density=1000  young=1000  poisson=0.3  strength_model='neo_hookean' /
+&region  name='outer'  shape='cylinder'  axis=0,1,0  centre=0,0.5,0  radius=1.25  height=4 /
+&region  name='inner'  shape='cylinder'  axis=0,1,0  centre=0,0.5,0  radius=0.75  height=4 /
+&region  name='ring'  shape='difference'  of='outer','inner' /
+&body  name='ring'  region='ring'  material='rubber'  ppc=3,1,3 /
+&exact  solution='vortex'  frequency=0.5 /
+"""
+
+
+def load(place):
+    """The module of a test, for its deck and its closed solution."""
+    path = HERE / place
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def waves(options, name, method, words):
+    """Greatest error in time of manufactured waves of a large amplitude."""
+    run, result = bodies.launch(options, name, WAVES.format(method=method, words=words))
+    return None if result["code"] else [run.history["displacement_error"].max() / 0.1]
+
+
+def vortex(options, name, method, words):
+    """The ring whose middle is turned by one radian, just before it turns back."""
+    run, result = bodies.launch(options, name, VORTEX.format(method=method, words=words), every=5)
+    if result["code"]:
+        return None
+    seen = run.summary["exact"]
+    return [seen["displacement_error"] / seen["greatest_displacement"]]
+
+
+def disc(options, name, method, words):
+    """A turn of a disc."""
+    result = bodies.spin(options, name, method, words)
+    return None if result["code"] else [abs(result["drift"]), result["displacement"]]
+
+
+def free_bar(options, name, method, words):
+    """Free flight."""
+    result = bodies.free_bar(options, name, method, words)
+    return None if result["code"] else [abs(result["energy"]), result["velocity"]]
+
+
+def held_bar(options, name, method, words):
+    """Ten periods with crossing."""
+    result = bodies.held_bar(options, name, method, words, cells=26, speed=0.75)
+    if result["code"]:
+        return None
+    right = bodies.held_bar_reference(0.75)["period"]
+    return [abs(result["energy"]), abs(result["period"] / right - 1.0)]
+
+
+def discs(options, name, method, words):
+    """Rebound."""
+    result = bodies.two_discs(options, name, method, words, spacing=0.0125)
+    return None if result["code"] else [abs(result["energy"])]
+
+
+def column(options, name, method, words):
+    """Column with crossing."""
+    result = bodies.column(options, name, method, words, cells=80)
+    return None if result["code"] else [result["stress"]]
+
+
+def cantilever(options, name, method, words):
+    """Fall of the tip against finite elements."""
+    result = bodies.cantilever(options, name, method, words)
+    return None if result["code"] else [abs(result["fall"] / -3.27 - 1.0)]
+
+
+def shear(options, name, method, words):
+    """Shear of grains."""
+    result = bodies.shear(options, name, method, words, density=1.0e-3)
+    return None if result["code"] else [max(result["across"], result["along"])]
+
+
+def sod(options, name, method, words):
+    """Shock tube of 200 cells."""
+    module = load("sod/test_sod.py")
+    deck = module.DECK.format(spacing=0.005).replace("&run  dimension='1d' /",
+                                                     f"&run  dimension='1d'  method='{method}' /")
+    run = case.Case(options, name, deck + f"\n&method {words} /\n").run("-q", expect=None)
+    if run.code:
+        return None
+    _, last = run.snapshots()[-1]
+    fields = last.fields
+    return [(abs(fields["density"] - module.density(last.points[:, 0])) * fields["volume"]).sum()]
+
+
+def piston(options, name, method, words):
+    """A fluid hits a wall at 400 m/s: mean and scatter of the pressure behind the shock."""
+    module = load("piston/test_piston.py")
+    try:
+        states, _ = module.strike(options, name, 400, 2.6, False, words, method)
+    except (AssertionError, ValueError):
+        return None
+    _, stress, _ = module.hugoniot(400.0)
+    _, places, fields = states[1]
+    front = module.front(places, -fields["stress"][:, 0], 0.5 * stress)
+    got = module.plateau(places, fields, 1.5e-3, front - 1.0e-3)
+    return [abs(got[0] / stress - 1.0), got[1]]
+
+
+ROWS = [  # problem, figures with their limits
+    (disc, [("spinning disc: angular momentum a turn", 1.0e-3), ("spinning disc: displacement", 1.0e-2)]),
+    (free_bar, [("free bar: energy", 1.0e-2), ("free bar: velocity", 1.5e-2)]),
+    (held_bar, [("held bar, crossing: energy in 10 periods", 1.0e-2), ("held bar, crossing: period", 5.0e-3)]),
+    (discs, [("two discs: energy", 2.0e-2)]),
+    (column, [("column, crossing: stress", 2.0e-2)]),
+    (cantilever, [("cantilever: deflection", 1.5e-2)]),
+    (waves, [("waves, amplitude 0.1: displacement", 5.0e-3)]),
+    (vortex, [("vortex: displacement", 2.5e-2)]),
+    (shear, [("granular shear: stress", 1.0e-2)]),
+    (sod, [("Sod: density", 7.4e-3)]),
+    (piston, [("piston: pressure", 1.0e-2), ("piston: scatter of pressure", 5.0e-2)]),
+]
+
+
+def measure(options, only=""):
+    """All figures: {row: {way: figure or None}}, and processor seconds over those of the first way."""
+    ways = dict(WAYS)
+    listed = case.Case(options, "template", "").run("--template").output
+    ways.update({way: words for way, words in FURTHER.items()
+                 if re.search(words[1].split("'")[1] + r"[|}]", listed)})
+    table, cost = {}, {}
+    for problem, figures in ROWS:
+        if only not in problem.__name__:
+            continue
+        for way, (method, words) in ways.items():
+            before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+            begin = time.time()
+            seen = problem(options, "comparison", method, words)
+            spent = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+            cost.setdefault(problem.__name__, {})[way] = spent
+            for (label, _), figure in zip(figures, seen or [None] * len(figures)):
+                good = figure is not None and np.isfinite(figure)
+                table.setdefault(label, {})[way] = float(figure) if good else None
+            print(f"{problem.__name__:<12} {way:<18}", "fails" if seen is None else
+                  " ".join(f"{figure:10.3e}" for figure in seen), f"{time.time() - begin:6.1f} s", flush=True)
+        (options.work / "comparison.json").write_text(json.dumps({"figures": table, "seconds": cost}, indent=1))
+    return table, cost
+
+
+def short(figure, limit):
+    """A cell of the table."""
+    if figure is None:
+        return "x"
+    text = f"{figure:.1e}".replace("e-0", "e-").replace("e+0", "e")
+    return text if figure <= limit else f"({text})"
+
+
+def write(table, cost):
+    """The table in Markdown, one way a line."""
+    limits = {label: limit for _, figures in ROWS for label, limit in figures}
+    rows = list(table)
+    ways = list(next(iter(table.values())))
+    lines = []
+    parts = [rows[n:n + 8] for n in range(0, len(rows), 8)]
+    for part in parts:
+        lines += ["| | " + " | ".join(part) + " |", "|---" * (len(part) + 1) + "|",
+                  "| *limit* | " + " | ".join(f"*{short(limits[row], 1e9)}*" for row in part) + " |"]
+        for way in ways:
+            cells = [short(table[row][way], limits[row]) for row in part]
+            lines.append(f"| {way} | " + " | ".join(cells) + " |")
+        lines.append("")
+    lines += ["| | within the limit | fails | mean of log10(figure/limit) | processor time |", "|---|---|---|---|---|"]
+    for way in ways:
+        figures = [table[row][way] / limits[row] if table[row][way] is not None else np.inf for row in rows]
+        clipped = np.clip(figures, 1.0 / LARGEST, LARGEST)
+        share = np.median([seconds[way] / seconds[ways[0]] for seconds in cost.values()])
+        lines.append(f"| {way} | {sum(figure <= 1.0 for figure in figures)} of {len(rows)} | "
+                     f"{sum(not np.isfinite(figure) for figure in figures)} | "
+                     f"{np.log10(clipped).mean():+.2f} | {share:.1f} |")
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    """The table."""
+    options = case.arguments()
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--table", help="file for the table; default: comparison.md in the work folder")
+    parser.add_argument("--only", default="", help="problems whose name holds this")
+    further = parser.parse_args()
+    table, cost = measure(options, further.only)
+    text = write(table, cost)
+    Path(further.table or options.work / "comparison.md").write_text(text, encoding="utf-8")
+    print(text)
+
+
+if __name__ == "__main__":
+    main()
