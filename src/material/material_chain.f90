@@ -307,11 +307,11 @@ contains
    end subroutine update_deviator
 
    !> True if the law of strength must not see failed matter.
-   pure logical function drops(self) result(drop)
+   pure logical function drops(self) result(must_not)
       class(chain_t), intent(in) :: self                 !! The material
 
-      drop = .false.
-      if (allocated(self%fracture)) drop = allocated(self%remains) .or. &
+      must_not = .false.
+      if (allocated(self%fracture)) must_not = allocated(self%remains) .or. &
          .not. self%fracture%leaves_strength
    end function drops
 
@@ -389,14 +389,14 @@ contains
    end subroutine update_temperature
 
    !> True if nothing is left of a particle that bears stress.
-   pure logical function gone(self, matter, particle) result(nothing)
+   pure logical function gone(self, matter, particle) result(is_gone)
       class(chain_t), intent(in) :: self             !! The material
       type(matter_t), intent(in) :: matter           !! State of the store
       integer, intent(in) :: particle                !! Which particle
 
-      nothing = .false.
+      is_gone = .false.
       if (.not. allocated(self%fracture)) return
-      nothing = self%fracture%leaves_nothing .and. matter%failed(particle) /= 0
+      is_gone = self%fracture%leaves_nothing .and. matter%failed(particle) /= 0
    end function gone
 
    !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.

@@ -120,11 +120,11 @@ contains
    end subroutine advance
 
    !> Stress times gradient.
-   pure real(wp) function work(stress, gradient) result(power)
+   pure real(wp) function work(stress, gradient) result(product_of_both)
       real(wp), intent(in) :: stress(:)                  !! [Pa]
       real(wp), intent(in) :: gradient(9)                !! [1]
 
-      power = stress(1)*gradient(1) + stress(2)*gradient(5) + stress(3)*gradient(9) &
+      product_of_both = stress(1)*gradient(1) + stress(2)*gradient(5) + stress(3)*gradient(9) &
          + stress(4)*(gradient(2) + gradient(4)) + stress(5)*(gradient(6) + gradient(8)) &
          + stress(6)*(gradient(3) + gradient(7))
    end function work
