@@ -54,7 +54,7 @@ def spin(options):
     _, last = usual["run"].snapshots()[-1]
     x, z = last.points[:, 0], last.points[:, 2]
     stress = last.fields["stress"]
-    shown = left.scatter(x, z, c=(stress[:, 0] + stress[:, 2]) / 1e3, s=1.5, vmin=0.0, vmax=90.0, cmap="viridis", rasterized=True)
+    shown = left.scatter(x, z, c=(stress[:, 0] + stress[:, 2]) / 1e3, s=1.5, vmin=0.0, vmax=90.0, cmap="viridis")
     figure.colorbar(shown, ax=left, label="$\\sigma_{xx}+\\sigma_{zz}$ [kPa]", shrink=0.8)
     left.set_aspect("equal")
     left.set(xlabel="x [m]", ylabel="z [m]", title="after one turn")
@@ -69,8 +69,9 @@ def spin(options):
     for name in ("rflip", "apic", "aflip", "flip", "fmpm", "xpic", "pic"):
         result = bodies.spin(options, name, words=f"transfer='{name}'")
         right.semilogy(result["time"] / (0.2 * np.pi), np.maximum(abs(result["turning"] - 1.0), 1e-7))
-        place = max(abs(result["drift"]), 1e-7) * {"xpic": 0.6, "fmpm": 0.2, "rflip": 0.7, "aflip": 1.3}.get(name, 1.0)
-        right.text(1.03, place, name, color=right.lines[-1].get_color(), va="center", fontsize=7)
+        apart = {"xpic": 0.6, "fmpm": 0.2, "rflip": 0.7, "aflip": 1.3}   # so that names do not overlap
+        right.text(1.03, max(abs(result["drift"]), 1e-7) * apart.get(name, 1.0), name,
+                   color=right.lines[-1].get_color(), va="center", fontsize=7)
     right.axhline(1e-3, color="k", linestyle=":")
     right.set(xlabel="turns", ylabel="|L/L0 - 1|", title="angular momentum", ylim=(1e-6, 3.0), xlim=(-0.05, 1.22))
     save(figure, "spin")
@@ -84,7 +85,8 @@ def free_bar(options):
                                 ("mpm", "mpm", "")):
         result = bodies.free_bar(options, "bar", method, words)
         left.plot(result["time"], result["energies"] / result["energies"][0], label=name)
-    left.set(xlabel="t [s]", ylabel="energy of the vibration / first", ylim=(0.95, 1.1), title="flight through 36 cells")
+    left.set(xlabel="t [s]", ylabel="energy of the vibration / first", ylim=(0.95, 1.1),
+             title="flight through 36 cells")
     left.legend()
     spacings = (2.0, 1.0, 0.5, 0.25)
     runs = [bodies.free_bar(options, "bar", spacing=spacing) for spacing in spacings]
@@ -190,8 +192,8 @@ def shear(options):
         curve = result["curve"]
         axes.plot(curve[:, 0], curve[:, 1], "o", markersize=3, label="$\\sigma_{xz}$")
         axes.plot(curve[:, 0], curve[:, 2], "s", markersize=3, label="$\\sigma_{xx}$")
-        axes.set(xlabel="t [s]", ylabel="stress [Pa]",
-                 title=f"$\\tau$ = {relaxation} s, " + ("moving from the start" if more.get("started") else "driven by the faces"))
+        begin = "moving from the start" if more.get("started") else "driven by the faces"
+        axes.set(xlabel="t [s]", ylabel="stress [Pa]", title=f"$\\tau$ = {relaxation} s, {begin}")
         axes.legend()
     save(figure, "shear")
 

@@ -6,8 +6,9 @@ worse without a word: what holds today for the good ones is held here, and the t
 doc/theory/matrix_of_methods.md.
 
 The problems are those of the tests free_bar and two_discs (cells of 0.5 m and of 0.025 m), without
-artificial viscosity. A figure is the change of energy over that at the start: of the vibration of the bar, of
-both discs. A run that ends with an error, or not in 100 s, is `x`, one with more than a hundred times its energy `large`.
+artificial viscosity. A figure is the change of energy over that at the start, in percent: of the vibration of the
+bar, of both discs. A run that ends with an error, or not in 100 s, is `x`, one with more than a hundred times
+its energy `large`.
 
 `--write FILE` puts the table into a file, `--only WORD` takes the methods whose name holds a word and judges
 their momentum only.

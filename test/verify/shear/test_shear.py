@@ -7,8 +7,8 @@ stress only, faces with a velocity that do not drag or that push, periodic faces
 D. Z. Zhang, R. M. Rauenzahn, J. Rheol. 41 (1997) 1275, with constant relaxation: rate g = 2 /s, G = 3 Pa,
 from rest. With W = g tau and A = G W/(1 + W2):
   s_xz = A [1 - exp(-t/tau) (cos gt - W sin gt)],  s_xx = A [W - exp(-t/tau) (W cos gt + sin gt)],
-so at 1.3 s and tau = 0.7 s 1.7686065 and 2.1380370 Pa. Errors are root mean squares over all particles, the greatest of 26
-times, over G/2, the greatest stress that such a flow bears.
+so at 1.3 s and tau = 0.7 s 1.7686065 and 2.1380370 Pa. Errors are root mean squares over all particles, the
+greatest of 26 times, over G/2, the greatest stress that such a flow bears.
 
 Two ways to begin: `started` gives every layer its speed, so the flow is uniform and the formula holds to
 round-off (limit 1e-12); `driven` has grains at rest and moving faces, and waves between the faces that the
