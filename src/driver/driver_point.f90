@@ -25,7 +25,8 @@ contains
       call schema%text("point", "material", "name of the material; default: the first one")
       call schema%text("point", "path", "uniaxial_strain along x, shear of x along y, "// &
          "triaxial with a pressure from the sides, hydrostatic, hugoniot: states behind "// &
-         "shocks, free: the velocity gradient", default="uniaxial_strain", words="uniaxial_strain "// &
+         "shocks, free: the velocity gradient", default="uniaxial_strain", &
+            words="uniaxial_strain "// &
          "shear triaxial hydrostatic hugoniot free")
       call schema%real("point", "rate", "rate of strain", unit="1/s", default="1", range="> 0", &
          owner="path = uniaxial_strain shear triaxial hydrostatic free")

@@ -120,7 +120,8 @@ def vortex(options, name, method="ddmp", words="", twist=0.1, cells=(10, 20), pp
     series = Series(name)
     for number in cells:
         deck = VORTEX.format(method=method, spacing=f"{1.0 / number:.17g}", end=end, cfl=cfl, words=words,
-                             twist=twist, least=f"{0.008 * cfl / number:.17g}", ppc=PPC["plane_strain"].format(ppc), body=body)
+                             twist=twist, least=f"{0.008 * cfl / number:.17g}",
+                             ppc=PPC["plane_strain"].format(ppc), body=body)
         label = "".join(sign if sign.isalnum() else "_" for sign in f"{name}_{twist:g}_{ppc}")
         run = case.Case(options, f"vortex_{label}_{number}", deck)
         series.add(number, run.run("-q", expect=None, timeout=3000))
