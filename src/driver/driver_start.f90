@@ -34,13 +34,15 @@ contains
    subroutine prepare(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer(int64) :: none(0)
+      integer(int64), allocatable :: border(:)
 
       allocate (simulation%scratch(0:omp_get_max_threads() - 1))
       if (simulation%method%dual) then
          simulation%dual%surface = simulation%method%surface
          call simulation%dual%start(simulation%grid)
       end if
-      call partition_keys(none, none, simulation%communicator%size, simulation%tiles%border)
+      call partition_keys(none, none, simulation%communicator%size, border)
+      call simulation%tiles%cut(border)
       call simulation%tiles%set(simulation%grid, none, none)
       call name_phases(simulation)
    end subroutine prepare
@@ -53,6 +55,7 @@ contains
          phase%sort = timer%phase("sort, move tiles")
          phase%scatter = timer%phase("points to nodes")
          phase%exchange = timer%phase("exchange")
+         phase%wait = timer%phase("waiting for ranks")
          phase%grid = timer%phase("grid")
          phase%gather = timer%phase("nodes to points, law")
          phase%ledger = timer%phase("ledger, history")
@@ -101,7 +104,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
       type(survey_t), intent(in) :: survey           !! Counts of them
-      integer(int64), allocatable :: own(:), none(:)
+      integer(int64), allocatable :: own(:), none(:), border(:)
       integer(int64) :: next
       integer :: index, body, tile, p
 
@@ -110,8 +113,8 @@ contains
          bodies(body)%first_identity = next
          next = next + product(bodies(body)%sites(simulation%grid))
       end do
-      call partition_keys(survey%key, survey%tile, simulation%communicator%size, &
-         simulation%tiles%border)
+      call partition_keys(survey%key, survey%tile, simulation%communicator%size, border)
+      call simulation%tiles%cut(border)
       own = pack(survey%key, &
          survey%key >= simulation%tiles%border(simulation%communicator%rank) .and. &
          survey%key < simulation%tiles%border(simulation%communicator%rank + 1))
@@ -205,7 +208,7 @@ contains
    !! is forgotten. For particles that were just read, each store in one range.
    subroutine distribute(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
-      integer(int64), allocatable :: own(:), whole(:), key(:), weight(:)
+      integer(int64), allocatable :: own(:), whole(:), key(:), weight(:), border(:)
       integer, allocatable :: order(:)
       integer :: n, tiles
 
@@ -226,8 +229,8 @@ contains
          key(tiles) = whole(2*order(n) - 1)
          weight(tiles) = whole(2*order(n))
       end do
-      call partition_keys(key(:tiles), weight(:tiles), simulation%communicator%size, &
-         simulation%tiles%border)
+      call partition_keys(key(:tiles), weight(:tiles), simulation%communicator%size, border)
+      call simulation%tiles%cut(border)
       do n = 1, size(simulation%stores)
          call simulation%stores(n)%unsettle(simulation%grid%tile_cells)
       end do

@@ -94,13 +94,33 @@ contains
       end do
       ! a number gone bad on one rank must stop all: it travels as an infinite speed
       if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
-      fastest = simulation%communicator%maximum(fastest)
+      call agree(simulation, fastest)
       if (fastest >= huge(fastest)) then
          call fail(error, exit_physics, "a velocity or stress is not a number any more")
          return
       end if
       simulation%dt_next = next_step(simulation, fastest)
    end subroutine close_step
+
+   !> Agree with the other ranks on the fastest signal and on what they ask for: the only time in a
+   !! step that all ranks wait for all.
+   subroutine agree(simulation, fastest)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
+      real(wp) :: asked(4)
+
+      if (simulation%communicator%size == 1) return
+      associate (requests => simulation%requests)
+         asked = [fastest, requests%leave, requests%line, requests%checkpoint]
+         call simulation%timer%start(simulation%phase%wait)
+         call simulation%communicator%maxima(asked)
+         call simulation%timer%stop(simulation%phase%wait)
+         fastest = asked(1)
+         requests%leave = asked(2)
+         requests%line = asked(3)
+         requests%checkpoint = asked(4)
+      end associate
+   end subroutine agree
 
    !> Stable time step for the fastest signal, not growing too fast.
    pure real(wp) function next_step(simulation, fastest) result(dt)
@@ -115,13 +135,17 @@ contains
    !> Book particles that left the box, and bring the others into their tiles and in order.
    subroutine sort_particles(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp) :: waited
 
+      waited = simulation%communicator%traffic%waiting
       call simulation%timer%start(simulation%phase%sort)
       call simulation%ledger%book_lost(simulation%stores, simulation%materials)
       call migrate(simulation%communicator, simulation%grid, simulation%boundary, &
          simulation%tiles, &
          simulation%stores)
       call simulation%timer%stop(simulation%phase%sort)
+      if (simulation%communicator%size > 1) call simulation%timer%move(simulation%phase%sort, &
+         simulation%phase%wait, simulation%communicator%traffic%waiting - waited)
    end subroutine sort_particles
 
    !> Particles of this rank.
