@@ -12,6 +12,7 @@ module driver_run
    use driver_ledger, only: balance_t, kinetic
    use driver_output, only: outputs_t
    use driver_restart, only: write_checkpoint
+   use driver_scheduler, only: job_seconds_left
    use driver_signal, only: signal_caught, watch_signal
    use driver_simulation, only: requests_t, simulation_t
    use driver_step, only: advance, count_particles
@@ -22,6 +23,7 @@ module driver_run
    public :: choose_step, limits_t, read_limits, run_to_end
 
    integer, parameter :: out_of_time = 1000          !! A call to leave that is no signal
+   real(wp), parameter :: scheduler_reserve = 60.0_wp !! Kept before the end of a job [s]
 
    !> When a run ends and when it looks after itself.
    type :: limits_t
@@ -31,6 +33,7 @@ module driver_run
       real(wp) :: dt_fixed = 0.0_wp                  !! Always this one, 0 = stable one [s]
       integer(int64) :: max_steps = huge(1_int64)    !! Stop after so many
       real(wp) :: wall_limit = huge(1.0_wp)          !! Wall time to leave after [s]
+      logical :: ask_scheduler = .false.             !! Does the scheduler know that time?
       real(wp) :: kinetic_below = -1.0_wp            !! Stop when the kinetic energy falls below [J]
       real(wp) :: rest_below = -1.0_wp               !! ... or below this share of its greatest [1]
       real(wp) :: checkpoint_wall = huge(1.0_wp)     !! Wall time between checkpoints [s]
@@ -44,6 +47,7 @@ module driver_run
    !> What a run remembers between steps.
    type :: watch_t
       real(wp) :: begin = 0.0_wp                     !! Wall time at the start of the loop [s]
+      real(wp) :: wall_limit = huge(1.0_wp)          !! Wall time to leave after [s]
       real(wp) :: last_line = 0.0_wp                 !! Of the last line of progress [s]
       real(wp) :: last_checkpoint = 0.0_wp           !! Of the last checkpoint [s]
       real(wp) :: checkpoint_cost = 0.0_wp           !! Wall time that one took [s]
@@ -77,6 +81,7 @@ contains
       if (steps /= unset_whole) limits%max_steps = steps
       call group%get("wall_limit", word)
       limits%wall_limit = wall_limit_of(word)
+      limits%ask_scheduler = word == "slurm"
       call group%get("stop_when", word)
       if (word == "kinetic_below") call group%get("stop_value", limits%kinetic_below)
       if (word == "at_rest") call group%get("stop_value", limits%rest_below)
@@ -92,7 +97,7 @@ contains
       call read_balancing(deck, limits%balancing)
    end subroutine read_limits
 
-   !> Seconds of a text hh:mm:ss; no limit for `none`.
+   !> Seconds of a text hh:mm:ss; no limit for `none` and `slurm`.
    pure real(wp) function wall_limit_of(text) result(seconds)
       character(len=*), intent(in) :: text           !! From the deck
       integer :: hours, minutes, rest, status
@@ -122,7 +127,8 @@ contains
       real(wp) :: dt
       logical :: finished
 
-      call begin(simulation, limits, log, watch)
+      call begin(simulation, limits, log, watch, error)
+      if (allocated(error)) return
       call write_outputs(simulation, outputs, .false., log, error)
       if (allocated(error)) return
       finished = .false.
@@ -157,11 +163,12 @@ contains
    end subroutine run_to_end
 
    !> Clocks, signals, heading.
-   subroutine begin(simulation, limits, log, watch)
+   subroutine begin(simulation, limits, log, watch, error)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(limits_t), intent(in) :: limits           !! Signals
       type(log_t), intent(inout) :: log              !! Gets the heading
       type(watch_t), intent(out) :: watch            !! Clocks
+      type(error_t), allocatable, intent(out) :: error !! No scheduler tells when the job ends
       integer :: n
 
       watch%begin = wall_seconds()
@@ -169,6 +176,12 @@ contains
       watch%last_checkpoint = watch%begin
       watch%time_begin = simulation%time
       watch%step_begin = simulation%step
+      watch%wall_limit = limits%wall_limit
+      if (limits%ask_scheduler) then
+         call job_seconds_left(simulation%communicator, watch%wall_limit, error)
+         if (allocated(error)) return
+         watch%wall_limit = watch%wall_limit - scheduler_reserve
+      end if
       if (limits%checkpoint_time > 0.0_wp) &
          watch%checkpoints = int(simulation%time/limits%checkpoint_time, int64)
       do n = 1, size(limits%signals)
@@ -188,7 +201,7 @@ contains
       now = wall_seconds()
       associate (requests => simulation%requests)
          requests = requests_t(leave=real(signal_caught(), wp))
-         if (now - watch%begin + reserve(simulation, watch) > limits%wall_limit) &
+         if (now - watch%begin + reserve(simulation, watch) > watch%wall_limit) &
             requests%leave = real(out_of_time, wp)
          if (simulation%communicator%rank > 0) return
          if (now - watch%last_line >= limits%progress) requests%line = 1.0_wp

@@ -87,9 +87,10 @@ contains
          if (time%given("cfl")) call deck%warn(time, "cfl is not used, as dt_fixed is given", "cfl")
       end if
       call time%get("wall_limit", limit)
-      if (time%given("wall_limit") .and. limit /= "none" .and. limit /= "") then
+      if (time%given("wall_limit") .and. limit /= "none" .and. limit /= "slurm" .and. &
+         limit /= "") then
          if (.not. is_clock(limit)) call deck%complain(time, "wall_limit = '"//limit// &
-            "' must be 'none' or hours, minutes and seconds such as '03:30:00'", "wall_limit")
+            "' must be 'none', 'slurm', or hours, minutes and seconds such as '03:30:00'", "wall_limit")
       end if
    end subroutine check_time
 

@@ -88,6 +88,36 @@ def limits(options, sheet, digest):
                   "dt_min: a restart without it ends in the same state")
 
 
+def scheduler(options, sheet):
+    """The end of the job is what the environment says, else what squeue prints; a minute before it
+    the run leaves."""
+    words = ("SLURM_JOB_END_TIME", "SLURM_JOB_ID", "PATH")
+    before = {word: os.environ.get(word) for word in words}
+    try:
+        os.environ.pop("SLURM_JOB_END_TIME", None)
+        os.environ.pop("SLURM_JOB_ID", None)
+        run = case.Case(options, "no_job", deck(100000000, "wall_limit='slurm'"))
+        run.run("-q", expect=2)
+        sheet.require("SLURM_JOB_END_TIME" in run.output, f"no job: says so: {run.output}")
+        os.environ["SLURM_JOB_END_TIME"] = str(int(time.time()) + 63)
+        run = case.Case(options, "job_end", deck(100000000, "wall_limit='slurm'"), ranks=2)
+        run.run("-q", expect=75)
+        sheet.require(len(checkpoints(run.folder)) == 1, "job end: leaves a checkpoint")
+        del os.environ["SLURM_JOB_END_TIME"]
+        squeue = run.folder / "squeue"
+        squeue.write_text('#!/bin/sh\ntest "$3" = 4711 && echo 1:01\n', encoding="utf-8")
+        squeue.chmod(0o755)
+        os.environ.update(SLURM_JOB_ID="4711", PATH=f"{run.folder}:{before['PATH']}")
+        run.run("-q", "--restart", expect=75)
+        sheet.require(run.summary["reason"].startswith("wall_limit"), "squeue: leaves by the clock")
+    finally:
+        for word, value in before.items():
+            if value is None:
+                os.environ.pop(word, None)
+            else:
+                os.environ[word] = value
+
+
 def files(options, sheet):
     """A folder that cannot be made, a deck and a checkpoint that cannot be read."""
     run = case.Case(options, "folder", deck(5))
@@ -167,6 +197,7 @@ def main():
     sheet.require(run.summary["steps"] == STEPS, "the whole run makes all steps")
     signals(options, sheet, digest)
     limits(options, sheet, digest)
+    scheduler(options, sheet)
     files(options, sheet)
     full_disk(options, sheet, digest)
     sheet.end()
