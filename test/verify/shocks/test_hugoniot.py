@@ -9,8 +9,7 @@ Rankine and Hugoniot with Us = c0 + s up and gamma rho constant; the free surfac
 the isentrope. Both are computed in test/support/shocks.py. A bar of 120 cells hits a rigid wall; the plateau is that of
 the particles that began in the cells 25 to 65 and the free surface that of the last 4 to 14 cells, 60 % of
 the time of a shock through it after the shock has come out. Measured over all rows, with a fifth or more of room:
-pressure 0.3 %, density 0.09 %, speed
-of the shock 0.5 %, free surface 0.3 %.
+pressure 0.3 %, density 0.09 %, speed of the shock 0.5 %, free surface 0.3 %.
 """
 
 import subprocess
