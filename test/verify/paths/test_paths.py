@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One point along paths of strain, against another integration of the written equations.
 
-Would catch: a rate of flow, a share of heat, a triaxiality or a sign that is wrong in one law; a shear modulus that does
-not follow pressure; steps that are not of first order at least; work that goes to the wrong place.
+Would catch: a rate of flow, a share of heat, a triaxiality or a sign that is wrong in one law; a shear modulus that
+does not follow pressure; steps that are not of first order at least; work that goes to the wrong place.
 
-`scree --point` returns to the yield surface with implicit steps. Here Johnson and Cook is a differential equation, rate of
-flow by stress, solved by Runge and Kutta; p-alpha and Tillotson are isentropes, solved likewise. Steinberg and Guinan and
-JH-2 are stepped with ten times as many steps, the former by means of both ends. Each path is run with three numbers
+`scree --point` returns to the yield surface with implicit steps. Here Johnson and Cook is a differential equation, rate
+of flow by stress, solved by Runge and Kutta; p-alpha and Tillotson are isentropes, solved likewise. Steinberg and
+Guinan and JH-2 are stepped with ten times as many steps, the former by means of both ends. Each path is run with three numbers
 of steps: the error must be small with the most, and fall with first order, that of the energy alone with second. Where
 flow begins anew within a step, at a rate that jumps (copper released), the order is 0.65 and the error 7e-5.
 """
@@ -63,7 +63,8 @@ def drive(options, name, deck, path, steps):
     folder = options.work / f"{name}_{steps}"
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "path.nml").write_text(f"{deck}&point  {path}  steps={steps} /\n", encoding="ascii")
-    done = subprocess.run([options.scree, "--point", "path.nml"], cwd=folder, text=True, capture_output=True, check=False)
+    done = subprocess.run([options.scree, "--point", "path.nml"], cwd=folder, text=True, capture_output=True,
+                          check=False)
     if done.returncode != 0:
         raise SystemExit(f"{name}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
     return np.genfromtxt(folder / "out" / "path" / "path_point.csv", delimiter=",", names=True)
@@ -290,11 +291,14 @@ def main():
     axial = rows[:, 0] - np.array([EOS.pressure(EOS.density * np.exp(-row[5]), row[3]) for row in rows])
     compare(options, sheet, "copper, pressed and released", JOHNSON_COOK.format(damage="", law=""),
             "path='uniaxial_strain'  rate=1e5  strain=-0.2  returns=.true.",
-            {"xx": axial, "plastic_strain": rows[:, 1], "temperature": rows[:, 2], "energy": rows[:, 3]}, counts, 1.0e-3, 0.55)
+            {"xx": axial, "plastic_strain": rows[:, 1], "temperature": rows[:, 2], "energy": rows[:, 3]},
+            counts, 1.0e-3, 0.55)
     rows = copper_strain(1.0e4, 0.1, 6000, 20, False)
     axial = rows[:, 0] - np.array([EOS.pressure(EOS.density * np.exp(-row[5]), row[3]) for row in rows])
-    compare(options, sheet, "copper, pulled", JOHNSON_COOK.format(**DAMAGE), "path='uniaxial_strain'  rate=1e4  strain=0.1",
-            {"xx": axial, "plastic_strain": rows[:, 1], "temperature": rows[:, 2], "damage": rows[:, 4]}, counts, 1.0e-3)
+    compare(options, sheet, "copper, pulled", JOHNSON_COOK.format(**DAMAGE),
+            "path='uniaxial_strain'  rate=1e4  strain=0.1",
+            {"xx": axial, "plastic_strain": rows[:, 1], "temperature": rows[:, 2], "damage": rows[:, 4]},
+            counts, 1.0e-3)
     rows = steinberg(-0.2, 3000, 20)
     compare(options, sheet, "steinberg, pressed and released", STEINBERG_GUINAN,
             "path='uniaxial_strain'  rate=1e5  strain=-0.2  returns=.true.  temperature=300",

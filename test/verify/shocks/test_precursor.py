@@ -76,7 +76,8 @@ def main():
             sheet.near(f"{name}: closed solution", value, right, 2.0e-5)
         for label, words in (("smooth", SMOOTH), ("default", "")):
             found = strike(options, metal, speed, words)
-            print(f"         {name}, {label}: elastic limit {found['elastic']:+.4f}, speed {found['elastic speed']:+.4f}, "
+            print(f"         {name}, {label}: elastic limit {found['elastic']:+.4f}, speed "
+                  f"{found['elastic speed']:+.4f}, "
                   f"plastic stress {found['plastic']:+.4f}, speed {found['plastic speed']:+.4f}, density "
                   f"{found['density']:+.5f}, scatter {found['scatter'][0]:.3f} {found['scatter'][1]:.3f}, "
                   f"{found['steps']} steps", flush=True)
