@@ -8,7 +8,9 @@
 !! sum_i D_ji = 0 and sum_i x_i D_ji = V_j for itself; hence momentum is kept and linear fields
 !! are exact for any weights w_c >= 0. The weight is twice the least fill of the nodes of the cell,
 !! at most 1: a cell with an empty node takes no part, so no force falls on a node without mass, and
-!! the fill may waver round one inside of a body without any effect.
+!! the fill may waver round one inside of a body without any effect. Nor is it above a hundred times
+!! the least density of the nodes over the greatest: a node of light matter beside heavy matter has
+!! no mass for the stress of the latter, which would tear it away at any useful time step.
 module ddmp_dual
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
@@ -17,6 +19,7 @@ module ddmp_dual
 
    public :: dual_t
 
+   real(wp), parameter :: contrast = 100.0_wp        !! Densities of nodes over each other [1]
    integer, parameter, public :: surface_fill = 1    !! By the least fill of its nodes
    integer, parameter, public :: surface_cells = 2   !! 1 in cells without an empty node, else 0
    integer, parameter, public :: surface_none = 3    !! 1 in all cells
@@ -89,8 +92,9 @@ contains
       end do
    end subroutine dual_start
 
-   !> Weight of each cell of a tile: twice the least fill of its nodes, at most 1; or by another
-   !! rule. Cells beyond the box count nothing.
+   !> Weight of each cell of a tile: twice the least fill of its nodes, at most 1, and less where
+   !! the densities of its nodes are very different; or by another rule. Cells beyond the box count
+   !! nothing.
    pure subroutine dual_cell_weights(self, grid, total, row, node_volume, weight)
       class(dual_t), intent(in) :: self              !! The integrals
       type(grid_t), intent(in) :: grid               !! The grid
@@ -99,19 +103,25 @@ contains
       real(wp), contiguous, intent(in) :: node_volume(:) !! (node) Volume of the node [m3]
       real(wp), contiguous, intent(inout) :: weight(0:)  !! (cell) 0 to 1
       integer :: cell, lane, node, base
-      real(wp) :: least
+      real(wp) :: least, light, heavy, density
 
       do cell = 0, grid%tile_cells - 1
          base = grid%first_node(cell)
          least = 1.0_wp
+         light = huge(1.0_wp)
+         heavy = 0.0_wp
          do lane = 1, lanes
             node = base + grid%lane_offset(lane)
             if (node_volume(node) > 0.0_wp) then
                least = min(least, total(row, node)/(self%enough*node_volume(node)))
+               density = total(1, node)/node_volume(node)
+               light = min(light, density)
+               heavy = max(heavy, density)
             else
                least = 0.0_wp
             end if
          end do
+         if (heavy > contrast*light) least = min(least, contrast*light/heavy)
          weight(cell) = least
       end do
       if (self%surface == surface_cells) weight(:) = merge(1.0_wp, 0.0_wp, weight(:) > 0.0_wp)

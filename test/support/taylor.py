@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Taylor's test of copper bars, from the decks of input/taylor_copper.
+
+    import taylor
+    result = taylor.strike(options, "coarse", taylor.MEASURED, spacing=0.635)   # a dict of figures
+    result["length"], result["foot"], result["waist"]                          # [m]
+
+The surface of a bar lies half a lattice distance outside of its outer particles. Identities tell which
+particles were neighbours at the start, so each line of the lattice is drawn out by half a step to the
+surface, however flat the particles there are.
+"""
+
+import dataclasses
+
+import case
+import numpy as np
+
+FOLDER = case.ROOT / "input" / "taylor_copper"
+MILLIMETRE = 1.0e-3
+
+
+@dataclasses.dataclass(frozen=True)
+class Bar:
+    """A deck and the bar in it, in mm."""
+
+    deck: str
+    length: float
+    radius: float
+
+
+MEASURED = Bar("scene.nml", 25.4, 3.81)
+CLASSIC = Bar("classic.nml", 32.4, 3.2)
+
+
+def extend(line):
+    """The place half a step beyond the last place of a line of the lattice, by the last three places."""
+    return line[-1] + 0.5 * (1.5 * (line[-1] - line[-2]) - 0.5 * (line[-2] - line[-3]))
+
+
+def outline(first, last):
+    """Side and ends of the bar now: places (r, z) in order of the lattice, from snapshots at start and end."""
+    begin = first.points[np.argsort(first.fields["identity"])]
+    now = last.points[np.argsort(last.fields["identity"])][:, [0, 2]]
+    columns, rows = (np.unique(begin[:, k].round(9), return_inverse=True)[1] for k in (0, 2))
+    lattice = np.full((columns.max() + 1, rows.max() + 1, 2), np.nan)
+    lattice[columns, rows] = now
+    assert np.isfinite(lattice).all(), "the bar is no whole lattice any more"
+    return {"lattice": lattice, "side": extend(lattice), "rear": extend(lattice.swapaxes(0, 1)),
+            "foot": extend(lattice[:, ::-1].swapaxes(0, 1))}
+
+
+def measure(bar, first, last):
+    """Length, greatest radius of the foot and diameter a fifth of the first length above the wall [m]."""
+    shape = outline(first, last)
+    side, rear = shape["side"], shape["rear"]
+    waist = np.interp(0.2 * bar.length * MILLIMETRE, side[:, 1], side[:, 0])
+    return {"length": rear[:, 1].max(), "foot": max(side[:, 0].max(), shape["foot"][:, 0].max()),
+            "waist": 2.0 * waist, "shape": shape}
+
+
+def strike(options, name, bar, spacing=None, words="", method="ddmp", settings=(), timeout=250):
+    """Run a deck with cells of another size [mm] and other words of &method; sizes, strain and books."""
+    deck = (FOLDER / bar.deck).read_text(encoding="utf-8")
+    if words:
+        deck += f"&method  {words} /\n"
+    change = [f"run.method={method}", *([f"grid.dx={spacing}"] if spacing else []), *settings]
+    run = case.Case(options, name, deck)
+    run.run("-q", *[part for word in change for part in ("-s", word)], timeout=timeout)
+    snaps = [snap for _, snap in run.snapshots()]
+    result = measure(bar, snaps[0], snaps[-1])
+    books, table = run.summary["ledger"], run.history
+    result.update(
+        run=run, snapshots=snaps, strain=snaps[-1].fields["plastic_strain"].max(),
+        kinetic=table["kinetic"][-1] / table["kinetic"][0], steps=run.summary["steps"],
+        particles=run.summary["particles"], energy=books["energy_error"], momentum=books["momentum_error"],
+        mass=books["mass_error"], seconds=run.summary["wall_s"])
+    print(f"{name:24s} L {1e3 * result['length']:.3f}  R {1e3 * result['foot']:.3f}  "
+          f"W {1e3 * result['waist']:.3f} mm  strain {result['strain']:.2f}  kinetic {result['kinetic']:.1e}  "
+          f"energy {result['energy']:+.1e}  momentum {result['momentum']:.1e}  {result['steps']} steps  "
+          f"{result['seconds']:.1f} s", flush=True)
+    return result
+
+
+def difference(result, length=16.2, width=13.5, waist=10.1):
+    """Mean relative error of length, diameter of the foot and waist against those measured [mm]."""
+    pairs = ((result["length"], length), (2.0 * result["foot"], width), (result["waist"], waist))
+    return float(np.mean([abs(value / MILLIMETRE / right - 1.0) for value, right in pairs]))
