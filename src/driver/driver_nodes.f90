@@ -6,6 +6,7 @@ module driver_nodes
    use driver_cost, only: book_cost, cost_clock
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
    use driver_simulation, only: scratch_t, simulation_t
+   use mesh_boundary, only: face_friction
    use mesh_patch, only: assemble, ensure_patch
    use omp_lib, only: omp_get_thread_num
    implicit none
@@ -229,6 +230,9 @@ contains
          free_acceleration = acceleration
          call simulation%boundary%constrain(simulation%grid, simulation%tiles%coordinate(:, tile), &
             velocity, acceleration)
+         if (any(simulation%boundary%kind == face_friction) .and. dt > 0.0_wp) &
+            call simulation%boundary%rub(simulation%grid, simulation%tiles%coordinate(:, tile), &
+            dt, 1.0_wp - simulation%method%transfer%keep(), free_velocity, velocity, acceleration)
          ! what the particles will gain in velocity through each node because of the faces
          free_velocity = dt*(acceleration - free_acceleration) &
             + (1.0_wp - simulation%method%transfer%keep())*(velocity - free_velocity)

@@ -123,6 +123,8 @@ contains
                if (face /= face_names(side) .and. face /= "all") cycle
                simulation%boundary%kind(side) = position_of(kind, face_types)
                call group%get("velocity", simulation%boundary%velocity(:, side))
+               if (kind == "friction") &
+                  call group%get("friction", simulation%boundary%friction(side))
             end do
          end do
       end do

@@ -80,10 +80,12 @@ contains
       call schema%text("boundary", "face", "one face or all that have no other", words="all")
       call schema%words("boundary", "face", face_names)
       call schema%text("boundary", "type", "outflow: points leave and are booked; velocity: a "// &
-         "rigid moving wall")
+         "rigid moving wall; friction: a wall that rubs and does not pull")
       call schema%words("boundary", "type", face_types)
       call schema%real("boundary", "velocity(3)", "velocity of the wall", unit="m/s", &
          default="0 0 0", owner="type = velocity")
-      call schema%require("boundary", "face type")
+      call schema%real("boundary", "friction", "coefficient of friction of the wall", &
+         range=">= 0", owner="type = friction")
+      call schema%require("boundary", "face type friction")
    end subroutine declare_boundary
 end module io_deck_scene

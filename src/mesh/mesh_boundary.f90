@@ -14,19 +14,22 @@ module mesh_boundary
    integer, parameter, public :: face_stick = 4      !! Rigid wall that holds on
    integer, parameter, public :: face_periodic = 5   !! Joined to the face across
    integer, parameter, public :: face_velocity = 6   !! Nodes move with a given velocity
+   integer, parameter, public :: face_friction = 7   !! Rigid wall with friction
 
    !> Names of the faces, two a direction, the lower first.
    character(len=3), parameter :: face_names(6) = ["xlo", "xhi", "ylo", "yhi", "zlo", "zhi"]
    !> Names of the types in the order of their numbers.
-   character(len=8), parameter :: face_types(6) = [character(len=8) :: "outflow", "symmetry", &
-      "slip", "stick", "periodic", "velocity"]
+   character(len=8), parameter :: face_types(7) = [character(len=8) :: "outflow", "symmetry", &
+      "slip", "stick", "periodic", "velocity", "friction"]
 
    !> The conditions on the faces.
    type :: boundary_t
       integer :: kind(6) = face_outflow              !! (face) One of the types above
       real(wp) :: velocity(3, 6) = 0.0_wp            !! (component, face) Of a moving face [m/s]
+      real(wp) :: friction(6) = 0.0_wp               !! (face) Coefficient of friction [1]
    contains
       procedure :: constrain => boundary_constrain   !! Impose velocities on nodes
+      procedure :: rub => boundary_rub               !! Walls with friction
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
       procedure :: touches => boundary_touches       !! Does a tile have nodes on a ruled face?
    end type boundary_t
@@ -72,6 +75,9 @@ contains
                   case (face_symmetry, face_slip)
                      velocity(normal, node) = 0.0_wp
                      acceleration(normal, node) = 0.0_wp
+                  case (face_friction)
+                     velocity(normal, node) = merge(max(velocity(normal, node), 0.0_wp), &
+                        min(velocity(normal, node), 0.0_wp), mod(face, 2) == 1)
                   case (face_velocity)
                      velocity(:, node) = self%velocity(:, face)
                      acceleration(:, node) = 0.0_wp
@@ -84,6 +90,49 @@ contains
          end do
       end do
    end subroutine boundary_constrain
+
+   !> Walls with friction after Coulomb. Where the forces of a step press a node on such a wall, the
+   !! wall takes its normal velocity and acceleration, and from its velocity along the wall at the
+   !! end of the step up to mu times what it took, but no more than all of it: then the node sticks.
+   !! A wall does not pull: a node that moves away is free.
+   pure subroutine boundary_rub(self, grid, coordinate, dt, share, free, velocity, acceleration)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: share                  !! Of PIC in the transfer, 0 to 1
+      real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) With the others [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp) :: along(3), side, taken
+      integer :: face, first, length(3), x, y, z, node, normal
+      logical :: here
+
+      do face = 1, 6
+         if (self%kind(face) /= face_friction) cycle
+         call face_box(grid, coordinate, face, here, first, length)
+         if (.not. here) cycle
+         normal = (face + 1)/2
+         side = merge(1.0_wp, -1.0_wp, mod(face, 2) == 1)
+         do z = 0, length(3)
+            do y = 0, length(2)
+               do x = 0, length(1)
+                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  ! what particles gain through the node in velocity if the wall holds it
+                  taken = -side*(dt*acceleration(normal, node) + share*free(normal, node))
+                  if (.not. taken > 0.0_wp) cycle
+                  if (side*(free(normal, node) + dt*acceleration(normal, node)) > 0.0_wp) cycle
+                  velocity(normal, node) = 0.0_wp
+                  acceleration(normal, node) = 0.0_wp
+                  along = velocity(:, node) + dt*acceleration(:, node)
+                  taken = min(1.0_wp, self%friction(face)*taken/max(norm2(along), &
+                     tiny(1.0_wp)))
+                  acceleration(:, node) = acceleration(:, node) - taken/dt*along
+               end do
+            end do
+         end do
+      end do
+   end subroutine boundary_rub
 
    !> On mirror planes the shear components of node tensors vanish, because they are odd.
    pure subroutine boundary_mirror(self, grid, coordinate, tensor)

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Grains whose stress lives as long as their contacts: rate independence, and waves that fade.
+
+Would catch: a relaxation that takes the strain of another step or the time in place of the strain, a rate that
+counts the dilatation or half of the shear, a rotation of the stress that depends on the rate, relaxation at rest
+where there must be none; in a flow, grids or transfers with a time scale of their own.
+
+D. Z. Zhang, R. M. Rauenzahn, J. Rheol. 41 (1997) 1275, with 1/tau = rate/gamma_c: the stress depends on the strain
+alone and is that of constant tau with W = rate tau = gamma_c (see test/verify/shear for the formula).
+One point at rates from 1e-3 to 1e4 /s: equal to 1e-12 of the shear modulus, and to the formula.
+A flow whose layers move from the start: the formula to 1e-12. Driven by its faces, at 2 and 20 /s with a hundredth
+of the density, so that the waves are the same too: the two are alike to 1e-5, as nothing damps what round-off
+begins, and the formula holds to 0.5 %. gamma_c = 0.3 there: with 0.7 the stress passes a peak, and the driven flow
+splits into bands, which the law allows (14 % off).
+A standing wave of shear, u'' + u'/tau + (c k)^2 u = 0, that swings 8 times slower than it relaxes or 2 times
+faster: speed and stress within 0.5 % at all times. At the end the stress that drives the grains is what relaxed
+while they moved.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "point"))
+import bodies      # noqa: E402
+import case        # noqa: E402
+import flows       # noqa: E402
+import report      # noqa: E402
+import test_point  # noqa: E402
+
+POINT = """
+&material  name='g'  density=1000  bulk=5  shear=3  strength_model='granular'  gr_gamma_c=0.3 /
+&point  path='shear'  strain=2.6  rate={rate!r}  steps=260 /
+"""
+
+
+def point(options, sheet):
+    """One point at rates that are far apart."""
+    tables = {rate: test_point.drive(options, f"rate_{rate:g}", POINT.format(rate=rate))
+              for rate in (1.0e-3, 1.0, 1.0e4)}
+    usual = tables[1.0]
+    sheet.require(len(usual) == 261 and usual["xy"][-1] > 0.5, "the point bears shear")
+    exact = np.array([bodies.shear_stress(time, 0.3, 1.0) for time in usual["time"]])
+    for rate, table in tables.items():
+        for name in ("xx", "xy", "yy"):
+            sheet.below(f"point at {rate:g} /s: {name} against 1 /s", np.abs(table[name] - usual[name]).max() / 3.0,
+                        1.0e-12)
+        sheet.below(f"point at {rate:g} /s: shear stress", np.abs(table["xy"] - exact[:, 0]).max() / 3.0, 1.0e-12)
+        half = 0.5 * (table["xx"] - table["yy"])
+        sheet.below(f"point at {rate:g} /s: normal stress", np.abs(half - exact[:, 1]).max() / 3.0, 1.0e-12)
+
+
+def flow(options, sheet):
+    """Flows between two faces."""
+    started = bodies.shear(options, "started", started=True, density=0.1, survival=0.7)
+    sheet.below("layers that move: shear stress", started["across"], 1.0e-12)
+    sheet.below("layers that move: normal stress", started["along"], 1.0e-12)
+    curves = []
+    for rate, density in ((2.0, 1.0e-4), (20.0, 1.0e-6)):
+        driven = bodies.shear(options, f"driven_{rate:g}", density=density, survival=0.3, rate=rate)
+        sheet.below(f"driven at {rate:g} /s: shear stress", driven["across"], 0.005)
+        sheet.below(f"driven at {rate:g} /s: normal stress", driven["along"], 0.005)
+        sheet.below(f"driven at {rate:g} /s: mean stress", driven["mean"], 0.002)
+        curves.append(driven["curve"][:, 1:3])
+    sheet.below("driven: one rate against the other", np.abs(curves[1] - curves[0]).max() / 1.5, 1.0e-5)
+    sheet.above("driven: shear stress at the end [Pa]", curves[0][-1, 0], 0.8)
+
+
+def fading(options, sheet):
+    """Standing waves in grains that relax."""
+    for relaxation, end in ((0.2, 0.6), (0.04, 0.6)):
+        result = flows.wave(options, f"wave_{relaxation:g}", relaxation=relaxation, end=end)
+        sheet.require(len(result["curve"]) == 31, f"tau {relaxation:g} s: all times are there")
+        sheet.below(f"tau {relaxation:g} s: speed", result["speed"], 0.005)
+        sheet.below(f"tau {relaxation:g} s: stress", result["stress"], 0.005)
+        sheet.above(f"tau {relaxation:g} s: greatest stress", np.abs(result["curve"][:, 2]).max(), 0.3)
+
+
+def main():
+    """Points, flows, waves."""
+    options = case.arguments()
+    sheet = report.Report()
+    point(options, sheet)
+    flow(options, sheet)
+    fading(options, sheet)
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draw the figures of doc/theory/verification_granular.md and the picture of input/column_collapse.
+
+    python test/verify/draw_granular.py --scree build/bin/scree --work FOLDER [--only WORD]
+
+runs the flows of test/support/flows.py and writes doc/theory/figures/granular_*.png and
+input/column_collapse/stages.png. The run-out takes some minutes.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.ticker           # noqa: E402
+from matplotlib import pyplot      # noqa: E402
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "support"))
+import bodies   # noqa: E402
+import case     # noqa: E402
+import flows    # noqa: E402
+from draw_bodies import STYLE  # noqa: E402
+
+ROOT = HERE.parents[1]
+
+
+def save(figure, name, folder=ROOT / "doc" / "theory" / "figures"):
+    """Write one figure."""
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.tight_layout()
+    figure.savefig(folder / f"{name}.png")
+    pyplot.close(figure)
+    print(f"{name}.png {(folder / f'{name}.png').stat().st_size // 1000} kB", flush=True)
+
+
+def incline(options):
+    """Steady profiles; mean speed by time on slopes that differ."""
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(8.0, 3.0))
+    heights = np.linspace(0.0, 0.01, 100)
+    for angle, start, end in ((22.0, 0.7, 2.0), (24.0, 0.0, 3.5), (26.0, 1.2, 3.0)):
+        result = flows.incline(options, "slope", angle=angle, start=start, end=end, count=1)
+        shown = left.plot(result["speed"], 1e3 * result["place"], "o", markersize=3, label=f"{angle:.0f} degrees")
+        left.plot(flows.bagnold(heights, angle, 0.01), 1e3 * heights, color=shown[0].get_color(), linewidth=0.8)
+        right.plot(result["time"], result["means"], color=shown[0].get_color(), label=f"{angle:.0f} degrees")
+    for angle, words in ((34.0, {"end": 0.6}), (20.0, {"end": 1.2, "start": 1.0, "start_angle": 24.0})):
+        result = flows.incline(options, "slope", angle=angle, count=1, **words)
+        right.plot(result["time"], result["means"], color="C3" if angle > 30.0 else "C4", label=f"{angle:.0f} degrees")
+    time, exact = flows.slope_reference(34.0, 0.01, 0.6)
+    right.plot(time, exact, "k:", label="finite volumes")
+    left.set(xlabel="speed [m/s]", ylabel="height above the base [mm]", title="steady flow, lines closed form")
+    right.set(xlabel="t [s]", ylabel="mean speed [m/s]", xlim=(0.0, 2.5), ylim=(0.0, 0.6),
+              title="from other beginnings")
+    left.legend()
+    right.legend()
+    save(figure, "granular_incline")
+
+
+def contacts(options):
+    """Rate independence and waves that fade."""
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(8.0, 3.0))
+    time = np.linspace(0.0, 1.3, 200)
+    for exact in bodies.shear_stress(time, 0.15):
+        left.plot(2.0 * time, exact, "k", linewidth=0.8)
+    for rate, density, mark in ((2.0, 1.0e-4, "o"), (20.0, 1.0e-6, "+")):
+        curve = bodies.shear(options, "shear", density=density, survival=0.3, rate=rate)["curve"]
+        left.plot(rate * curve[:, 0], curve[:, 1], mark, markersize=4, label=f"$\\sigma_{{xz}}$, {rate:g} /s")
+        left.plot(rate * curve[:, 0], curve[:, 2], mark, markersize=4, label=f"$\\sigma_{{xx}}$, {rate:g} /s")
+    left.set(xlabel="shear strain", ylabel="stress [Pa]", title="$\\gamma_c$ = 0.3, driven by the faces")
+    left.legend(loc="center right")
+    time = np.linspace(0.0, 0.6, 300)
+    for relaxation in (0.2, 0.04):
+        result = flows.wave(options, "wave", relaxation=relaxation)
+        right.plot(time, flows.fading(time, relaxation)[0], "k", linewidth=0.8)
+        right.plot(result["curve"][:, 0], result["curve"][:, 1], "o", markersize=3, label=f"$\\tau$ = {relaxation} s")
+    right.set(xlabel="t [s]", ylabel="speed over the first", title="standing wave of shear")
+    right.legend()
+    save(figure, "granular_contacts")
+
+
+def runout(options):
+    """Run-out and height of columns by aspect ratio."""
+    figure, axes = pyplot.subplots(1, 3, figsize=(10.0, 3.2))
+    line = np.geomspace(0.4, 20.0, 100)
+    options.timeout = 600
+    for axisymmetric, place in ((False, axes[0]), (True, axes[1])):
+        aspects = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+        runs = [flows.collapse(options, "column", aspect=aspect, axisymmetric=axisymmetric) for aspect in aspects]
+        law = np.array([flows.measured_runout(aspect, axisymmetric) for aspect in line])
+        place.fill_between(line, 0.85 * law, 1.15 * law, color="0.9", label="15 %")
+        place.loglog(line, law, "k", linewidth=0.8, label="Lube and others")
+        place.loglog(aspects, [run["runout"] for run in runs], "o", label="here")
+        place.set(xlabel="height over half width" if not axisymmetric else "height over radius",
+                  ylabel="run-out over the same", title="round" if axisymmetric else "plane")
+        place.legend()
+        heights = [flows.measured_height(aspect, axisymmetric) for aspect in line]
+        shown = axes[2].loglog(aspects, [run["height"] for run in runs], "s" if axisymmetric else "o",
+                               label=place.get_title())
+        axes[2].loglog(line, heights, color=shown[0].get_color(), linewidth=0.8)
+    axes[2].set(xlabel="aspect ratio", ylabel="height of the deposit over half width", title="height, lines measured")
+    axes[2].legend()
+    for place, least, most in zip(axes, (0.4, 0.4, 0.4), (20.0, 10.0, 3.0)):
+        place.set(xlim=(0.4, 20.0), ylim=(least, most))
+        for axis in (place.xaxis, place.yaxis):
+            axis.set_major_locator(matplotlib.ticker.FixedLocator((0.5, 1, 2, 4, 8, 16)))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_locator(matplotlib.ticker.NullLocator())
+    save(figure, "granular_runout")
+
+
+def stages(options):
+    """The deck of input/column_collapse, in stages."""
+    folder = ROOT / "input" / "column_collapse"
+    run = case.Case(options, "column_collapse", (folder / "scene.nml").read_text(encoding="utf-8")).run("-q")
+    figure, axes = pyplot.subplots(4, 1, figsize=(5.4, 6.4), sharex=True)
+    series = run.snapshots()
+    for place, wanted in zip(axes, (0.0, 0.15, 0.3, 0.75)):
+        time, snap = min(series, key=lambda pair: abs(pair[0] - wanted))
+        layers = np.searchsorted(np.sort(snap.fields["identity"]), snap.fields["identity"])
+        first = min(series, key=lambda pair: pair[0])[1]
+        height = first.points[np.argsort(first.fields["identity"]), 2]
+        place.scatter(100 * snap.points[:, 0], 100 * snap.points[:, 2], s=1.0,
+                      c=np.floor(height[layers] / 0.025) % 2, cmap="copper", vmin=-0.3, vmax=1.5)
+        place.set(ylabel="z [cm]", ylim=(0.0, 22.0), xlim=(0.0, 50.0), aspect="equal")
+        place.set_title(f"t = {time:.2f} s", loc="right", y=0.75)
+    axes[-1].axvline(34.0, color="k", linestyle=":")
+    axes[-1].set(xlabel="x [cm]; dotted: the run-out of the experiments")
+    save(figure, "stages", folder)
+
+
+def main():
+    """All figures, or those whose name holds a word."""
+    options = case.arguments()
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--only", default="")
+    only = parser.parse_args().only
+    with matplotlib.rc_context(STYLE):
+        for draw in (incline, contacts, stages, runout):
+            if only in draw.__name__:
+                draw(options)
+
+
+if __name__ == "__main__":
+    main()

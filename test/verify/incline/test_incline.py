@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Grains on a slope: the steady profile, the way to it, and slopes on which there is none.
+
+Would catch: a law of mu(I) with a wrong rate, pressure or root; friction that takes part of the rate of the step
+before; a base that slips; a free surface that loses weight or drags; periodic faces that brake; noise or a
+viscosity of the transfer that adds to the friction of the grains; layers that creep where they should rest.
+
+P. Jop, Y. Forterre, O. Pouliquen, Nature 441 (2006) 727, glass beads of 0.5 mm, layer of 10 mm. Between 20.9 and
+32.76 degrees the inertial number I is the same at all depths and the speed is
+u = 2 I/(3 d) sqrt(phi g cos) [h^(3/2) - (h - z)^(3/2)]; limit 1 % of the speed of the surface for every particle.
+24 degrees start from rest, 22 degrees from 0.7 of the profile and 26 degrees from 1.2 times the profile, so all
+have to find it. At 34 degrees the layer accelerates; the mean speed follows finite volumes of the same law
+(limit 2 %) between g (sin - mu_2 cos) and g (sin - mu_s cos). At 20 degrees a layer that moves like one at 24
+degrees stops before it could with mu_s alone, and stays: limit 1e-6 m in 0.4 s, below 1e-4 of the way it went.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import case    # noqa: E402
+import flows   # noqa: E402
+import report  # noqa: E402
+
+
+def steady(options, sheet):
+    """Slopes with a steady flow."""
+    for angle, start, end in ((22.0, 0.7, 2.0), (24.0, 0.0, 3.5), (26.0, 1.2, 3.0)):
+        name = f"{angle:.0f} degrees"
+        result = flows.incline(options, f"steady_{angle:.0f}", angle=angle, start=start, end=end, count=1)
+        sheet.require(not result["code"], f"{name}: the run ends")
+        sheet.below(f"{name}: speed over that of the surface, worst particle", result["profile"], 0.01)
+        sheet.below(f"{name}: mean speed", result["mean"], 0.01)
+        sheet.near(f"{name}: shear over normal stress", result["ratio"], result["friction"], 0.003)
+        drift = np.interp(result["ended"] - 0.3, result["time"], result["means"]) / result["means"][-1] - 1.0
+        sheet.below(f"{name}: change in the last 0.3 s", drift, 0.01)
+        begun = abs(result["means"][0] / result["means"][-1] - 1.0)
+        sheet.above(f"{name}: it was off by that at the start", begun, 0.15)
+
+
+def faster(options, sheet):
+    """A slope that is too steep."""
+    result = flows.incline(options, "steep", angle=34.0, end=0.6, count=1)
+    time, exact = flows.slope_reference(34.0, 0.01, 0.6)
+    late = result["time"] > 0.1
+    off = result["means"][late] / np.interp(result["time"][late], time, exact) - 1.0
+    sheet.below("34 degrees: mean speed against finite volumes", np.abs(off).max(), 0.02)
+    slope = np.radians(34.0)
+    least, most = (flows.GRAVITY * (np.sin(slope) - mu * np.cos(slope)) for mu in (flows.MU_2, flows.MU_S))
+    speeds = np.interp(np.arange(0.1, 0.6, 0.05), result["time"], result["means"])
+    gains = np.diff(speeds) / 0.05
+    sheet.above("34 degrees: least acceleration [m/s2]", gains.min(), least)
+    sheet.below("34 degrees: greatest acceleration [m/s2]", gains.max(), most)
+
+
+def stopping(options, sheet):
+    """A slope that is not steep enough."""
+    result = flows.incline(options, "flat", angle=20.0, end=1.2, start=1.0, start_angle=24.0, count=24)
+    slope = np.radians(20.0)
+    time, speed = result["time"], result["means"]
+    slowest = speed[0] / (flows.GRAVITY * (flows.MU_S * np.cos(slope) - np.sin(slope)))
+    stopped = time[np.flatnonzero(speed < 1.0e-3 * speed[0])[0]]
+    sheet.above("20 degrees: time to stop [s]", stopped, 0.1)
+    sheet.below("20 degrees: time to stop [s], with mu_s alone the limit", stopped, slowest)
+    places = [(when, snap.points[np.argsort(snap.fields["identity"]), 0]) for when, snap in result["run"].snapshots()]
+    went = speed[time < stopped].mean() * stopped
+    after = [place for when, place in places if when > 0.8]
+    sheet.require(stopped < 0.8 and len(after) > 6, "20 degrees: it was at rest for 0.4 s")
+    creep = max(np.abs(place - after[0]).max() for place in after)
+    sheet.below("20 degrees: creep in 0.4 s [m]", creep, 1.0e-6)
+    sheet.above("20 degrees: way before it stopped [m]", went, 0.01)
+
+
+def main():
+    """All slopes."""
+    options = case.arguments()
+    sheet = report.Report()
+    steady(options, sheet)
+    faster(options, sheet)
+    stopping(options, sheet)
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
