@@ -6,7 +6,7 @@ module driver_start
    use base_sort, only: sort_order
    use driver_ledger, only: cross
    use driver_simulation, only: simulation_t
-   use driver_step, only: count_particles, sort_particles
+   use driver_step, only: count_particles, limit_step, sort_particles
    use mesh_curve, only: curve_key
    use mesh_tiles, only: partition_keys
    use omp_lib, only: omp_get_max_threads
@@ -34,6 +34,7 @@ contains
    subroutine prepare(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer(int64) :: none(0)
+      integer :: material
 
       allocate (simulation%scratch(0:omp_get_max_threads() - 1))
       if (simulation%method%dual) then
@@ -42,6 +43,11 @@ contains
       end if
       call partition_keys(none, none, simulation%communicator%size, simulation%tiles%border)
       call simulation%tiles%set(simulation%grid, none, none)
+      do material = 1, size(simulation%materials)
+         if (.not. allocated(simulation%materials(material)%heat)) cycle
+         if (simulation%materials(material)%heat%conductivity > 0.0_wp .and. &
+            .not. allocated(simulation%conduction)) allocate (simulation%conduction)
+      end do
       call name_phases(simulation)
    end subroutine prepare
 
@@ -55,6 +61,7 @@ contains
          phase%exchange = timer%phase("exchange")
          phase%grid = timer%phase("grid")
          phase%gather = timer%phase("nodes to points, law")
+         if (allocated(simulation%conduction)) phase%conduction = timer%phase("heat conduction")
          phase%ledger = timer%phase("ledger, history")
          phase%output = timer%phase("output")
          phase%checkpoint = timer%phase("checkpoint")
@@ -296,5 +303,6 @@ contains
       simulation%dt_next = huge(1.0_wp)
       if (fastest > 0.0_wp) &
          simulation%dt_next = simulation%method%cfl*simulation%grid%spacing/fastest
+      if (allocated(simulation%conduction)) call limit_step(simulation)
    end subroutine first_step
 end module driver_start

@@ -7,6 +7,7 @@ module driver_step
    use driver_difference, only: find_difference
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
+   use driver_heat, only: conduct_heat, conduction_step, greatest_diffusivity
    use driver_method, only: stress_before, stress_remapped
    use driver_nodes, only: dual_fields, move_nodes, remap_nodes
    use driver_scatter, only: scatter_particles
@@ -16,7 +17,7 @@ module driver_step
    implicit none
    private
 
-   public :: advance, count_particles, sort_particles
+   public :: advance, count_particles, limit_step, sort_particles
 
 contains
 
@@ -47,6 +48,7 @@ contains
             call scatter_again(simulation, simulation%kick)
             call remap_nodes(simulation)
          end if
+         if (allocated(simulation%conduction)) call conduct_heat(simulation, dt)
          parts%strain = method%stress /= stress_before
          parts%motion = .true.
          call gather_particles(simulation, parts, dt)
@@ -100,7 +102,19 @@ contains
          return
       end if
       simulation%dt_next = next_step(simulation, fastest)
+      if (allocated(simulation%conduction)) call limit_step(simulation)
    end subroutine close_step
+
+   !> Let conduction of heat limit the next time step.
+   subroutine limit_step(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run, some material conducts
+      real(wp) :: dt
+
+      dt = conduction_step(simulation%grid%spacing, simulation%grid%dimensions, &
+         simulation%communicator%maximum(greatest_diffusivity(simulation)))
+      simulation%conduction%rules = dt < simulation%dt_next
+      simulation%dt_next = min(simulation%dt_next, dt)
+   end subroutine limit_step
 
    !> Stable time step for the fastest signal, not growing too fast.
    pure real(wp) function next_step(simulation, fastest) result(dt)
