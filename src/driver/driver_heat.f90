@@ -7,8 +7,8 @@
 !! which adds no diffusion of its own. What differs between particles of a cell the nodes do not
 !! see; it fades at the rate of the shortest wave that they do see, by a term without any effect on
 !! the nodes, of second order as in the filtered transfers of C. C. Hammerquist, J. A. Nairn,
-!! Comput. Methods Appl. Mech. Eng. 318 (2017) 724. Materials without a conductivity take no part. Faces of
-!! the box and free surfaces are insulated.
+!! Comput. Methods Appl. Mech. Eng. 318 (2017) 724. Materials without a conductivity take no part.
+!! Faces of the box and free surfaces are insulated.
 module driver_heat
    use base_constants, only: pi
    use base_kinds, only: wp
