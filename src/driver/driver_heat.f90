@@ -16,6 +16,7 @@ module driver_heat
    use driver_nodes, only: divide, ensure_weights
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
+   use material_voids, only: expanded
    use mesh_halo, only: exchange_patches
    use mesh_patch, only: assemble, ensure_patch
    use omp_lib, only: omp_get_thread_num
@@ -411,6 +412,9 @@ contains
             scratch%places%values)
          call warm(simulation%materials(index)%heat%specific_heat, tile, scratch%places, &
             booked, simulation%stores(index))
+         if (allocated(simulation%materials(index)%voids)) call expand( &
+            simulation%materials(index)%voids%expansion, tile, scratch%places, &
+            simulation%stores(index))
          call scratch%ledger%sums(dissipated)%add(booked)
       end do
    end subroutine give_heat
@@ -437,4 +441,19 @@ contains
          end if
       end do
    end subroutine warm
+
+   !> Let the grains of a tile expand into their voids by what they were warmed.
+   pure subroutine expand(expansion, tile, places, store)
+      real(wp), intent(in) :: expansion              !! Thermal, of the volume [1/K]
+      integer, intent(in) :: tile                    !! Which tile
+      type(places_t), intent(in) :: places !! What nodes give, and what fades, of each particle [K]
+      type(store_t), intent(inout) :: store          !! The particles
+      integer :: p, q
+
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         store%matter%solid_fraction(q) = expanded(store%matter%solid_fraction(q), &
+            expansion*(places%values(p, 1) - places%vector(p, 1)))
+      end do
+   end subroutine expand
 end module driver_heat

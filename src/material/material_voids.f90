@@ -17,7 +17,7 @@ module material_voids
    implicit none
    private
 
-   public :: declare_voids, expand_grains, voids_t
+   public :: declare_voids, expand_grains, expanded, voids_t
 
    !> Rules of the voids of a material.
    type :: voids_t
@@ -146,7 +146,7 @@ contains
          theta = solid_fraction(k)
          ! Pressed grains climb over each other, until they are as loose as they can be.
          solid_fraction(k) = merge(max(min(theta, voids%critical), &
-            theta*(1.0_wp - voids%shearing*shear)), theta, &
+            theta/(1.0_wp + voids%shearing*shear*(1.0_wp + 0.5_wp*voids%shearing*shear))), theta, &
             loose(i) > 0.5_wp .and. pressure(i) > 0.0_wp)
          theta = solid_fraction(k)
          alpha = merge(min(1.0_wp, (theta - voids%critical)*crushing), 1.0_wp, &
@@ -228,8 +228,17 @@ contains
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         solid_fraction(k) = min(1.0_wp, solid_fraction(k) &
-            *(1.0_wp + expansion*(temperature(k) - old_temperature(i))))
+         solid_fraction(k) = expanded(solid_fraction(k), &
+            expansion*(temperature(k) - old_temperature(i)))
       end do
    end subroutine expand_grains
+
+   !> Share of grains that expand, theta exp(growth) but not above 1, in a form that cooling takes
+   !! back to round-off.
+   pure real(wp) function expanded(solid_fraction, growth) result(share)
+      real(wp), intent(in) :: solid_fraction         !! Before [1]
+      real(wp), intent(in) :: growth                 !! Of the logarithm of their volume [1]
+
+      share = min(1.0_wp, solid_fraction*(1.0_wp + 0.5_wp*growth)/(1.0_wp - 0.5_wp*growth))
+   end function expanded
 end module material_voids
