@@ -14,7 +14,7 @@ module law_steinberg_guinan
    use base_schema, only: schema_t
    use material_effects, only: effects_t
    use material_kinematics, only: predict_deviator
-   use material_law, only: equivalent_stress, law_stored, law_t
+   use material_law, only: equivalent_stress, law_stored, law_t, mean_work, strain_trial
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
    implicit none
@@ -200,6 +200,7 @@ contains
       real(wp) :: ratio, limit, increment
       integer :: i, k
 
+      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
       call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
       do i = 1, last - first + 1
          k = first - 1 + i
@@ -209,7 +210,9 @@ contains
                3.0_wp*self%shear*deformation%modulus(i), limit, increment)
             if (limit < trial) matter%stress(k, :) = limit/trial*matter%stress(k, :)
             matter%plastic_strain(k) = matter%plastic_strain(k) + increment
-            deformation%plastic_work(i) = limit*increment*matter%volume(k)
+            deformation%plastic_work(i) = matter%volume(k)*mean_work( &
+               self%shear*deformation%modulus(i), trial, limit, increment, &
+               deformation%plastic_work(i))
             trial = increment
          end associate
       end do

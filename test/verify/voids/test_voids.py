@@ -140,8 +140,8 @@ def crushing(options, sheet):
     sheet.below("share of crushed grains", np.abs(theta * (1.0 + void) - 1.0).max(), 2.0e-4)
     sheet.require(np.all(theta > share + 1.0e-3), "grains are crushed")
     matter = share * begin / (theta * last["volume"])
-    sheet.below("pressure of crushed grains", np.abs(pressure(states[-1]) / (theta * BULK * (matter - 1.0)) - 1.0).max(),
-                1.0e-9)
+    expected = theta * BULK * (matter - 1.0)
+    sheet.below("pressure of crushed grains", np.abs(pressure(states[-1]) / expected - 1.0).max(), 1.0e-9)
 
 
 def heated(options, sheet):
