@@ -66,19 +66,20 @@ contains
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
       character(len=:), allocatable :: eos, law
-      real(wp) :: dilation
+      real(wp) :: dilation, share
 
       text = ""
       call group%get("eos_model", eos)
       call group%get("strength_model", law)
+      call group%get("solid_fraction", share)
       dilation = 0.0_wp
       if (group%given("dilation_angle")) call group%get("dilation_angle", dilation)
       if (eos == "p_alpha") then
          text = "eos_model = 'p_alpha' has pores of its own; remove it or &effects voids"
       else if (dilation > 0.0_wp) then
          text = "with &effects voids shear opens them by b_shear, not by dilation_angle"
-      else if (law == "jh2") then
-         text = "strength_model = 'jh2' makes pressure of its own; remove &effects voids"
+      else if (law == "jh2" .and. share < 1.0_wp) then
+         text = "strength_model = 'jh2' is that of matter without pores; remove solid_fraction"
       end if
    end function voids_fault
 

@@ -144,6 +144,31 @@ def crushing(options, sheet):
     sheet.below("pressure of crushed grains", np.abs(pressure(states[-1]) / expected - 1.0).max(), 1.0e-9)
 
 
+def fractured(options, sheet):
+    """Glass after JH-2: opens without work, and closes to the pressure of its density and fracture."""
+    glass = ("density=2530  shear=30.4e9  eos_model='jh2'  strength_model='jh2'  damage_model='jh2'  jh2_k1=45.4e9  "
+             "jh2_k2=-138e9  jh2_k3=290e9\n jh2_a=0.93  jh2_n=0.77  jh2_b=0.088  jh2_m=0.35  jh2_c=0.003  jh2_t=0.15e9  "
+             "jh2_fmax=0.5\n jh2_hel=5.95e9  jh2_phel=2.92e9  jh2_d1=0.0053  jh2_d2=0.85  jh2_beta=1")
+    text = CYCLE.replace("density=1000  bulk=1.0e9  shear=6.0e8", "").replace(
+        "t_end=0.05", "t_end=0.6").replace("velocity=0.1,", "velocity=-0.3,").replace("every=2", "every=50")
+    text = text.format(method="ddmp", words=glass, damage=".true.", fields=",'solid_fraction','bulking'")
+    run = case.Case(options, "glass", text).run("-q")
+    for speed, end in ((0.3, 1.4), (-0.3, 2.1)):
+        run.run("-q", "--restart", "-s", f"boundary[2].velocity={speed},0,0", "-s", f"time.t_end={end}")
+    states = [snapshot.fields for _, snapshot in run.snapshots()]
+    volumes = [state["volume"][0] for state in states]
+    widest = int(np.argmax(volumes))
+    sheet.require(np.all(states[-1]["failed"] == 1) and np.all(states[-1]["bulking"] > 1.0e7), "glass makes pressure")
+    sheet.require(np.all(states[widest]["solid_fraction"] < 0.99), "voids open between its pieces")
+    sheet.below("stress of glass that is open [Pa]", np.abs(states[widest]["stress"][:, :3].sum(axis=1)).max(), 0.0)
+    last = states[-1]
+    mu = 0.5 / last["volume"] - 1.0
+    expected = 45.4e9 * mu - 138e9 * mu ** 2 + 290e9 * mu ** 3 + last["bulking"]
+    found = -last["stress"][:, :3].sum(axis=1) / 3.0
+    sheet.require(np.all(last["solid_fraction"] == 1.0) and np.all(mu > 0.02), "voids close")
+    sheet.below("pressure of closed glass", np.abs(found / expected - 1.0).max(), 1.0e-12)
+
+
 def heated(options, sheet):
     """Grains that conduct heat to each other expand into their voids; nothing moves."""
     run = case.Case(options, "oven", OVEN).run("-q")
@@ -188,6 +213,7 @@ def main():
     sheet = report.Report()
     open_and_close(options, sheet)
     crushing(options, sheet)
+    fractured(options, sheet)
     heated(options, sheet)
     sheared(options, sheet)
     sheet.end()
