@@ -234,12 +234,13 @@ contains
       end do
    end subroutine expand_grains
 
-   !> Share of grains that expand, theta exp(growth) but not above 1, in a form that cooling takes
-   !! back to round-off.
+   !> Share of grains that expand, theta exp(growth) but not above 1, with the positive Pade
+   !! approximant of order (2, 2), which cooling takes back to round-off.
    pure real(wp) function expanded(solid_fraction, growth) result(share)
       real(wp), intent(in) :: solid_fraction         !! Before [1]
       real(wp), intent(in) :: growth                 !! Of the logarithm of their volume [1]
 
-      share = min(1.0_wp, solid_fraction*(1.0_wp + 0.5_wp*growth)/(1.0_wp - 0.5_wp*growth))
+      share = min(1.0_wp, solid_fraction*(1.0_wp + growth*(0.5_wp + growth/12.0_wp)) &
+         /(1.0_wp - growth*(0.5_wp - growth/12.0_wp)))
    end function expanded
 end module material_voids
