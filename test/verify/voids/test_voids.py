@@ -147,8 +147,8 @@ def crushing(options, sheet):
 def fractured(options, sheet):
     """Glass after JH-2: opens without work, and closes to the pressure of its density and fracture."""
     glass = ("density=2530  shear=30.4e9  eos_model='jh2'  strength_model='jh2'  damage_model='jh2'  jh2_k1=45.4e9  "
-             "jh2_k2=-138e9  jh2_k3=290e9\n jh2_a=0.93  jh2_n=0.77  jh2_b=0.088  jh2_m=0.35  jh2_c=0.003  jh2_t=0.15e9  "
-             "jh2_fmax=0.5\n jh2_hel=5.95e9  jh2_phel=2.92e9  jh2_d1=0.0053  jh2_d2=0.85  jh2_beta=1")
+             "jh2_k2=-138e9  jh2_k3=290e9\n jh2_a=0.93  jh2_n=0.77  jh2_b=0.088  jh2_m=0.35  jh2_c=0.003\n "
+             "jh2_t=0.15e9  jh2_fmax=0.5\n jh2_hel=5.95e9  jh2_phel=2.92e9  jh2_d1=0.0053  jh2_d2=0.85  jh2_beta=1")
     text = CYCLE.replace("density=1000  bulk=1.0e9  shear=6.0e8", "").replace(
         "t_end=0.05", "t_end=0.6").replace("velocity=0.1,", "velocity=-0.3,").replace("every=2", "every=50")
     text = text.format(method="ddmp", words=glass, damage=".true.", fields=",'solid_fraction','bulking'")
