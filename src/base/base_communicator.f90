@@ -2,6 +2,7 @@
 !> The ranks of a run and all that they say to each other. The only file that uses MPI.
 module base_communicator
    use base_kinds, only: int64, wp
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
    use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_barrier, mpi_bcast, &
       mpi_character, mpi_comm, mpi_comm_rank, mpi_comm_size, mpi_comm_world, mpi_double_precision, &
       mpi_exscan, mpi_finalize, mpi_get_count, mpi_ibarrier, mpi_info, mpi_info_null, &
@@ -13,7 +14,34 @@ module base_communicator
    implicit none
    private
 
-   public :: communicator_t, message_passing_version
+   public :: communicator_t, message_passing_version, posted_t, traffic_t
+
+   !> What a rank has said to the others so far, and how long it has waited for them.
+   type :: traffic_t
+      integer(int64) :: messages = 0                  !! Messages sent
+      integer(int64) :: words = 0                     !! Words of 8 bytes in them
+      integer(int64) :: agreements = 0                !! Times that all ranks had to agree
+      real(wp) :: waiting = 0.0_wp                    !! Wall time in calls that wait [s]
+   end type traffic_t
+
+   !> Messages on their way to few ranks.
+   type :: posted_t
+      integer(int64), allocatable :: outgoing(:)      !! Their words, untouched until complete
+      type(mpi_request), allocatable, private :: sent(:) !! One each
+      integer, private :: tag = 0                     !! Which exchange
+   end type posted_t
+
+   interface
+      !> Give the environment of this process a word, unless it has it and `overwrite` is 0.
+      function c_setenv(name, value, overwrite) bind(c, name="setenv") result(status)
+         import :: c_char, c_int
+         implicit none
+         character(kind=c_char), intent(in) :: name(*)   !! Null terminated
+         character(kind=c_char), intent(in) :: value(*)  !! Null terminated
+         integer(c_int), value :: overwrite              !! 0: leave what is there
+         integer(c_int) :: status
+      end function c_setenv
+   end interface
 
    !> A group of ranks. Without `start` it is a group of one that never calls MPI.
    type :: communicator_t
@@ -21,6 +49,7 @@ module base_communicator
       integer :: size = 1                             !! Number of ranks
       type(mpi_comm), private :: handle = mpi_comm_world !! The ranks to MPI
       integer, private :: round = 0                   !! Keeps neighbouring exchanges apart
+      type(traffic_t) :: traffic                      !! What was said
    contains
       procedure :: start => communicator_start        !! Join the run
       procedure :: adopt => communicator_adopt        !! Take over a group that somebody else made
@@ -29,12 +58,16 @@ module base_communicator
       procedure :: barrier => communicator_barrier    !! Wait for all
       procedure :: minimum => communicator_minimum    !! Least number over the ranks
       procedure :: maximum => communicator_maximum    !! Greatest number over the ranks
+      procedure :: maxima => communicator_maxima      !! Greatest numbers, element by element
+      procedure :: least => communicator_least        !! Least whole numbers, element by element
       procedure :: any => communicator_any            !! True if true on some rank
       procedure :: total => communicator_total        !! Sum of whole numbers, element by element
       procedure :: before => communicator_before      !! Sum over the lower ranks
       procedure :: gather => communicator_gather      !! Concatenate over the ranks, on all of them
       procedure :: broadcast => communicator_broadcast !! Text of rank 0 to all
-      procedure :: exchange => communicator_exchange  !! Messages to few, unknown, ranks
+      procedure :: exchange => communicator_exchange  !! Messages to few ranks, unknown to them
+      procedure :: post => communicator_post          !! First half of that: send
+      procedure :: complete => communicator_complete  !! Second half: receive
    end type communicator_t
 
 contains
@@ -46,11 +79,29 @@ contains
       logical :: started
 
       self%handle = mpi_comm_world
+      call prefer_romio()
       call mpi_initialized(started)
       if (.not. started) call mpi_init_thread(mpi_thread_funneled, provided)
       call mpi_comm_rank(self%handle, self%rank)
       call mpi_comm_size(self%handle, self%size)
    end subroutine communicator_start
+
+   !> Have Open MPI write files with ROMIO. Its own OMPIO makes a shared file pointer for every file
+   !! that it opens and now and then waits for ever on the semaphore of that; nothing here uses one.
+   !! It was met about once in thirty files on two ranks with Open MPI 4.1.4; see also issues 9656
+   !! of Open MPI and 1227 of HDF5. Whoever sets these words in the environment is obeyed.
+   subroutine prefer_romio()
+      character(len=*), parameter :: words(2) = [character(len=31) :: &
+         "OMPI_MCA_io_romio321_priority", "OMPI_MCA_io_romio341_priority"]
+      integer(c_int) :: status
+      integer :: n
+
+      do n = 1, size(words)
+         status = c_setenv(trim(words(n))//c_null_char, "90"//c_null_char, 0_c_int)
+         ! without memory for a word there is none for a run either
+         if (status /= 0) return
+      end do
+   end subroutine prefer_romio
 
    !> Take over a group that somebody else made: a program that Scree is a part of, or a test.
    subroutine communicator_adopt(self, handle)
@@ -113,6 +164,45 @@ contains
       if (self%size > 1) &
          call mpi_allreduce(value, greatest, 1, mpi_double_precision, mpi_max, self%handle)
    end function communicator_maximum
+
+   !> Replace numbers by the greatest over the ranks.
+   subroutine communicator_maxima(self, values)
+      class(communicator_t), intent(inout) :: self    !! The group
+      real(wp), contiguous, intent(inout) :: values(:) !! Of this rank in, greatest out
+      real(wp), allocatable :: greatest(:)
+      integer(int64) :: begin
+
+      if (self%size == 1) return
+      call system_clock(begin)
+      allocate (greatest, mold=values)
+      call mpi_allreduce(values, greatest, size(values), mpi_double_precision, mpi_max, &
+         self%handle)
+      values = greatest
+      self%traffic%agreements = self%traffic%agreements + 1
+      call book_wait(self%traffic, begin)
+   end subroutine communicator_maxima
+
+   !> Replace whole numbers by the least over the ranks.
+   subroutine communicator_least(self, values)
+      class(communicator_t), intent(in) :: self       !! The group
+      integer(int64), contiguous, intent(inout) :: values(:) !! Of this rank in, least out
+      integer(int64), allocatable :: least(:)
+
+      if (self%size == 1) return
+      allocate (least, mold=values)
+      call mpi_allreduce(values, least, size(values), mpi_integer8, mpi_min, self%handle)
+      values = least
+   end subroutine communicator_least
+
+   !> Add the time since a reading of the clock to that of waiting.
+   subroutine book_wait(traffic, begin)
+      type(traffic_t), intent(inout) :: traffic       !! The books
+      integer(int64), intent(in) :: begin             !! Clock at the start
+      integer(int64) :: now, rate
+
+      call system_clock(now, rate)
+      traffic%waiting = traffic%waiting + real(now - begin, wp)/real(rate, wp)
+   end subroutine book_wait
 
    !> True on all ranks if true on one of them.
    function communicator_any(self, value) result(some)
@@ -194,50 +284,82 @@ contains
       call mpi_bcast(text, int(length(1)), mpi_character, 0, self%handle)
    end subroutine communicator_broadcast
 
-   !> Send messages to ranks that do not know that they will get one.
-   !!
-   !! Non-blocking consensus: T. Hoefler, C. Siebert, A. Lumsdaine, "Scalable communication
-   !! protocols for dynamic sparse data exchange", PPoPP 2010. What arrives is concatenated in the
-   !! order of arrival, so the reader must put it in an order of its own.
+   !> Send messages to ranks that do not know that they will get one, and receive those to this
+   !! rank. What arrives is concatenated in the order of arrival, so the reader must put it in an
+   !! order of its own.
    subroutine communicator_exchange(self, destination, length, outgoing, incoming)
       class(communicator_t), intent(inout) :: self    !! The group
       integer, contiguous, intent(in) :: destination(:)        !! Rank of each message
       integer, contiguous, intent(in) :: length(:)             !! Words of each message
       integer(int64), contiguous, intent(in) :: outgoing(:)    !! Messages, one after the other
       integer(int64), allocatable, intent(out) :: incoming(:)  !! Messages to this rank
-      type(mpi_request), allocatable :: sent(:)
-      type(mpi_request) :: consensus
-      integer(int64), allocatable :: buffer(:)
-      integer :: message, first, filled, tag
-      logical :: done, agreeing
+      type(posted_t) :: posted
+      integer :: words
+
+      posted%outgoing = outgoing
+      call self%post(destination, length, posted)
+      call self%complete(posted, incoming, words)
+      incoming = incoming(:words)
+   end subroutine communicator_exchange
+
+   !> Send messages. Between this and `complete` there is time for other work, but not for another
+   !! exchange.
+   !!
+   !! Non-blocking consensus: T. Hoefler, C. Siebert, A. Lumsdaine, "Scalable communication
+   !! protocols for dynamic sparse data exchange", PPoPP 2010. A synchronous message is delivered
+   !! once it is received; a rank whose messages are delivered enters a barrier, and when the
+   !! barrier is over all messages of all ranks are.
+   subroutine communicator_post(self, destination, length, posted)
+      class(communicator_t), intent(inout) :: self    !! The group
+      integer, contiguous, intent(in) :: destination(:)        !! Rank of each message
+      integer, contiguous, intent(in) :: length(:)             !! Words of each message
+      type(posted_t), intent(inout) :: posted         !! With the words, one message after another
+      integer :: message, first
 
       self%round = 1 - self%round
-      tag = 100 + self%round
-      allocate (sent(size(destination)), buffer(0))
-      filled = 0
+      posted%tag = 100 + self%round
+      if (allocated(posted%sent)) deallocate (posted%sent)
+      allocate (posted%sent(size(destination)))
       first = 1
       do message = 1, size(destination)
-         call mpi_issend(outgoing(first:), length(message), mpi_integer8, destination(message), &
-            tag, &
-            self%handle, sent(message))
+         call mpi_issend(posted%outgoing(first:), length(message), mpi_integer8, &
+            destination(message), posted%tag, self%handle, posted%sent(message))
          first = first + length(message)
       end do
+      self%traffic%messages = self%traffic%messages + size(destination)
+      self%traffic%words = self%traffic%words + first - 1
+   end subroutine communicator_post
+
+   !> Receive what others sent to this rank since they posted.
+   subroutine communicator_complete(self, posted, incoming, words)
+      class(communicator_t), intent(inout) :: self    !! The group
+      type(posted_t), intent(inout) :: posted         !! From `post`
+      integer(int64), allocatable, intent(inout) :: incoming(:) !! Grows as needed
+      integer, intent(out) :: words                   !! Words that arrived
+      type(mpi_request) :: consensus
+      integer(int64) :: begin
+      logical :: done, agreeing
+
+      call system_clock(begin)
+      if (.not. allocated(incoming)) allocate (incoming(0))
+      words = 0
       agreeing = .false.
       do
-         call receive_one(self%handle, tag, buffer, filled)
+         call receive_one(self%handle, posted%tag, incoming, words)
          if (agreeing) then
             call mpi_test(consensus, done, mpi_status_ignore)
             if (done) exit
          else
-            call mpi_testall(size(sent), sent, done, mpi_statuses_ignore)
+            call mpi_testall(size(posted%sent), posted%sent, done, mpi_statuses_ignore)
             if (done) then
                call mpi_ibarrier(self%handle, consensus)
                agreeing = .true.
             end if
          end if
       end do
-      incoming = buffer(:filled)
-   end subroutine communicator_exchange
+      self%traffic%agreements = self%traffic%agreements + 1
+      call book_wait(self%traffic, begin)
+   end subroutine communicator_complete
 
    !> Receive one message if one is waiting, and append it.
    subroutine receive_one(handle, tag, buffer, filled)

@@ -1,15 +1,35 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Wall time by phase: where a run spends its seconds.
+!> Wall time by phase: where a run spends its seconds. A phase that begins inside another one stops
+!! the clock of that until it ends, so the times of all phases add up.
 module base_timer
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
+   use, intrinsic :: iso_c_binding, only: c_int, c_long
    implicit none
    private
 
-   public :: timer_t, wall_seconds
+   public :: thread_seconds, timer_t, wall_seconds
 
    integer, parameter :: name_length = 32                !! Longest name of a phase
    integer, parameter :: most_phases = 32                !! Phases of a timer
+   integer, parameter :: most_deep = 8                   !! Phases inside one another
+
+   !> A time as the C library writes it.
+   type, bind(c) :: time_t
+      integer(c_long) :: seconds                         !! [s]
+      integer(c_long) :: nanoseconds                     !! [ns]
+   end type time_t
+
+   interface
+      !> Read a clock of POSIX.
+      function clock_gettime(clock, time) bind(c, name="clock_gettime") result(status)
+         import :: c_int, time_t
+         implicit none
+         integer(c_int), value :: clock                  !! Which
+         type(time_t), intent(out) :: time               !! What it shows
+         integer(c_int) :: status
+      end function clock_gettime
+   end interface
 
    !> One phase.
    type :: phase_t
@@ -23,10 +43,13 @@ module base_timer
    type :: timer_t
       type(phase_t), private :: phases(most_phases)      !! In the order of their first mention
       integer, private :: filled = 0                     !! Phases in use
+      integer, private :: open(0:most_deep) = 0          !! (depth) Phases that go on, inner last
+      integer, private :: depth = 0                      !! How many of them
    contains
       procedure :: phase => timer_phase                  !! Number of a phase, new or known
       procedure :: start => timer_start                  !! The phase begins
       procedure :: stop => timer_stop                    !! The phase ends
+      procedure :: move => timer_move                    !! Book seconds of a phase on another one
       procedure :: count => timer_count                  !! Number of phases
       procedure :: name => timer_name                    !! Name of a phase
       procedure :: calls => timer_calls                  !! How often a phase ended
@@ -45,6 +68,18 @@ contains
       call system_clock(ticks, rate)
       seconds = real(ticks, wp)/real(rate, wp)
    end function wall_seconds
+
+   !> Seconds that the calling thread has worked: it does not count while others have the processor.
+   function thread_seconds() result(seconds)
+      integer(c_int), parameter :: of_this_thread = 3_c_int
+      real(wp), parameter :: nano = 1.0e-9_wp
+      type(time_t) :: now
+      real(wp) :: seconds
+
+      seconds = 0.0_wp
+      if (clock_gettime(of_this_thread, now) == 0) &
+         seconds = real(now%seconds, wp) + nano*real(now%nanoseconds, wp)
+   end function thread_seconds
 
    !> Number of the phase of this name. The last place is shared by all names that do not fit.
    function timer_phase(self, name) result(index)
@@ -65,20 +100,49 @@ contains
       class(timer_t), intent(inout) :: self              !! The timer
       integer, intent(in) :: index                       !! From `phase`
 
-      call system_clock(self%phases(index)%started)
+      integer(int64) :: ticks
+
+      call system_clock(ticks)
+      if (self%depth > 0) call close_interval(self%phases(self%open(self%depth)), ticks)
+      self%depth = min(self%depth + 1, most_deep)
+      self%open(self%depth) = index
+      self%phases(index)%started = ticks
    end subroutine timer_start
 
-   !> The phase ends.
+   !> Add the time since a phase went on.
+   pure subroutine close_interval(phase, ticks)
+      type(phase_t), intent(inout) :: phase              !! Which
+      integer(int64), intent(in) :: ticks                !! Clock now
+
+      phase%ticks = phase%ticks + ticks - phase%started
+   end subroutine close_interval
+
+   !> Book seconds of one phase on another, for what is known only afterwards.
+   subroutine timer_move(self, from, to, seconds)
+      class(timer_t), intent(inout) :: self              !! The timer
+      integer, intent(in) :: from                        !! Loses them
+      integer, intent(in) :: to                          !! Gets them
+      real(wp), intent(in) :: seconds                    !! [s]
+      integer(int64) :: rate, now, ticks
+
+      call system_clock(now, rate)
+      ticks = nint(seconds*real(rate, wp), int64)
+      self%phases(from)%ticks = self%phases(from)%ticks - ticks
+      self%phases(to)%ticks = self%phases(to)%ticks + ticks
+      self%phases(to)%calls = self%phases(to)%calls + 1_int64
+   end subroutine timer_move
+
+   !> The phase ends, and the one that it interrupted goes on.
    subroutine timer_stop(self, index)
       class(timer_t), intent(inout) :: self              !! The timer
       integer, intent(in) :: index                       !! From `phase`
       integer(int64) :: ticks
 
       call system_clock(ticks)
-      associate (phase => self%phases(index))
-         phase%ticks = phase%ticks + ticks - phase%started
-         phase%calls = phase%calls + 1_int64
-      end associate
+      call close_interval(self%phases(index), ticks)
+      self%phases(index)%calls = self%phases(index)%calls + 1_int64
+      self%depth = max(self%depth - 1, 0)
+      if (self%depth > 0) self%phases(self%open(self%depth))%started = ticks
    end subroutine timer_stop
 
    !> Number of phases.

@@ -1,22 +1,24 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Moves tiles between ranks when some rank has too many particles. Results do not depend on it.
+!> Moves tiles between ranks when some rank has too much work. Results do not depend on it.
 module driver_balance
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
    use driver_simulation, only: simulation_t
    use driver_step, only: count_particles, sort_particles
-   use mesh_tiles, only: partition_keys
+   use mesh_tiles, only: partition_pieces
    use particle_store, only: moved_away, store_t
    implicit none
    private
 
-   public :: balance_ranks, balancing_t, read_balancing
+   public :: balance_ranks, balancing_t, read_balancing, watch_costs
+
+   integer(int64), parameter :: measured_steps = 4   !! Before loads are compared
 
    !> When tiles move.
    type :: balancing_t
       logical :: allowed = .true.                    !! May they move at all?
-      integer(int64) :: every = 200                  !! Steps between two looks
-      real(wp) :: tolerance = 1.15_wp !! Greatest load over mean load that is borne [1]
+      integer(int64) :: every = 25                   !! Steps between two looks
+      real(wp) :: tolerance = 1.1_wp !! Greatest work over mean work that is borne [1]
    end type balancing_t
 
 contains
@@ -38,45 +40,107 @@ contains
       call group%get("imbalance", balancing%tolerance)
    end subroutine read_balancing
 
-   !> Cut the curve anew if it is time and the loads differ too much.
+   !> Have the work on tiles measured in the few steps before loads are compared.
+   subroutine watch_costs(simulation, balancing)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(balancing_t), intent(in) :: balancing     !! When
+      real(wp), allocatable :: cost(:)
+
+      if (simulation%communicator%size == 1 .or. .not. balancing%allowed) return
+      if (modulo(-simulation%step - 1, balancing%every) >= measured_steps) return
+      if (allocated(simulation%cost)) then
+         call carry_costs(simulation, cost)
+      else
+         allocate (cost(simulation%tiles%own))
+         cost = 0.0_wp
+      end if
+      call move_alloc(cost, simulation%cost)
+      simulation%cost_key = simulation%tiles%key(:simulation%tiles%own)
+   end subroutine watch_costs
+
+   !> The work measured so far for the tiles that there are now; both lists of tiles ascend. New
+   !! tiles have none.
+   pure subroutine carry_costs(simulation, cost)
+      type(simulation_t), intent(in) :: simulation   !! The run, measured
+      real(wp), allocatable, intent(out) :: cost(:)  !! (own tile) [s]
+      integer :: tile, old
+
+      allocate (cost(simulation%tiles%own))
+      cost = 0.0_wp
+      old = 1
+      do tile = 1, simulation%tiles%own
+         do while (old <= size(simulation%cost))
+            if (simulation%cost_key(old) >= simulation%tiles%key(tile)) exit
+            old = old + 1
+         end do
+         if (old > size(simulation%cost)) return
+         if (simulation%cost_key(old) == simulation%tiles%key(tile)) &
+            cost(tile) = simulation%cost(old)
+      end do
+   end subroutine carry_costs
+
+   !> Compare the work of the ranks in a step that was measured, and cut the curve anew if it
+   !! differs too much.
    subroutine balance_ranks(simulation, balancing)
       type(simulation_t), intent(inout) :: simulation !! The run, particles in order
       type(balancing_t), intent(in) :: balancing     !! When
-      integer(int64), allocatable :: pairs(:), whole(:)
+      integer(int64), allocatable :: weight(:), border(:)
       integer(int64) :: total(1)
-      real(wp) :: greatest
-      integer :: tile, index, owner
+      real(wp) :: ratio
+      integer :: tile, index
 
-      if (simulation%communicator%size == 1 .or. .not. balancing%allowed) return
+      if (.not. allocated(simulation%cost)) return
       if (mod(simulation%step, balancing%every) /= 0) return
-      total = count_particles(simulation)
-      greatest = simulation%communicator%maximum(real(total(1), wp))
+      call weigh_tiles(simulation, weight)
+      deallocate (simulation%cost, simulation%cost_key)
+      total = sum(weight)
+      ratio = simulation%communicator%maximum(real(total(1), wp))
       call simulation%communicator%total(total)
-      if (greatest*real(simulation%communicator%size, wp) <= &
-         balancing%tolerance*real(total(1), wp)) return
+      ratio = ratio*real(simulation%communicator%size, wp)/real(max(total(1), 1_int64), wp)
+      call simulation%load%look(simulation%step, ratio)
+      if (ratio <= balancing%tolerance) return
       call simulation%timer%start(simulation%phase%sort)
-      allocate (pairs(2*simulation%tiles%own))
-      do tile = 1, simulation%tiles%own
-         pairs(2*tile - 1) = simulation%tiles%key(tile)
-         pairs(2*tile) = 0
-         do index = 1, size(simulation%stores)
-            pairs(2*tile) = pairs(2*tile) + simulation%stores(index)%count(tile)
+      associate (tiles => simulation%tiles, rank => simulation%communicator%rank)
+         call partition_pieces(simulation%communicator, tiles%key(:tiles%own), weight, border)
+         call tiles%cut(border)
+         do tile = 1, tiles%own
+            if (tiles%owner(tiles%key(tile)) == rank) cycle
+            simulation%load%sent = simulation%load%sent + 1
+            do index = 1, size(simulation%stores)
+               call send_tile(simulation%stores(index), tile)
+            end do
          end do
-      end do
-      ! ranks own ascending pieces of the curve, so the whole list ascends too
-      call simulation%communicator%gather(pairs, whole)
-      call partition_keys(whole(1::2), whole(2::2), simulation%communicator%size, &
-         simulation%tiles%border)
-      do tile = 1, simulation%tiles%own
-         owner = simulation%tiles%owner(simulation%tiles%key(tile))
-         if (owner == simulation%communicator%rank) cycle
-         do index = 1, size(simulation%stores)
-            call send_tile(simulation%stores(index), tile)
-         end do
-      end do
+      end associate
       call simulation%timer%stop(simulation%phase%sort)
+      simulation%load%cuts = simulation%load%cuts + 1
       call sort_particles(simulation)
    end subroutine balance_ranks
+
+   !> Work of each tile in nanoseconds. Tiles that came into being since it was measured get the
+   !! mean work of their particles.
+   subroutine weigh_tiles(simulation, weight)
+      type(simulation_t), intent(in) :: simulation   !! The run, measured
+      integer(int64), allocatable, intent(out) :: weight(:) !! (own tile) [ns], 1 or more
+      real(wp), parameter :: nano = 1.0e-9_wp
+      real(wp), allocatable :: cost(:)
+      real(wp) :: each
+      integer(int64) :: particles
+      integer :: tile, index
+
+      call carry_costs(simulation, cost)
+      each = sum(cost)/real(max(count_particles(simulation), 1_int64), wp)
+      allocate (weight(size(cost)))
+      do tile = 1, size(cost)
+         if (.not. cost(tile) > 0.0_wp) then
+            particles = 0
+            do index = 1, size(simulation%stores)
+               particles = particles + simulation%stores(index)%count(tile)
+            end do
+            cost(tile) = each*real(particles, wp)
+         end if
+         weight(tile) = max(nint(cost(tile)/nano, int64), 1_int64)
+      end do
+   end subroutine weigh_tiles
 
    !> Let all particles of a tile look for their new rank.
    pure subroutine send_tile(store, tile)

@@ -2,11 +2,11 @@
 !> The mean stress of the nodes that is taken out of the particles (`quadrature = 'control'`).
 module driver_control
    use base_kinds, only: wp
+   use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_nodes, only: empty_mass
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use mesh_grid, only: grid_t
-   use mesh_halo, only: exchange_patches
    use mesh_patch, only: assemble, ensure_patch
    use omp_lib, only: omp_get_thread_num
    implicit none
@@ -21,22 +21,24 @@ contains
    !> Mean stress on the nodes inside of bodies; less towards their surfaces and none there.
    subroutine find_star(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
-      integer :: tile
+      integer, allocatable :: tiles(:)
+      integer :: tile, part, n
 
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
          call simulation%timer%start(simulation%phase%scatter)
          call ensure_patch(nodes%mean, columns, number, simulation%tiles%own)
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic, 1)
-         do tile = 1, simulation%tiles%own
-            call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, &
-               simulation%nodes%mean(:, :, tile))
+         do part = edge_tiles, inner_tiles
+            call next_tiles(simulation, part, tiles)
+            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp schedule(dynamic, 1)
+            do n = 1, size(tiles)
+               call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+                  simulation%nodes%mean(:, :, tiles(n)))
+            end do
+            !$omp end parallel do
+            call pass_patches(simulation, part, nodes%mean)
          end do
-         !$omp end parallel do
          call simulation%timer%stop(simulation%phase%scatter)
-         call simulation%timer%start(simulation%phase%exchange)
-         call exchange_patches(simulation%communicator, simulation%grid, simulation%tiles, &
-            nodes%mean)
-         call simulation%timer%stop(simulation%phase%exchange)
          call simulation%timer%start(simulation%phase%grid)
          call ensure_patch(nodes%star, columns - 1, number, simulation%tiles%all)
          !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)

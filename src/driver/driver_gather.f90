@@ -3,6 +3,7 @@
 !! cache from the first to the last of these.
 module driver_gather
    use base_kinds, only: int64, wp
+   use driver_cost, only: book_cost, cost_clock
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
    use driver_method, only: method_t, stress_before
    use driver_nodes, only: node_gradient
@@ -53,12 +54,15 @@ contains
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer :: tile
+      real(wp) :: began
 
       call simulation%timer%start(simulation%phase%gather)
-      !$omp parallel do default(none) shared(simulation, parts, dt) private(tile) &
+      !$omp parallel do default(none) shared(simulation, parts, dt) private(tile, began) &
       !$omp schedule(dynamic, 1)
       do tile = 1, simulation%tiles%own
+         began = cost_clock(simulation)
          call gather_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, parts, dt)
+         call book_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%gather)

@@ -12,12 +12,12 @@
 module driver_heat
    use base_constants, only: pi
    use base_kinds, only: wp
+   use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_ledger, only: dissipated
    use driver_nodes, only: divide, ensure_weights
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use material_voids, only: expanded
-   use mesh_halo, only: exchange_patches
    use mesh_patch, only: assemble, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
@@ -44,41 +44,49 @@ contains
    subroutine conduct_heat(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! The run, some material conducts
       real(wp), intent(in) :: dt                     !! Time step [s]
-      integer :: tile, rows
+      integer, allocatable :: tiles(:)
+      integer :: part, n, rows
 
       call simulation%timer%start(simulation%phase%conduction)
       rows = merge(filled, content, simulation%method%dual)
-      associate (tiles => simulation%tiles, heat => simulation%conduction, &
-         nodes => simulation%grid%tile_nodes)
-         call ensure_patch(heat%content, rows, nodes, tiles%own)
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic, 1)
-         do tile = 1, simulation%tiles%own
-            call spread_content(simulation, simulation%scratch(omp_get_thread_num()), tile, &
-               simulation%conduction%content(:, :, tile))
+      associate (heat => simulation%conduction, nodes => simulation%grid%tile_nodes)
+         call ensure_patch(heat%content, rows, nodes, simulation%tiles%own)
+         do part = edge_tiles, inner_tiles
+            call next_tiles(simulation, part, tiles)
+            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp schedule(dynamic, 1)
+            do n = 1, size(tiles)
+               call spread_content(simulation, simulation%scratch(omp_get_thread_num()), &
+                  tiles(n), simulation%conduction%content(:, :, tiles(n)))
+            end do
+            !$omp end parallel do
+            call pass_patches(simulation, part, simulation%conduction%content)
          end do
-         !$omp end parallel do
-         call exchange_patches(simulation%communicator, simulation%grid, tiles, heat%content)
-         call ensure_patch(heat%total, rows, nodes, tiles%all)
-         call ensure_patch(heat%temperature, 1, nodes, tiles%all)
+         call ensure_patch(heat%total, rows, nodes, simulation%tiles%all)
+         call ensure_patch(heat%temperature, 1, nodes, simulation%tiles%all)
          if (simulation%method%dual) call ensure_dual(simulation)
          call each_tile(simulation, average_tile)
          if (simulation%method%dual) call each_tile(simulation, slope_tile)
          call ensure_patch(heat%flow, merge(fluxes + 2, hidden, simulation%method%dual), nodes, &
-            tiles%own)
-         !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(dynamic, 1)
-         do tile = 1, simulation%tiles%own
-            call spread_flow(simulation, simulation%scratch(omp_get_thread_num()), tile, dt, &
-               simulation%conduction%flow(:, :, tile))
-         end do
-         !$omp end parallel do
-         call exchange_patches(simulation%communicator, simulation%grid, tiles, heat%flow)
-         if (simulation%method%dual) call each_tile(simulation, push_tile)
-         !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(dynamic, 1)
-         do tile = 1, simulation%tiles%own
-            call give_heat(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
-         end do
-         !$omp end parallel do
+            simulation%tiles%own)
       end associate
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, tiles, dt) private(n) &
+         !$omp schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            call spread_flow(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), dt, &
+               simulation%conduction%flow(:, :, tiles(n)))
+         end do
+         !$omp end parallel do
+         call pass_patches(simulation, part, simulation%conduction%flow)
+      end do
+      if (simulation%method%dual) call each_tile(simulation, push_tile)
+      !$omp parallel do default(none) shared(simulation, dt) private(n) schedule(dynamic, 1)
+      do n = 1, simulation%tiles%own
+         call give_heat(simulation, simulation%scratch(omp_get_thread_num()), n, dt)
+      end do
+      !$omp end parallel do
       call simulation%timer%stop(simulation%phase%conduction)
    end subroutine conduct_heat
 

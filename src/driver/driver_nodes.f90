@@ -3,6 +3,7 @@
 !! several tiles share get the same bits on each of them.
 module driver_nodes
    use base_kinds, only: wp
+   use driver_cost, only: book_cost, cost_clock
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
    use driver_simulation, only: scratch_t, simulation_t
    use mesh_patch, only: assemble, ensure_patch
@@ -21,6 +22,7 @@ contains
    subroutine dual_fields(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer :: tile
+      real(wp) :: began
 
       call simulation%timer%start(simulation%phase%grid)
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
@@ -31,14 +33,18 @@ contains
          call ensure_patch(nodes%volume, 1, number, all)
          call ensure_patch(nodes%force, 3, number, all)
       end associate
-      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+      !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
+         began = cost_clock(simulation)
          call weigh_tile(simulation, tile)
+         call book_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+      !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
+         began = cost_clock(simulation)
          call force_tile(simulation, tile)
+         call book_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
@@ -133,6 +139,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       integer :: tile
+      real(wp) :: began
 
       call simulation%timer%start(simulation%phase%grid)
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
@@ -146,9 +153,11 @@ contains
             if (simulation%carries_energy) call ensure_patch(nodes%middle, 9, number, all)
          end if
       end associate
-      !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
+      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
+         began = cost_clock(simulation)
          call move_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
+         call book_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)

@@ -8,18 +8,20 @@ module driver_run
    use base_kinds, only: int64, wp
    use base_log, only: log_t, progress_heading, progress_line, progress_t
    use base_timer, only: wall_seconds
-   use driver_balance, only: balance_ranks, balancing_t, read_balancing
+   use driver_balance, only: balance_ranks, balancing_t, read_balancing, watch_costs
    use driver_ledger, only: balance_t, kinetic
    use driver_output, only: outputs_t
    use driver_restart, only: write_checkpoint
    use driver_signal, only: signal_caught, watch_signal
-   use driver_simulation, only: simulation_t
+   use driver_simulation, only: requests_t, simulation_t
    use driver_step, only: advance, count_particles
    use io_checkpoint, only: checkpoint_place_t
    implicit none
    private
 
    public :: choose_step, limits_t, read_limits, run_to_end
+
+   integer, parameter :: out_of_time = 1000          !! A call to leave that is no signal
 
    !> When a run ends and when it looks after itself.
    type :: limits_t
@@ -130,12 +132,14 @@ contains
          if (finished) exit
          call choose_step(simulation, limits, dt, error)
          if (allocated(error)) exit
+         call ask(simulation, limits, watch)
+         call watch_costs(simulation, limits%balancing)
          call advance(simulation, dt, error)
          if (allocated(error)) return
          call balance_ranks(simulation, limits%balancing)
          call write_outputs(simulation, outputs, .false., log, error)
          if (allocated(error)) return
-         call tell(simulation, limits, log, watch)
+         if (simulation%requests%line > 0.0_wp) call tell(simulation, limits, log, watch)
          if (checkpoint_due(simulation, limits, watch)) then
             call save(simulation, outputs, place, log, watch, error)
             if (allocated(error)) return
@@ -173,6 +177,25 @@ contains
       call log%info(progress_heading())
    end subroutine begin
 
+   !> What this rank asks of all in the step that comes: to leave, and, from the clock of the first
+   !! rank, lines of progress and checkpoints.
+   subroutine ask(simulation, limits, watch)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(limits_t), intent(in) :: limits           !! How often
+      type(watch_t), intent(in) :: watch             !! Clocks
+      real(wp) :: now
+
+      now = wall_seconds()
+      associate (requests => simulation%requests)
+         requests = requests_t(leave=real(signal_caught(), wp))
+         if (now - watch%begin + reserve(simulation, watch) > limits%wall_limit) &
+            requests%leave = real(out_of_time, wp)
+         if (simulation%communicator%rank > 0) return
+         if (now - watch%last_line >= limits%progress) requests%line = 1.0_wp
+         if (now - watch%last_checkpoint >= limits%checkpoint_wall) requests%checkpoint = 1.0_wp
+      end associate
+   end subroutine ask
+
    !> Is the run over, and why? All ranks agree.
    subroutine judge(simulation, limits, watch, finished, code, reason)
       type(simulation_t), intent(inout) :: simulation !! The run
@@ -183,21 +206,17 @@ contains
       character(len=:), allocatable, intent(out) :: reason !! Why
       integer(int64), parameter :: look_every = 20
       type(balance_t) :: now
-      real(wp) :: call_for_end
 
       finished = .true.
       code = exit_success
-      call_for_end = real(signal_caught(), wp)
-      if (wall_seconds() - watch%begin + reserve(simulation, watch) > limits%wall_limit) &
-         call_for_end = max(call_for_end, 1000.0_wp)
-      watch%signal = nint(simulation%communicator%maximum(call_for_end))
+      watch%signal = nint(simulation%requests%leave)
       reason = "t_end reached"
       if (simulation%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp))) return
       reason = "max_steps reached"
       if (simulation%step >= limits%max_steps) return
       code = exit_again
       reason = "wall_limit reached"
-      if (watch%signal >= 1000) return
+      if (watch%signal >= out_of_time) return
       reason = "signal "//name_of(watch%signal)
       if (watch%signal > 0) return
       code = exit_success
@@ -289,23 +308,18 @@ contains
       if (len(note) > 0) call log%info(note)
    end subroutine write_outputs
 
-   !> A line of progress now and then.
+   !> A line of progress.
    subroutine tell(simulation, limits, log, watch)
       type(simulation_t), intent(inout) :: simulation !! The run
-      type(limits_t), intent(in) :: limits           !! How often
+      type(limits_t), intent(in) :: limits           !! The end
       type(log_t), intent(inout) :: log              !! Gets the line
       type(watch_t), intent(inout) :: watch          !! Clocks
       type(progress_t) :: progress
       type(balance_t) :: now
       real(wp) :: wall, share
-      logical :: due
       integer(int64) :: counts(2)
 
       wall = wall_seconds()
-      due = .false.
-      if (simulation%communicator%rank == 0) due = wall - watch%last_line >= limits%progress
-      due = simulation%communicator%any(due)
-      if (.not. due) return
       watch%last_line = wall
       call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
          simulation%materials, now)
@@ -331,12 +345,7 @@ contains
       type(limits_t), intent(in) :: limits           !! How often
       type(watch_t), intent(inout) :: watch          !! Clocks
 
-      due = .false.
-      if (limits%checkpoint_wall < huge(1.0_wp)) then
-         if (simulation%communicator%rank == 0) &
-            due = wall_seconds() - watch%last_checkpoint >= limits%checkpoint_wall
-         due = simulation%communicator%any(due)
-      end if
+      due = simulation%requests%checkpoint > 0.0_wp
       if (limits%checkpoint_time > 0.0_wp) then
          do while (simulation%time >= real(watch%checkpoints + 1, wp)*limits%checkpoint_time)
             watch%checkpoints = watch%checkpoints + 1

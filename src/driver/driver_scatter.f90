@@ -2,8 +2,9 @@
 !> Particles to patches, tile by tile.
 module driver_scatter
    use base_kinds, only: wp
+   use driver_cost, only: book_cost, cost_clock
+   use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_simulation, only: scratch_t, simulation_t
-   use mesh_halo, only: exchange_patches
    use mesh_patch, only: ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
@@ -23,22 +24,27 @@ contains
    !! other ranks.
    subroutine scatter_particles(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
-      integer :: tile
+      integer, allocatable :: tiles(:)
+      integer :: part, n
+      real(wp) :: began
 
       call simulation%timer%start(simulation%phase%scatter)
       call ensure_patch(simulation%nodes%motion, merge(dual_columns, motion_columns, &
          simulation%method%dual), simulation%grid%tile_nodes, simulation%tiles%own)
-      !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
-         call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, &
-            simulation%nodes%motion(:, :, tile))
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, tiles) private(n, began) &
+         !$omp schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            began = cost_clock(simulation)
+            call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+               simulation%nodes%motion(:, :, tiles(n)))
+            call book_cost(simulation, tiles(n), began)
+         end do
+         !$omp end parallel do
+         call pass_patches(simulation, part, simulation%nodes%motion)
       end do
-      !$omp end parallel do
       call simulation%timer%stop(simulation%phase%scatter)
-      call simulation%timer%start(simulation%phase%exchange)
-      call exchange_patches(simulation%communicator, simulation%grid, simulation%tiles, &
-         simulation%nodes%motion)
-      call simulation%timer%stop(simulation%phase%exchange)
    end subroutine scatter_particles
 
    !> One tile.

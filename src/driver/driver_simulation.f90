@@ -12,6 +12,7 @@ module driver_simulation
    use material_type, only: material_t
    use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
+   use mesh_halo, only: halo_t
    use mesh_tiles, only: tiles_t
    use particle_store, only: store_t
    use transfer_places, only: places_t
@@ -19,7 +20,7 @@ module driver_simulation
    implicit none
    private
 
-   public :: conduction_t, nodes_t, phases_t, scratch_t, simulation_t
+   public :: conduction_t, load_t, nodes_t, phases_t, requests_t, scratch_t, simulation_t
 
    !> Node fields, all as patches of tiles: (component, node, tile). What the method does not need
    !! is
@@ -75,11 +76,29 @@ module driver_simulation
       logical :: sound = .true.                      !! Are all numbers finite?
    end type scratch_t
 
+   !> What ranks ask of all; agreed at the end of each step.
+   type :: requests_t
+      real(wp) :: leave = 0.0_wp                     !! Number of a signal, 0 = none
+      real(wp) :: line = 0.0_wp                      !! 1 = a line of progress
+      real(wp) :: checkpoint = 0.0_wp                !! 1 = a checkpoint
+   end type requests_t
+
+   !> How evenly the ranks work: greatest over mean work in the steps that were measured.
+   type :: load_t
+      integer :: looks = 0                           !! Steps measured
+      integer :: cuts = 0                            !! Times that the curve was cut anew
+      integer(int64) :: sent = 0                     !! Tiles that this rank sent then
+      real(wp) :: last = 1.0_wp                      !! At the last look [1]
+      real(wp) :: total = 0.0_wp                     !! Sum over the looks [1]
+      real(wp) :: greatest = 1.0_wp                  !! After the first hundred steps [1]
+   contains
+      procedure :: look => load_look                 !! Note a measured step
+   end type load_t
+
    !> Indices of the timed phases.
    type :: phases_t
-      integer :: sort = 0, scatter = 0, exchange = 0, grid = 0, gather = 0, ledger = 0, &
-      output = 0, &
-         checkpoint = 0, conduction = 0               !! One each
+      integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
+         ledger = 0, output = 0, checkpoint = 0, conduction = 0 !! One each
    end type phases_t
 
    !> A run.
@@ -88,6 +107,7 @@ module driver_simulation
       type(grid_t) :: grid                           !! The grid
       type(boundary_t) :: boundary                   !! The faces
       type(tiles_t) :: tiles                         !! The tiles of this rank
+      type(halo_t) :: halo                           !! Which of them other ranks see
       type(material_t), allocatable :: materials(:)  !! The materials
       type(store_t), allocatable :: stores(:)        !! Their particles
       type(method_t) :: method                       !! The numerical method
@@ -104,8 +124,27 @@ module driver_simulation
       real(wp) :: kick = 0.0_wp                      !! Time that the forces act in this step [s]
       real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
       integer(int64) :: updates = 0                  !! Particle updates of this rank
+      real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
+      integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then
+      type(load_t) :: load                           !! How evenly the ranks work
+      type(requests_t) :: requests                   !! Of this rank, after a step of all
       type(ledger_t) :: ledger                       !! The books
       type(timer_t) :: timer                         !! Wall time by phase
       type(phases_t) :: phase                        !! Indices of the phases
    end type simulation_t
+
+contains
+
+   !> Note how evenly the ranks worked in a step.
+   pure subroutine load_look(self, step, ratio)
+      class(load_t), intent(inout) :: self           !! The notes
+      integer(int64), intent(in) :: step             !! Steps done
+      real(wp), intent(in) :: ratio                  !! Greatest over mean work [1]
+      integer(int64), parameter :: settled = 100
+
+      self%looks = self%looks + 1
+      self%last = ratio
+      self%total = self%total + ratio
+      if (step > settled) self%greatest = max(self%greatest, ratio)
+   end subroutine load_look
 end module driver_simulation

@@ -4,6 +4,7 @@ module driver_start
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
+   use driver_heat, only: greatest_diffusivity
    use driver_ledger, only: cross
    use driver_simulation, only: simulation_t
    use driver_step, only: count_particles, limit_step, sort_particles
@@ -34,6 +35,7 @@ contains
    subroutine prepare(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer(int64) :: none(0)
+      integer(int64), allocatable :: border(:)
       integer :: material
 
       allocate (simulation%scratch(0:omp_get_max_threads() - 1))
@@ -41,7 +43,8 @@ contains
          simulation%dual%surface = simulation%method%surface
          call simulation%dual%start(simulation%grid)
       end if
-      call partition_keys(none, none, simulation%communicator%size, simulation%tiles%border)
+      call partition_keys(none, none, simulation%communicator%size, border)
+      call simulation%tiles%cut(border)
       call simulation%tiles%set(simulation%grid, none, none)
       do material = 1, size(simulation%materials)
          if (.not. allocated(simulation%materials(material)%heat)) cycle
@@ -59,6 +62,7 @@ contains
          phase%sort = timer%phase("sort, move tiles")
          phase%scatter = timer%phase("points to nodes")
          phase%exchange = timer%phase("exchange")
+         phase%wait = timer%phase("waiting for ranks")
          phase%grid = timer%phase("grid")
          phase%gather = timer%phase("nodes to points, law")
          if (allocated(simulation%conduction)) phase%conduction = timer%phase("heat conduction")
@@ -108,7 +112,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
       type(survey_t), intent(in) :: survey           !! Counts of them
-      integer(int64), allocatable :: own(:), none(:)
+      integer(int64), allocatable :: own(:), none(:), border(:)
       integer(int64) :: next
       integer :: index, body, tile, p
 
@@ -117,8 +121,8 @@ contains
          bodies(body)%first_identity = next
          next = next + product(bodies(body)%sites(simulation%grid))
       end do
-      call partition_keys(survey%key, survey%tile, simulation%communicator%size, &
-         simulation%tiles%border)
+      call partition_keys(survey%key, survey%tile, simulation%communicator%size, border)
+      call simulation%tiles%cut(border)
       own = pack(survey%key, &
          survey%key >= simulation%tiles%border(simulation%communicator%rank) .and. &
          survey%key < simulation%tiles%border(simulation%communicator%rank + 1))
@@ -212,7 +216,7 @@ contains
    !! is forgotten. For particles that were just read, each store in one range.
    subroutine distribute(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
-      integer(int64), allocatable :: own(:), whole(:), key(:), weight(:)
+      integer(int64), allocatable :: own(:), whole(:), key(:), weight(:), border(:)
       integer, allocatable :: order(:)
       integer :: n, tiles
 
@@ -233,8 +237,8 @@ contains
          key(tiles) = whole(2*order(n) - 1)
          weight(tiles) = whole(2*order(n))
       end do
-      call partition_keys(key(:tiles), weight(:tiles), simulation%communicator%size, &
-         simulation%tiles%border)
+      call partition_keys(key(:tiles), weight(:tiles), simulation%communicator%size, border)
+      call simulation%tiles%cut(border)
       do n = 1, size(simulation%stores)
          call simulation%stores(n)%unsettle(simulation%grid%tile_cells)
       end do
@@ -303,6 +307,7 @@ contains
       simulation%dt_next = huge(1.0_wp)
       if (fastest > 0.0_wp) &
          simulation%dt_next = simulation%method%cfl*simulation%grid%spacing/fastest
-      if (allocated(simulation%conduction)) call limit_step(simulation)
+      if (allocated(simulation%conduction)) call limit_step(simulation, &
+         simulation%communicator%maximum(greatest_diffusivity(simulation)))
    end subroutine first_step
 end module driver_start

@@ -76,7 +76,7 @@ contains
    subroutine close_step(simulation, error)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(error_t), allocatable, intent(out) :: error !! If numbers went bad
-      real(wp) :: fastest
+      real(wp) :: fastest, diffusivity
       logical :: sound
       integer :: thread, n
 
@@ -96,25 +96,49 @@ contains
       end do
       ! a number gone bad on one rank must stop all: it travels as an infinite speed
       if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
-      fastest = simulation%communicator%maximum(fastest)
+      diffusivity = 0.0_wp
+      if (allocated(simulation%conduction)) diffusivity = greatest_diffusivity(simulation)
+      call agree(simulation, fastest, diffusivity)
       if (fastest >= huge(fastest)) then
          call fail(error, exit_physics, "a velocity or stress is not a number any more")
          return
       end if
       simulation%dt_next = next_step(simulation, fastest)
-      if (allocated(simulation%conduction)) call limit_step(simulation)
+      if (allocated(simulation%conduction)) call limit_step(simulation, diffusivity)
    end subroutine close_step
 
    !> Let conduction of heat limit the next time step.
-   subroutine limit_step(simulation)
+   subroutine limit_step(simulation, diffusivity)
       type(simulation_t), intent(inout) :: simulation !! The run, some material conducts
+      real(wp), intent(in) :: diffusivity            !! Greatest of all ranks [m2/s]
       real(wp) :: dt
 
-      dt = conduction_step(simulation%grid%spacing, simulation%grid%dimensions, &
-         simulation%communicator%maximum(greatest_diffusivity(simulation)))
+      dt = conduction_step(simulation%grid%spacing, simulation%grid%dimensions, diffusivity)
       simulation%conduction%rules = dt < simulation%dt_next
       simulation%dt_next = min(simulation%dt_next, dt)
    end subroutine limit_step
+
+   !> Agree with the other ranks on the fastest signal and on what they ask for: the only time in a
+   !! step that all ranks wait for all.
+   subroutine agree(simulation, fastest, diffusivity)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
+      real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
+      real(wp) :: asked(5)
+
+      if (simulation%communicator%size == 1) return
+      associate (requests => simulation%requests)
+         asked = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity]
+         call simulation%timer%start(simulation%phase%wait)
+         call simulation%communicator%maxima(asked)
+         call simulation%timer%stop(simulation%phase%wait)
+         fastest = asked(1)
+         requests%leave = asked(2)
+         requests%line = asked(3)
+         requests%checkpoint = asked(4)
+         diffusivity = asked(5)
+      end associate
+   end subroutine agree
 
    !> Stable time step for the fastest signal, not growing too fast.
    pure real(wp) function next_step(simulation, fastest) result(dt)
@@ -129,13 +153,17 @@ contains
    !> Book particles that left the box, and bring the others into their tiles and in order.
    subroutine sort_particles(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp) :: waited
 
+      waited = simulation%communicator%traffic%waiting
       call simulation%timer%start(simulation%phase%sort)
       call simulation%ledger%book_lost(simulation%stores, simulation%materials)
       call migrate(simulation%communicator, simulation%grid, simulation%boundary, &
          simulation%tiles, &
          simulation%stores)
       call simulation%timer%stop(simulation%phase%sort)
+      if (simulation%communicator%size > 1) call simulation%timer%move(simulation%phase%sort, &
+         simulation%phase%wait, simulation%communicator%traffic%waiting - waited)
    end subroutine sort_particles
 
    !> Particles of this rank.

@@ -23,6 +23,9 @@ module driver_summary
    integer, parameter :: extremes = 5                !! Number of extremes
    character(len=12), parameter :: extreme_names(extremes) = [character(len=12) :: "speed_max", &
       "pressure_min", "pressure_max", "density_min", "density_max"]
+   integer, parameter :: kinds = 5                   !! Numbers about what ranks say to each other
+   character(len=15), parameter :: kind_names(kinds) = [character(len=15) :: "patch_messages", &
+      "patch_bytes", "moving_messages", "moving_bytes", "tiles_sent"]
 
 contains
 
@@ -40,7 +43,7 @@ contains
       type(balance_t) :: now
       type(state_t) :: state
       character(len=16) :: digest
-      integer(int64) :: counts(2)
+      integer(int64) :: counts(2), traffic(kinds)
       real(wp) :: rate, bytes
       real(wp), allocatable :: least(:), mean(:), greatest(:)
       real(wp) :: range(extremes)
@@ -58,6 +61,8 @@ contains
       bytes = bytes_per_particle(simulation, counts(1))
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
       call log%info(balance_text(now, rate, bytes))
+      call count_traffic(simulation, traffic)
+      if (simulation%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
       call find_extremes(simulation, range)
       if (allocated(simulation%exact)) call take_errors(simulation)
       if (simulation%communicator%rank /= 0) return
@@ -78,6 +83,7 @@ contains
       call add_extremes(json, range)
       call add_timers(json, simulation, least, mean, greatest)
       call add_ledger(json, simulation, now)
+      if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
       if (allocated(simulation%exact)) call add_exact(json, simulation)
       call add_files(json, outputs)
       call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
@@ -92,7 +98,7 @@ contains
 
       associate (phase => simulation%phase)
          total = seconds(phase%sort) + seconds(phase%scatter) + seconds(phase%exchange) &
-            + seconds(phase%grid) + seconds(phase%gather)
+            + seconds(phase%wait) + seconds(phase%grid) + seconds(phase%gather)
          if (phase%conduction > 0) total = total + seconds(phase%conduction)
       end associate
       rate = 0.0_wp
@@ -155,6 +161,67 @@ contains
          " million particle updates/s in the steps, ", nint(bytes, int64), " bytes/particle"
       text = text//trim(line)
    end function balance_text
+
+   !> What the ranks said to each other, in the order of the names, summed over them. Patches are
+   !! node fields; what moves are particles that change ranks and data that are levelled for files.
+   subroutine count_traffic(simulation, traffic)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer(int64), intent(out) :: traffic(kinds)  !! Messages, bytes, messages, bytes, tiles
+
+      associate (said => simulation%communicator%traffic, halo => simulation%halo)
+         traffic = [halo%messages, 8*halo%words, said%messages - halo%messages, &
+            8*(said%words - halo%words), simulation%load%sent]
+      end associate
+      call simulation%communicator%total(traffic)
+   end subroutine count_traffic
+
+   !> How evenly the ranks worked and what they said to each other, as lines of text.
+   function ranks_text(simulation, traffic) result(text)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer(int64), intent(in) :: traffic(kinds)   !! In the order of the names
+      character(len=:), allocatable :: text
+      character(len=160) :: line
+      real(wp) :: each
+
+      text = ""
+      associate (load => simulation%load)
+         if (load%looks > 0) then
+            write (line, "(a,f6.3,a,f6.3,a,f6.3,a,i0,a)") "work      busiest rank over mean", &
+               load%total/real(load%looks, wp), " on average,", load%last, " at last,", &
+               load%greatest, " at worst after step 100; shared out anew ", load%cuts, " times"
+            text = trim(line)//new_line("a")
+         end if
+      end associate
+      each = 1.0_wp/(real(simulation%communicator%size, wp)*real(max(simulation%step, 1_int64), wp))
+      write (line, "(a,2(f6.2,a,es9.2,a))") "messages  a step and rank:", &
+         each*real(traffic(1), wp), " of patches,", each*real(traffic(2), wp), " bytes; ", &
+         each*real(traffic(3), wp), " of particles,", each*real(traffic(4), wp), " bytes"
+      text = text//trim(line)
+   end function ranks_text
+
+   !> The same for scripts.
+   subroutine add_ranks(json, simulation, traffic)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer(int64), intent(in) :: traffic(kinds)   !! In the order of the names
+      integer :: n
+
+      associate (load => simulation%load)
+         call json%begin("work_of_ranks")
+         call json%add("looks", load%looks)
+         call json%add("shared_out_anew", load%cuts)
+         call json%add("busiest_over_mean_last", load%last)
+         if (load%looks > 0) call json%add("busiest_over_mean", &
+            load%total/real(load%looks, wp))
+         call json%add("busiest_over_mean_worst", load%greatest)
+         call json%end()
+      end associate
+      call json%begin("traffic")
+      do n = 1, kinds
+         call json%add(trim(kind_names(n)), traffic(n))
+      end do
+      call json%end()
+   end subroutine add_ranks
 
    !> Greatest speed, and the ranges of pressure and density, over all particles and ranks.
    subroutine find_extremes(simulation, range)

@@ -3,10 +3,10 @@
 !! node velocities, and the map of the new particle velocities that strains with `musl`.
 module driver_sweep
    use base_kinds, only: wp
+   use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_nodes, only: book_push, divide, node_gradient
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
-   use mesh_halo, only: exchange_patches
    use mesh_patch, only: assemble, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
@@ -55,22 +55,23 @@ contains
    !> Momentum of the present term, seen by the particles, to a second patch.
    subroutine spread_terms(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
-      integer :: tile
+      integer, allocatable :: tiles(:)
+      integer :: part, n
 
       call simulation%timer%start(simulation%phase%scatter)
       call ensure_patch(simulation%nodes%extra, 3, simulation%grid%tile_nodes, &
          simulation%tiles%own)
-      !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
-         call spread_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, &
-            simulation%nodes%term(:, :, tile), simulation%nodes%extra(:, :, tile))
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, tiles) private(n) schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            call spread_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+               simulation%nodes%term(:, :, tiles(n)), simulation%nodes%extra(:, :, tiles(n)))
+         end do
+         !$omp end parallel do
+         call pass_patches(simulation, part, simulation%nodes%extra)
       end do
-      !$omp end parallel do
       call simulation%timer%stop(simulation%phase%scatter)
-      call simulation%timer%start(simulation%phase%exchange)
-      call exchange_patches(simulation%communicator, simulation%grid, simulation%tiles, &
-         simulation%nodes%extra)
-      call simulation%timer%stop(simulation%phase%exchange)
    end subroutine spread_terms
 
    !> One tile.
@@ -150,22 +151,24 @@ contains
    subroutine scatter_again(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(in) :: dt                     !! Time step [s]
-      integer :: tile
+      integer, allocatable :: tiles(:)
+      integer :: part, n
 
       call simulation%timer%start(simulation%phase%scatter)
       call ensure_patch(simulation%nodes%extra, merge(4, 3, simulation%method%transfer%affine()), &
          simulation%grid%tile_nodes, simulation%tiles%own)
-      !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
-         call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt, &
-            simulation%nodes%extra(:, :, tile))
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, dt, tiles) private(n) &
+         !$omp schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), dt, &
+               simulation%nodes%extra(:, :, tiles(n)))
+         end do
+         !$omp end parallel do
+         call pass_patches(simulation, part, simulation%nodes%extra)
       end do
-      !$omp end parallel do
       call simulation%timer%stop(simulation%phase%scatter)
-      call simulation%timer%start(simulation%phase%exchange)
-      call exchange_patches(simulation%communicator, simulation%grid, simulation%tiles, &
-         simulation%nodes%extra)
-      call simulation%timer%stop(simulation%phase%exchange)
    end subroutine scatter_again
 
    !> One tile: momentum, or mass and momentum of linear velocity fields.

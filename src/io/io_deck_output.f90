@@ -58,10 +58,10 @@ contains
       call schema%group("parallel", "distribution over ranks; results do not depend on it")
       call schema%text("parallel", "balance", "move tiles between ranks", default="auto", &
          words="auto never")
-      call schema%integer("parallel", "balance_every", "steps between two looks at the load", &
-         default="200", range="> 0", owner="balance = auto")
-      call schema%real("parallel", "imbalance", "greatest over mean load that moves tiles", &
-         default="1.15", range=">= 1", owner="balance = auto")
+      call schema%integer("parallel", "balance_every", "steps between two looks at the work", &
+         default="25", range="> 0", owner="balance = auto")
+      call schema%real("parallel", "imbalance", "greatest over mean work that moves tiles", &
+         default="1.1", range=">= 1", owner="balance = auto")
    end subroutine declare_parallel
 
    !> Declare &log.

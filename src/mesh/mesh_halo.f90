@@ -2,9 +2,11 @@
 !> Patches of tiles at the borders of ranks, sent to the ranks that touch them.
 !!
 !! A rank that has the patches of all tiles around its own can do all the work on the nodes that
-!! its particles see, so one exchange a transfer is enough, and no partial sum ever travels.
+!! its particles see, so one exchange a transfer is enough, and no partial sum ever travels. Who
+!! gets what is worked out once for as long as tiles and cuts stay as they are; each rank around
+!! gets one message an exchange. Tiles that nobody else sees can be worked on while it travels.
 module mesh_halo
-   use base_communicator, only: communicator_t
+   use base_communicator, only: communicator_t, posted_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use mesh_grid, only: grid_t
@@ -13,129 +15,233 @@ module mesh_halo
    implicit none
    private
 
-   public :: exchange_patches
+   public :: exchange_patches, halo_t
+
+   !> Which tiles go to which ranks.
+   type :: halo_t
+      integer, allocatable :: edge(:)                !! Own tiles that other ranks may see
+      integer, allocatable :: inner(:)               !! The others
+      integer, allocatable :: rank(:)                !! Ranks around
+      integer, allocatable :: before(:)              !! (rank around + 1) Entries before it
+      integer, allocatable :: tile(:)                !! Own tiles to send, grouped by rank
+      integer(int64) :: messages = 0                 !! Messages sent so far
+      integer(int64) :: words = 0                    !! Words of 8 bytes in them
+      integer(int64), private :: version = -1        !! Of the tiles that this holds for
+      type(posted_t), private :: posted              !! On the way
+      integer(int64), allocatable, private :: incoming(:) !! What arrived
+   contains
+      procedure :: plan => halo_plan                 !! Work out who gets what
+      procedure :: post => halo_post                 !! Send
+      procedure :: complete => halo_complete         !! Receive
+   end type halo_t
 
 contains
 
    !> Send the patches of border tiles and make those that arrive ghosts of this rank.
-   subroutine exchange_patches(communicator, grid, tiles, patch)
+   subroutine exchange_patches(communicator, grid, tiles, halo, patch)
       type(communicator_t), intent(inout) :: communicator !! The ranks
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(inout) :: tiles          !! Gets ghosts
+      type(halo_t), intent(inout) :: halo            !! Who gets what; brought up to date
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
-      integer(int64), allocatable :: outgoing(:), incoming(:)
-      integer, allocatable :: destination(:), length(:)
-      integer :: words
 
-      if (communicator%size == 1) return
-      words = 1 + size(patch, 1)*size(patch, 2)
-      call pack_patches(communicator, grid, tiles, patch, destination, length, outgoing)
-      call communicator%exchange(destination, length, outgoing, incoming)
-      call unpack_patches(grid, tiles, words, incoming, patch)
+      call halo%plan(communicator, grid, tiles)
+      call halo%post(communicator, tiles, patch)
+      call halo%complete(communicator, grid, tiles, patch)
    end subroutine exchange_patches
 
-   !> Write key and patch of each border tile once for every rank that touches it.
-   subroutine pack_patches(communicator, grid, tiles, patch, destination, length, outgoing)
+   !> Work out who gets what, if tiles or cuts have changed.
+   subroutine halo_plan(self, communicator, grid, tiles)
+      class(halo_t), intent(inout) :: self           !! The plan
       type(communicator_t), intent(in) :: communicator !! The ranks
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
-      real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile)
-      integer, allocatable, intent(out) :: destination(:)      !! Ranks
-      integer, allocatable, intent(out) :: length(:)           !! Words for each
-      integer(int64), allocatable, intent(out) :: outgoing(:)  !! Messages
-      integer, allocatable :: to(:), from(:), ranks(:)
-      integer :: tile, pairs, words, rank, pair, at
+      integer :: ranks(neighbors, tiles%own), number(tiles%own), tile
 
-      allocate (to(neighbors*tiles%own), from(neighbors*tiles%own))
+      if (self%version == tiles%version) return
+      self%version = tiles%version
+      number = 0
+      if (communicator%size > 1) then
+         !$omp parallel do default(none) shared(communicator, grid, tiles, ranks, number) &
+         !$omp private(tile) schedule(static)
+         do tile = 1, tiles%own
+            call ranks_around(communicator, grid, tiles, tile, ranks(:, tile), number(tile))
+         end do
+         !$omp end parallel do
+      end if
+      self%edge = pack([(tile, tile=1, tiles%own)], number > 0)
+      self%inner = pack([(tile, tile=1, tiles%own)], number == 0)
+      call group_by_rank(self, ranks, number)
+   end subroutine halo_plan
+
+   !> Group the pairs of tile and rank by rank; tiles of a rank ascend.
+   subroutine group_by_rank(self, ranks, number)
+      type(halo_t), intent(inout) :: self            !! Gets the groups
+      integer, intent(in) :: ranks(:, :)             !! (entry, tile) Ranks that see a tile
+      integer, intent(in) :: number(:)               !! (tile) Entries
+      integer(int64), allocatable :: to(:)
+      integer, allocatable :: from(:), order(:)
+      integer :: tile, entry, pairs, groups
+
+      allocate (to(sum(number)), from(sum(number)))
       pairs = 0
-      do tile = 1, tiles%own
-         call ranks_around(communicator, grid, tiles, tile, ranks)
-         to(pairs + 1:pairs + size(ranks)) = ranks
-         from(pairs + 1:pairs + size(ranks)) = tile
-         pairs = pairs + size(ranks)
-      end do
-      words = 1 + size(patch, 1)*size(patch, 2)
-      allocate (outgoing(int(pairs, int64)*words), destination(0), length(0))
-      at = 0
-      do rank = 0, communicator%size - 1
-         if (.not. any(to(:pairs) == rank)) cycle
-         destination = [destination, rank]
-         length = [length, words*count(to(:pairs) == rank)]
-         do pair = 1, pairs
-            if (to(pair) /= rank) cycle
-            outgoing(at + 1) = tiles%key(from(pair))
-            outgoing(at + 2:at + words) = transfer(patch(:, :, from(pair)), outgoing, words - 1)
-            at = at + words
+      do tile = 1, size(number)
+         do entry = 1, number(tile)
+            pairs = pairs + 1
+            to(pairs) = ranks(entry, tile)
+            from(pairs) = tile
          end do
       end do
-   end subroutine pack_patches
+      order = sort_order(to)
+      self%tile = from(order)
+      to = to(order)
+      groups = 0
+      do entry = 1, pairs
+         if (starts(to, entry)) groups = groups + 1
+      end do
+      if (allocated(self%rank)) deallocate (self%rank, self%before)
+      allocate (self%rank(groups), self%before(groups + 1))
+      groups = 0
+      do entry = 1, pairs
+         if (.not. starts(to, entry)) cycle
+         groups = groups + 1
+         self%rank(groups) = int(to(entry))
+         self%before(groups) = entry - 1
+      end do
+      self%before(groups + 1) = pairs
+   end subroutine group_by_rank
 
-   !> Other ranks that own a place around a tile, each once.
-   pure subroutine ranks_around(communicator, grid, tiles, tile, ranks)
+   !> True where another number begins in a sorted list.
+   pure logical function starts(list, entry) result(first)
+      integer(int64), intent(in) :: list(:)          !! Sorted
+      integer, intent(in) :: entry                   !! Where to look
+
+      first = entry == 1
+      if (.not. first) first = list(entry) /= list(entry - 1)
+   end function starts
+
+   !> Other ranks that own a place around a tile, each once. A place that holds an own tile needs
+   !! no search.
+   pure subroutine ranks_around(communicator, grid, tiles, tile, ranks, number)
       type(communicator_t), intent(in) :: communicator !! The ranks
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       integer, intent(in) :: tile                    !! Whose surroundings
-      integer, allocatable, intent(out) :: ranks(:)  !! Without this rank
-      integer :: place, rank, found(neighbors), number
+      integer, intent(out) :: ranks(neighbors)       !! Without this rank
+      integer, intent(out) :: number                 !! How many
+      integer :: place, rank, other
       integer(int64) :: key
 
+      ranks = 0
       number = 0
       do place = 1, neighbors
-         key = tiles%around(grid, tile, place)
-         if (key < 0) cycle
+         other = tiles%neighbor(place, tile)
+         if (other > 0 .and. other <= tiles%own) then
+            ! after new cuts some own tiles belong to others already
+            key = tiles%key(other)
+         else
+            key = tiles%around(grid, tile, place)
+            if (key < 0) cycle
+         end if
+         if (key >= tiles%border(communicator%rank) .and. &
+            key < tiles%border(communicator%rank + 1)) cycle
          rank = tiles%owner(key)
-         if (rank == communicator%rank) cycle
-         if (any(found(:number) == rank)) cycle
+         if (any(ranks(:number) == rank)) cycle
          number = number + 1
-         found(number) = rank
+         ranks(number) = rank
       end do
-      ranks = found(:number)
    end subroutine ranks_around
 
-   !> Make the tiles that arrived ghosts and put their patches behind the own ones.
-   subroutine unpack_patches(grid, tiles, words, incoming, patch)
+   !> Send key and patch of each border tile once to every rank that sees it.
+   subroutine halo_post(self, communicator, tiles, patch)
+      class(halo_t), intent(inout) :: self           !! The plan
+      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(tiles_t), intent(in) :: tiles             !! The tiles
+      real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile)
+      integer :: entry, words, at
+
+      if (communicator%size == 1) return
+      words = 1 + size(patch, 1)*size(patch, 2)
+      if (allocated(self%posted%outgoing)) then
+         if (size(self%posted%outgoing) < words*size(self%tile)) deallocate (self%posted%outgoing)
+      end if
+      if (.not. allocated(self%posted%outgoing)) &
+         allocate (self%posted%outgoing(words*size(self%tile)))
+      do entry = 1, size(self%tile)
+         at = (entry - 1)*words
+         self%posted%outgoing(at + 1) = tiles%key(self%tile(entry))
+         call as_words(words - 1, patch(:, :, self%tile(entry)), self%posted%outgoing(at + 2))
+      end do
+      associate (length => words*(self%before(2:) - self%before(:size(self%rank))))
+         call communicator%post(self%rank, length, self%posted)
+      end associate
+      self%messages = self%messages + size(self%rank)
+      self%words = self%words + int(words, int64)*size(self%tile)
+   end subroutine halo_post
+
+   !> Copy numbers to words of the same bits.
+   pure subroutine as_words(number, values, words)
+      integer, intent(in) :: number                  !! Of them
+      real(wp), intent(in) :: values(number)         !! Numbers
+      integer(int64), intent(inout) :: words(number) !! Words
+      integer :: n
+
+      do n = 1, number
+         words(n) = transfer(values(n), words(n))
+      end do
+   end subroutine as_words
+
+   !> Copy words to numbers of the same bits.
+   pure subroutine as_numbers(number, words, values)
+      integer, intent(in) :: number                  !! Of them
+      integer(int64), intent(in) :: words(number)    !! Words
+      real(wp), intent(inout) :: values(number)      !! Numbers
+      integer :: n
+
+      do n = 1, number
+         values(n) = transfer(words(n), values(n))
+      end do
+   end subroutine as_numbers
+
+   !> Receive patches, make their tiles ghosts and put them behind the own ones.
+   subroutine halo_complete(self, communicator, grid, tiles, patch)
+      class(halo_t), intent(inout) :: self           !! The plan
+      type(communicator_t), intent(inout) :: communicator !! The ranks
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
-      integer, intent(in) :: words                   !! Words of one tile in a message
-      integer(int64), contiguous, intent(in) :: incoming(:) !! What arrived
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
-      integer(int64), allocatable :: ghost(:), own(:)
       real(wp), allocatable :: larger(:, :, :)
-      integer, allocatable :: order(:)
-      integer :: number, message, tile
+      integer :: words, length, message, at
 
-      number = size(incoming)/words
-      allocate (ghost(number))
-      do message = 1, number
-         ghost(message) = incoming((message - 1)*words + 1)
-      end do
-      order = sort_order(ghost)
-      ghost = ghost(order)
-      if (.not. same(ghost, tiles%key(tiles%own + 1:tiles%all))) then
-         own = tiles%key(:tiles%own)
-         call tiles%set(grid, own, ghost)
-      end if
+      if (communicator%size == 1) return
+      call communicator%complete(self%posted, self%incoming, length)
+      words = 1 + size(patch, 1)*size(patch, 2)
+      call set_ghosts(grid, tiles, self%incoming(1:length:words))
       if (size(patch, 3) < tiles%all) then
          call ensure_patch(larger, size(patch, 1), size(patch, 2), tiles%all)
          larger(:, :, :tiles%own) = patch(:, :, :tiles%own)
          call move_alloc(larger, patch)
       end if
-      do message = 1, number
-         associate (at => (message - 1)*words)
-            tile = tiles%table%find(incoming(at + 1))
-            patch(:, :, tile) = reshape(transfer(incoming(at + 2:at + words), patch), &
-               [size(patch, 1), size(patch, 2)])
-         end associate
+      do message = 1, length/words
+         at = (message - 1)*words
+         call as_numbers(words - 1, self%incoming(at + 2), &
+            patch(:, :, tiles%table%find(self%incoming(at + 1))))
       end do
-   end subroutine unpack_patches
+   end subroutine halo_complete
 
-   !> True if two lists of keys are equal.
-   pure logical function same(one, other) result(equal)
-      integer(int64), intent(in) :: one(:)           !! Keys
-      integer(int64), intent(in) :: other(:)         !! Keys
+   !> Make the tiles of these keys the ghosts, if they are not already.
+   subroutine set_ghosts(grid, tiles, key)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
+      integer(int64), intent(in) :: key(:)           !! In the order of arrival
+      integer(int64), allocatable :: own(:)
+      integer(int64) :: ghost(size(key))
 
-      equal = size(one) == size(other)
-      if (equal) equal = all(one == other)
-   end function same
+      ghost = key(sort_order(key))
+      if (size(ghost) == tiles%all - tiles%own) then
+         if (all(ghost == tiles%key(tiles%own + 1:tiles%all))) return
+      end if
+      own = tiles%key(:tiles%own)
+      call tiles%set(grid, own, ghost)
+   end subroutine set_ghosts
 end module mesh_halo

@@ -2,6 +2,7 @@
 !> The tiles that exist on a rank: those that hold its particles, in the order of the space-filling
 !! curve, and behind them ghosts, the tiles of other ranks that touch them.
 module mesh_tiles
+   use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
    use mesh_curve, only: curve_coordinate, curve_key
    use mesh_grid, only: grid_t
@@ -9,7 +10,7 @@ module mesh_tiles
    implicit none
    private
 
-   public :: tiles_t, partition_keys
+   public :: tiles_t, partition_keys, partition_pieces
 
    integer, parameter, public :: neighbors = 27      !! Places around a tile, itself included
    integer, parameter, public :: itself = 14         !! Its own place among them
@@ -22,9 +23,11 @@ module mesh_tiles
       integer, allocatable :: coordinate(:, :)       !! (3, tile) Place in the grid, from 0
       integer, allocatable :: neighbor(:, :)         !! (27, tile) Index of a neighbour, 0 = none
       integer(int64), allocatable :: border(:)       !! (0:ranks) r owns border(r) <= key < next
+      integer(int64) :: version = 0                  !! Grows when own tiles or cuts change
       type(key_table_t) :: table                     !! From key to index
    contains
       procedure :: set => tiles_set                  !! Give the tiles and find their neighbours
+      procedure :: cut => tiles_cut                  !! Share the curve out among the ranks
       procedure :: owner => tiles_owner              !! Rank that owns a key
       procedure :: around => tiles_around            !! Key of a neighbouring place
    end type tiles_t
@@ -40,6 +43,7 @@ contains
       integer :: tile, place
       integer(int64) :: key
 
+      if (.not. same_own(self, own)) self%version = self%version + 1
       self%own = size(own)
       self%all = size(own) + size(ghost)
       self%key = [own, ghost]
@@ -60,6 +64,26 @@ contains
       end do
       !$omp end parallel do
    end subroutine tiles_set
+
+   !> True if these are the tiles with particles already.
+   pure logical function same_own(self, own) result(same)
+      class(tiles_t), intent(in) :: self             !! The tiles
+      integer(int64), intent(in) :: own(:)           !! Keys, ascending
+
+      same = allocated(self%key) .and. size(own) == self%own
+      if (same) same = all(self%key(:self%own) == own)
+   end function same_own
+
+   !> Give the cuts of the curve. Tiles and particles stay where they are until they are sent.
+   pure subroutine tiles_cut(self, border)
+      class(tiles_t), intent(inout) :: self          !! The tiles
+      integer(int64), intent(in) :: border(0:)       !! (0:ranks) r owns border(r) <= key < next
+
+      if (allocated(self%border)) deallocate (self%border)
+      allocate (self%border(0:ubound(border, 1)))
+      self%border = border
+      self%version = self%version + 1
+   end subroutine tiles_cut
 
    !> Key of the tile at one of the 27 places around a tile; -1 outside the box.
    pure integer(int64) function tiles_around(self, grid, tile, place) result(key)
@@ -100,17 +124,46 @@ contains
    !> Cut the curve so that the ranks get equal shares of weight.
    pure subroutine partition_keys(key, weight, ranks, border)
       integer(int64), intent(in) :: key(:)           !! Occupied tiles, ascending
-      integer(int64), intent(in) :: weight(:)        !! Their weights (particles)
+      integer(int64), intent(in) :: weight(:)        !! Their weights
       integer, intent(in) :: ranks                   !! Number of ranks
       integer(int64), allocatable, intent(out) :: border(:) !! (0:ranks) Cuts
-      integer(int64) :: total, before
+
+      call find_cuts(key, weight, 0_int64, sum(weight), ranks, border)
+   end subroutine partition_keys
+
+   !> The same where each rank knows the tiles of its piece of the curve only; no rank ever holds
+   !! the list of all tiles. Collective.
+   subroutine partition_pieces(communicator, key, weight, border)
+      type(communicator_t), intent(in) :: communicator !! The ranks
+      integer(int64), intent(in) :: key(:)           !! Tiles of this rank, ascending
+      integer(int64), intent(in) :: weight(:)        !! Their weights
+      integer(int64), allocatable, intent(out) :: border(:) !! (0:ranks) Cuts
+      integer(int64) :: total(1)
+
+      total = sum(weight)
+      call communicator%total(total)
+      call find_cuts(key, weight, communicator%before(sum(weight)), total(1), communicator%size, &
+         border)
+      ! a cut lies at the first tile that is heavy enough, on whichever rank that is
+      call communicator%least(border)
+   end subroutine partition_pieces
+
+   !> The first tile of each piece, as far as it is among these: that whose middle lies beyond the
+   !! share of the ranks before.
+   pure subroutine find_cuts(key, weight, start, total, ranks, border)
+      integer(int64), intent(in) :: key(:)           !! Occupied tiles, ascending
+      integer(int64), intent(in) :: weight(:)        !! Their weights
+      integer(int64), intent(in) :: start            !! Weight of the tiles before
+      integer(int64), intent(in) :: total            !! Weight of all tiles
+      integer, intent(in) :: ranks                   !! Number of ranks
+      integer(int64), allocatable, intent(out) :: border(:) !! (0:ranks) Cuts
+      integer(int64) :: before
       integer :: rank, tile
 
       allocate (border(0:ranks))
       border = huge(1_int64)
       border(0) = 0
-      total = sum(weight)
-      before = 0
+      before = start
       rank = 1
       do tile = 1, size(key)
          do while (rank < ranks)
@@ -121,5 +174,5 @@ contains
          end do
          before = before + weight(tile)
       end do
-   end subroutine partition_keys
+   end subroutine find_cuts
 end module mesh_tiles

@@ -50,8 +50,8 @@ JH2 = ("density=1000  shear=5.0e5  eos_model='jh2'  jh2_k1=1.0e6  jh2_k2=1.0e6  
 TILLOTSON = ("density=1000  shear=5.0e5  eos_model='tillotson'  till_a=0.5  till_b=1.5  till_bulk=1.0e6"
              "\n  till_square=1.0e6  till_alpha=5  till_beta=5  till_e0=4.0e4  till_eiv=1.0e3  till_ecv=9.0e3")
 STEINBERG = "strength_model='steinberg_guinan'  scg_y0=1.0e3  scg_ymax=1.0e4  scg_beta=10  scg_n=0.2  scg_gp=1.0e-7"
-PORES = "density=1000  shear=5.0e5  eos_model='p_alpha'  mg_c0=32  mg_s=1.3  mg_gamma=2"
-         "\n  pa_solid=1100  pa_pe=1e3  pa_pc=1e5"
+PORES = ("density=1000  shear=5.0e5  eos_model='p_alpha'  mg_c0=32  mg_s=1.3  mg_gamma=2"
+         "\n  pa_solid=1100  pa_pe=1e3  pa_pc=1e5")
 MU = "strength_model='mu_i'  mu_s=0.4  mu_2=0.7  mu_i0=0.3  grain_diameter=1.0e-3  grain_density=2500"
 
 

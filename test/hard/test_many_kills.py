@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The same as test_kill with fifty kills on one rank and fifty on two.
+
+Would catch: a checkpoint that takes its name before it is whole, an older one that goes before the
+new one is safe, rows of a history that are doubled or lost, snapshots of a time that was undone.
+"""
+# label: long
+# timeout: 1800
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import case     # noqa: E402
+import killing  # noqa: E402
+import report   # noqa: E402
+
+
+def main():
+    """On one rank and on two."""
+    options = case.arguments()
+    sheet = report.Report()
+    killing.end_by_kills(options, sheet, 50, seed=3)
+    killing.end_by_kills(options, sheet, 50, seed=4, ranks=2)
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
