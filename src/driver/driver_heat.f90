@@ -12,6 +12,7 @@
 module driver_heat
    use base_constants, only: pi
    use base_kinds, only: wp
+   use driver_cost, only: book_cost, cost_clock
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_ledger, only: dissipated
    use driver_nodes, only: divide, ensure_weights
@@ -44,51 +45,79 @@ contains
    subroutine conduct_heat(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! The run, some material conducts
       real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: began
+      integer :: tile
+
+      call simulation%timer%start(simulation%phase%conduction)
+      call find_temperature(simulation)
+      call find_flow(simulation, dt)
+      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) &
+      !$omp schedule(dynamic, 1)
+      do tile = 1, simulation%tiles%own
+         began = cost_clock(simulation)
+         call give_heat(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
+         call book_cost(simulation, tile, began)
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%conduction)
+   end subroutine conduct_heat
+
+   !> Temperature of the nodes, and its gradient for the dual gradient.
+   subroutine find_temperature(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n, rows
 
-      call simulation%timer%start(simulation%phase%conduction)
       rows = merge(filled, content, simulation%method%dual)
       associate (heat => simulation%conduction, nodes => simulation%grid%tile_nodes)
          call ensure_patch(heat%content, rows, nodes, simulation%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp parallel do default(none) shared(simulation, tiles) private(n, began) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
+               began = cost_clock(simulation)
                call spread_content(simulation, simulation%scratch(omp_get_thread_num()), &
                   tiles(n), simulation%conduction%content(:, :, tiles(n)))
+               call book_cost(simulation, tiles(n), began)
             end do
             !$omp end parallel do
             call pass_patches(simulation, part, simulation%conduction%content)
          end do
          call ensure_patch(heat%total, rows, nodes, simulation%tiles%all)
          call ensure_patch(heat%temperature, 1, nodes, simulation%tiles%all)
-         if (simulation%method%dual) call ensure_dual(simulation)
-         call each_tile(simulation, average_tile)
-         if (simulation%method%dual) call each_tile(simulation, slope_tile)
-         call ensure_patch(heat%flow, merge(fluxes + 2, hidden, simulation%method%dual), nodes, &
-            simulation%tiles%own)
       end associate
+      if (simulation%method%dual) call ensure_dual(simulation)
+      call each_tile(simulation, average_tile)
+      if (simulation%method%dual) call each_tile(simulation, slope_tile)
+   end subroutine find_temperature
+
+   !> Heat that flows to the nodes, from the cells and, with the dual gradient, between nodes.
+   subroutine find_flow(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: began
+      integer, allocatable :: tiles(:)
+      integer :: part, n
+
+      call ensure_patch(simulation%conduction%flow, merge(fluxes + 2, hidden, &
+         simulation%method%dual), simulation%grid%tile_nodes, simulation%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, tiles, dt) private(n) &
+         !$omp parallel do default(none) shared(simulation, tiles, dt) private(n, began) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
+            began = cost_clock(simulation)
             call spread_flow(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), dt, &
                simulation%conduction%flow(:, :, tiles(n)))
+            call book_cost(simulation, tiles(n), began)
          end do
          !$omp end parallel do
          call pass_patches(simulation, part, simulation%conduction%flow)
       end do
       if (simulation%method%dual) call each_tile(simulation, push_tile)
-      !$omp parallel do default(none) shared(simulation, dt) private(n) schedule(dynamic, 1)
-      do n = 1, simulation%tiles%own
-         call give_heat(simulation, simulation%scratch(omp_get_thread_num()), n, dt)
-      end do
-      !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%conduction)
-   end subroutine conduct_heat
+   end subroutine find_flow
 
    !> Greatest time step that conduction bears [s]: half of the square of the spacing over the
    !! diffusivity and the number of directions.
