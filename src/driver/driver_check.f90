@@ -2,6 +2,7 @@
 !> What a run will cost, said before it starts.
 module driver_check
    use base_kinds, only: int64, wp
+   use driver_heat, only: conduction_step
    use driver_run, only: limits_t
    use driver_simulation, only: simulation_t
    use driver_start, only: survey_t
@@ -27,9 +28,10 @@ contains
       type(limits_t), intent(in) :: limits           !! End of the run
       integer(int64), intent(in) :: snapshots        !! Snapshots that will be written
       character(len=:), allocatable :: text
+      character(len=:), allocatable :: cause
       real(wp) :: dt, steps, bytes
 
-      dt = least_step(simulation, bodies)
+      call least_step(simulation, bodies, dt, cause)
       if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
       dt = min(dt, limits%dt_max)
       steps = 0.0_wp
@@ -38,7 +40,8 @@ contains
       bytes = memory(simulation, survey)
       text = grid_line(simulation, survey)//new_line("a")//points_text(bodies, survey) &
          //fields_text(simulation, survey) &
-         //"step       first dt "//short(dt)//" s; about "//whole(nint(steps, int64))//" steps"// &
+         //"step       first dt "//short(dt)//" s"//cause//"; about "// &
+         whole(nint(steps, int64))//" steps"// &
          new_line("a")// &
          "memory     "//megabytes(bytes)//" for particle and node fields, on all ranks together"// &
          new_line("a")// &
@@ -146,21 +149,26 @@ contains
       if (simulation%method%dual .and. simulation%carries_energy) columns = columns + 9.0_wp
       if (simulation%method%controlled()) columns = columns + real(7 + 6, wp)
       if (simulation%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 + 3, wp)
+      if (allocated(simulation%conduction)) columns = columns &
+         + merge(26.0_wp, 7.0_wp, simulation%method%dual)
       bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
          + real(size(survey%key), wp)*(9.0_wp/8.0_wp*8.0_wp*columns &
          *real(simulation%grid%tile_nodes, wp) &
          + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
    end function memory
 
-   !> Stable time step for bodies as they begin [s].
-   pure real(wp) function least_step(simulation, bodies) result(dt)
+   !> Stable time step for bodies as they begin.
+   pure subroutine least_step(simulation, bodies, dt, cause)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(body_t), intent(in) :: bodies(:)          !! The bodies
+      real(wp), intent(out) :: dt                    !! [s]
+      character(len=:), allocatable, intent(out) :: cause !! If not the fastest signal
       type(matter_t) :: matter
-      real(wp) :: fastest
+      real(wp) :: fastest, diffusivity, longest
       integer :: n
 
       fastest = 0.0_wp
+      diffusivity = 0.0_wp
       do n = 1, size(bodies)
          associate (material => simulation%materials(bodies(n)%store))
             call material%request(matter, 1)
@@ -169,11 +177,17 @@ contains
             call material%start(matter, 1, 1, bodies(n)%temperature)
             if (allocated(matter%energy)) matter%energy = bodies(n)%energy
             fastest = max(fastest, material%signal_speed(matter, 1, 1) + norm2(bodies(n)%velocity))
+            if (allocated(material%heat)) diffusivity = max(diffusivity, &
+               material%heat%conductivity/(material%density*material%heat%specific_heat))
          end associate
       end do
       dt = huge(dt)
       if (fastest > 0.0_wp) dt = simulation%method%cfl*simulation%grid%spacing/fastest
-   end function least_step
+      longest = conduction_step(simulation%grid%spacing, simulation%grid%dimensions, diffusivity)
+      cause = ""
+      if (longest < dt) cause = " (heat conduction)"
+      dt = min(dt, longest)
+   end subroutine least_step
 
    !> A whole number as text.
    pure function whole(number) result(text)

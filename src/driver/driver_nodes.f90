@@ -12,7 +12,7 @@ module driver_nodes
    implicit none
    private
 
-   public :: node_gradient, book_push, divide, dual_fields, move_nodes, remap_nodes
+   public :: node_gradient, book_push, divide, dual_fields, ensure_weights, move_nodes, remap_nodes
 
    !> Nodes with less mass than this are empty; far below any mass, far above underflow.
    real(wp), parameter, public :: empty_mass = 1.0e-200_wp

@@ -287,7 +287,8 @@ contains
       dt = min(simulation%dt_next, limits%dt_max)
       if (dt < limits%dt_min .or. .not. dt > 0.0_wp) then
          write (text, "(a,es10.3,a,es10.3,a,i0)") "the stable time step ", dt, &
-            " s is below dt_min = ", limits%dt_min, " s at step ", simulation%step
+            " s"//cause(simulation)//" is below dt_min = ", limits%dt_min, " s at step ", &
+            simulation%step
          call fail(error, exit_physics, trim(text))
          return
       end if
@@ -296,6 +297,16 @@ contains
       if (simulation%time + dt*(1.0_wp + 1.0e-9_wp) >= limits%time_end) &
          dt = limits%time_end - simulation%time
    end subroutine choose_step
+
+   !> What limits the next time step, if it is not the fastest signal.
+   pure function cause(simulation) result(text)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      character(len=:), allocatable :: text
+
+      text = ""
+      if (.not. allocated(simulation%conduction)) return
+      if (simulation%conduction%rules) text = " of heat conduction"
+   end function cause
 
    !> Write what is due and say so.
    subroutine write_outputs(simulation, outputs, last, log, error)

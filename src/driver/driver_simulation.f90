@@ -20,7 +20,7 @@ module driver_simulation
    implicit none
    private
 
-   public :: load_t, nodes_t, phases_t, requests_t, scratch_t, simulation_t
+   public :: conduction_t, load_t, nodes_t, phases_t, requests_t, scratch_t, simulation_t
 
    !> Node fields, all as patches of tiles: (component, node, tile). What the method does not need
    !! is
@@ -50,6 +50,21 @@ module driver_simulation
       real(wp), allocatable :: gradient(:, :, :)     !! Patch (9): node gradient of strain [m3/s]
       real(wp), allocatable :: middle(:, :, :) !! Patch (9): that of the mid-step velocity [m3/s]
    end type nodes_t
+
+   !> Conduction of heat: node fields as above; those of the dual gradient only with it.
+   type :: conduction_t
+      real(wp), allocatable :: content(:, :, :)      !! Patch: heat capacity, heat, volume
+      real(wp), allocatable :: total(:, :, :)        !! The sums of these
+      real(wp), allocatable :: temperature(:, :, :)  !! (1) [K]
+      !> Patch: heat from the cells [W], heat that the nodes do not see [J], flux times volume [W m]
+      real(wp), allocatable :: flow(:, :, :)
+      real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
+      real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
+      real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
+      real(wp), allocatable :: slope(:, :, :)        !! Patch (9): gradient in rows 1, 4, 7 [K m2]
+      real(wp), allocatable :: push(:, :, :)         !! Patch (3): heat of the node flux, row 1 [W]
+      logical :: rules = .false.                     !! Does it limit the next time step?
+   end type conduction_t
 
    !> Scratch space of one thread.
    type :: scratch_t
@@ -83,7 +98,7 @@ module driver_simulation
    !> Indices of the timed phases.
    type :: phases_t
       integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
-         ledger = 0, output = 0, checkpoint = 0       !! One each
+         ledger = 0, output = 0, checkpoint = 0, conduction = 0 !! One each
    end type phases_t
 
    !> A run.
@@ -101,6 +116,7 @@ module driver_simulation
       type(scratch_t), allocatable :: scratch(:)     !! (thread, from 0)
       real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
+      type(conduction_t), allocatable :: conduction  !! If some material conducts heat
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
       integer(int64) :: step = 0                     !! Steps done
       real(wp) :: time = 0.0_wp                      !! [s]

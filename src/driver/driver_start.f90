@@ -4,9 +4,10 @@ module driver_start
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
+   use driver_heat, only: greatest_diffusivity
    use driver_ledger, only: cross
    use driver_simulation, only: simulation_t
-   use driver_step, only: count_particles, sort_particles
+   use driver_step, only: count_particles, limit_step, sort_particles
    use mesh_curve, only: curve_key
    use mesh_tiles, only: partition_keys
    use omp_lib, only: omp_get_max_threads
@@ -35,6 +36,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer(int64) :: none(0)
       integer(int64), allocatable :: border(:)
+      integer :: material
 
       allocate (simulation%scratch(0:omp_get_max_threads() - 1))
       if (simulation%method%dual) then
@@ -44,6 +46,11 @@ contains
       call partition_keys(none, none, simulation%communicator%size, border)
       call simulation%tiles%cut(border)
       call simulation%tiles%set(simulation%grid, none, none)
+      do material = 1, size(simulation%materials)
+         if (.not. allocated(simulation%materials(material)%heat)) cycle
+         if (simulation%materials(material)%heat%conductivity > 0.0_wp .and. &
+            .not. allocated(simulation%conduction)) allocate (simulation%conduction)
+      end do
       call name_phases(simulation)
    end subroutine prepare
 
@@ -58,6 +65,7 @@ contains
          phase%wait = timer%phase("waiting for ranks")
          phase%grid = timer%phase("grid")
          phase%gather = timer%phase("nodes to points, law")
+         if (allocated(simulation%conduction)) phase%conduction = timer%phase("heat conduction")
          phase%ledger = timer%phase("ledger, history")
          phase%output = timer%phase("output")
          phase%checkpoint = timer%phase("checkpoint")
@@ -299,5 +307,7 @@ contains
       simulation%dt_next = huge(1.0_wp)
       if (fastest > 0.0_wp) &
          simulation%dt_next = simulation%method%cfl*simulation%grid%spacing/fastest
+      if (allocated(simulation%conduction)) call limit_step(simulation, &
+         simulation%communicator%maximum(greatest_diffusivity(simulation)))
    end subroutine first_step
 end module driver_start

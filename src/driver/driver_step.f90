@@ -7,6 +7,7 @@ module driver_step
    use driver_difference, only: find_difference
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
+   use driver_heat, only: conduct_heat, conduction_step, greatest_diffusivity
    use driver_method, only: stress_before, stress_remapped
    use driver_nodes, only: dual_fields, move_nodes, remap_nodes
    use driver_scatter, only: scatter_particles
@@ -16,7 +17,7 @@ module driver_step
    implicit none
    private
 
-   public :: advance, count_particles, sort_particles
+   public :: advance, count_particles, limit_step, sort_particles
 
 contains
 
@@ -47,6 +48,7 @@ contains
             call scatter_again(simulation, simulation%kick)
             call remap_nodes(simulation)
          end if
+         if (allocated(simulation%conduction)) call conduct_heat(simulation, dt)
          parts%strain = method%stress /= stress_before
          parts%motion = .true.
          call gather_particles(simulation, parts, dt)
@@ -74,7 +76,7 @@ contains
    subroutine close_step(simulation, error)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(error_t), allocatable, intent(out) :: error !! If numbers went bad
-      real(wp) :: fastest
+      real(wp) :: fastest, diffusivity
       logical :: sound
       integer :: thread, n
 
@@ -94,24 +96,39 @@ contains
       end do
       ! a number gone bad on one rank must stop all: it travels as an infinite speed
       if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
-      call agree(simulation, fastest)
+      diffusivity = 0.0_wp
+      if (allocated(simulation%conduction)) diffusivity = greatest_diffusivity(simulation)
+      call agree(simulation, fastest, diffusivity)
       if (fastest >= huge(fastest)) then
          call fail(error, exit_physics, "a velocity or stress is not a number any more")
          return
       end if
       simulation%dt_next = next_step(simulation, fastest)
+      if (allocated(simulation%conduction)) call limit_step(simulation, diffusivity)
    end subroutine close_step
+
+   !> Let conduction of heat limit the next time step.
+   subroutine limit_step(simulation, diffusivity)
+      type(simulation_t), intent(inout) :: simulation !! The run, some material conducts
+      real(wp), intent(in) :: diffusivity            !! Greatest of all ranks [m2/s]
+      real(wp) :: dt
+
+      dt = conduction_step(simulation%grid%spacing, simulation%grid%dimensions, diffusivity)
+      simulation%conduction%rules = dt < simulation%dt_next
+      simulation%dt_next = min(simulation%dt_next, dt)
+   end subroutine limit_step
 
    !> Agree with the other ranks on the fastest signal and on what they ask for: the only time in a
    !! step that all ranks wait for all.
-   subroutine agree(simulation, fastest)
+   subroutine agree(simulation, fastest, diffusivity)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
-      real(wp) :: asked(4)
+      real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
+      real(wp) :: asked(5)
 
       if (simulation%communicator%size == 1) return
       associate (requests => simulation%requests)
-         asked = [fastest, requests%leave, requests%line, requests%checkpoint]
+         asked = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity]
          call simulation%timer%start(simulation%phase%wait)
          call simulation%communicator%maxima(asked)
          call simulation%timer%stop(simulation%phase%wait)
@@ -119,6 +136,7 @@ contains
          requests%leave = asked(2)
          requests%line = asked(3)
          requests%checkpoint = asked(4)
+         diffusivity = asked(5)
       end associate
    end subroutine agree
 

@@ -99,6 +99,7 @@ contains
       associate (phase => simulation%phase)
          total = seconds(phase%sort) + seconds(phase%scatter) + seconds(phase%exchange) &
             + seconds(phase%wait) + seconds(phase%grid) + seconds(phase%gather)
+         if (phase%conduction > 0) total = total + seconds(phase%conduction)
       end associate
       rate = 0.0_wp
       if (total > 0.0_wp) rate = real(updates, wp)/total
@@ -125,6 +126,13 @@ contains
             + length(nodes%force) + length(nodes%gradient) + length(nodes%middle) &
             + length(nodes%filtered) + length(nodes%term) + length(nodes%loss))
       end associate
+      if (allocated(simulation%conduction)) then
+         associate (heat => simulation%conduction)
+            total = total + 8_int64*(length(heat%content) + length(heat%total) &
+               + length(heat%temperature) + length(heat%flow) + length(heat%share) &
+               + length(heat%volume) + length(heat%slope) + length(heat%push))
+         end associate
+      end if
       call simulation%communicator%total(total)
       bytes = 0.0_wp
       if (particles > 0) bytes = real(total(1), wp)/real(particles, wp)

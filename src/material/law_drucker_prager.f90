@@ -9,9 +9,9 @@ module law_drucker_prager
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use material_effects, only: effects_t
-   use material_friction, only: angles_t, declare_angles, fault_of_angles, frictional_t, loosen, &
-      read_angles, strain_trial
-   use material_law, only: equivalent_stress
+   use material_friction, only: angles_t, declare_angles, fault_of_angles, frictional_t, gain, &
+      loosen, read_angles
+   use material_law, only: equivalent_stress, strain_trial
    use material_matter, only: deformation_t, matter_t
    implicit none
    private
@@ -112,31 +112,35 @@ contains
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      integer :: count
 
-      count = last - first + 1
       if (allocated(matter%plastic_dilation)) call loosen(first, last, matter%plastic_dilation, &
-         matter%mass, matter%volume, deformation%wave_speed, deformation%pressure)
+         matter%mass, matter%volume, deformation%wave_speed, deformation%pressure, &
+         deformation%modulus)
       call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
       call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
-      call return_to_cone(first, last, self, matter%mass, matter%volume, deformation%wave_speed, &
-         matter%stress, deformation%pressure, deformation%plastic_increment, &
-         deformation%plastic_work, deformation%loosening)
-      if (allocated(matter%plastic_dilation)) matter%plastic_dilation(first:last) = &
-         matter%plastic_dilation(first:last) + deformation%loosening(:count)
+      if (allocated(matter%plastic_dilation)) then
+         call return_to_cone(first, last, self, matter%mass, matter%volume, deformation%modulus, &
+            matter%stress, deformation%pressure, deformation%plastic_increment, &
+            deformation%plastic_work, deformation%loosening)
+         call gain(first, last, deformation%loosening, matter%plastic_dilation)
+      else
+         call return_to_cone(first, last, self, matter%mass, matter%volume, &
+            deformation%wave_speed, matter%stress, deformation%pressure, &
+            deformation%plastic_increment, deformation%plastic_work, deformation%loosening)
+      end if
    end subroutine drucker_prager_update
 
    !> Kernel of the above (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods for
    !! plasticity", 2008, section 8.3). Flow loosens only on the cone: what has come apart has no
    !! grains that climb over each other.
-   pure subroutine return_to_cone(first, last, law, mass, volume, wave_speed, stress, pressure, &
+   pure subroutine return_to_cone(first, last, law, mass, volume, tangent, stress, pressure, &
       plastic_increment, plastic_work, loosening)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       type(law_drucker_prager_t), intent(in) :: law  !! Constants
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: wave_speed(:)    !! Square of sound speed (range) [m2/s2]
+      real(wp), contiguous, intent(in) :: tangent(:) !! K/rho of pressure and flow (range) [m2/s2]
       real(wp), contiguous, intent(inout) :: stress(:, :)  !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
       !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
@@ -151,7 +155,7 @@ contains
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          trial = plastic_increment(i)
-         bulk = wave_speed(i)*mass(k)/volume(k)
+         bulk = tangent(i)*mass(k)/volume(k)
          flow = max(0.0_wp, trial - law%slope*pressure(i) - law%strength) &
             /(3.0_wp*law%shear + law%slope*bulk*law%gain)
          equivalent = trial - 3.0_wp*law%shear*flow

@@ -8,7 +8,7 @@ module law_jh2
    use base_schema, only: schema_t
    use material_effects, only: effects_t
    use material_jh2, only: jh2_t
-   use material_law, only: equivalent_stress, law_t
+   use material_law, only: equivalent_stress, law_t, mean_work, strain_trial
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
    implicit none
@@ -94,6 +94,7 @@ contains
       else
          deformation%homologous(:count) = 0.0_wp
       end if
+      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
       call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
       call strain_rate(count, deformation%gradient, dt, deformation%loosening)
       call return_to_strength(first, last, self, deformation%homologous, deformation%loosening, &
@@ -131,7 +132,8 @@ contains
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
       !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
       real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      real(wp), contiguous, intent(inout) :: plastic_work(:) !! (range) [J]
+      !> Trial deviator times strain increment [Pa] in, plastic work [J] out (range).
+      real(wp), contiguous, intent(inout) :: plastic_work(:)
       real(wp) :: trial, limit, scaling
       integer :: i, k
 
@@ -143,7 +145,8 @@ contains
          pressure(i) = max(pressure(i), -law%constants%tension*(1.0_wp - damage(i)))
          limit = law%constants%strength(pressure(i), rate(i), damage(i))
          plastic_increment(i) = max(0.0_wp, trial - limit)/(3.0_wp*law%shear)
-         plastic_work(i) = volume(k)*limit*plastic_increment(i)
+         plastic_work(i) = volume(k)*mean_work(law%shear, trial, limit, plastic_increment(i), &
+            plastic_work(i))
          if (trial <= limit) cycle
          scaling = limit/trial
          stress(k, 1) = scaling*stress(k, 1)

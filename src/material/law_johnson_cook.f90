@@ -8,7 +8,7 @@ module law_johnson_cook
    use base_schema, only: schema_t
    use material_effects, only: effects_t
    use material_heat, only: homologous_temperature, melting_range_t, read_range
-   use material_law, only: equivalent_stress, law_t
+   use material_law, only: equivalent_stress, law_t, mean_work, strain_trial
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
    implicit none
@@ -100,6 +100,7 @@ contains
       else
          deformation%homologous(1:last - first + 1) = 0.0_wp
       end if
+      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
       call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
       do i = 1, last - first + 1
          associate (trial => deformation%plastic_increment(i))
@@ -108,7 +109,8 @@ contains
                increment)
             if (limit < trial) matter%stress(k, :) = limit/trial*matter%stress(k, :)
             matter%plastic_strain(k) = matter%plastic_strain(k) + increment
-            deformation%plastic_work(i) = limit*increment*matter%volume(k)
+            deformation%plastic_work(i) = matter%volume(k)*mean_work(self%shear, trial, limit, &
+               increment, deformation%plastic_work(i))
             trial = increment
          end associate
       end do

@@ -8,7 +8,8 @@ module law_mohr_coulomb
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use material_effects, only: effects_t
-   use material_friction, only: angles_t, fault_of_angles, frictional_t, loosen, read_angles
+   use material_friction, only: angles_t, fault_of_angles, frictional_t, gain, loosen, &
+      read_angles
    use material_law, only: equivalent_stress
    use material_matter, only: deformation_t, matter_t
    use material_principal, only: compose, principal
@@ -78,7 +79,8 @@ contains
       integer :: i, k
 
       if (allocated(matter%plastic_dilation)) call loosen(first, last, matter%plastic_dilation, &
-         matter%mass, matter%volume, deformation%wave_speed, deformation%pressure)
+         matter%mass, matter%volume, deformation%wave_speed, deformation%pressure, &
+         deformation%modulus)
       call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
       inner = 1.0_wp/sqrt(1.0_wp + self%friction**2/3.0_wp)
       offset = 0.5_wp*sqrt(3.0_wp)*self%strength*inner
@@ -93,15 +95,20 @@ contains
          strain = [deformation%gradient(i, [1, 5, 9]), 0.5_wp*(deformation%gradient(i, [2, 6, 3]) &
             + deformation%gradient(i, [4, 8, 7]))]
          pressure = deformation%pressure(i)
-         bulk = deformation%wave_speed(i)*matter%mass(k)/matter%volume(k)
+         bulk = matter%mass(k)/matter%volume(k)
+         if (allocated(matter%plastic_dilation)) then
+            bulk = bulk*deformation%modulus(i)
+         else
+            bulk = bulk*deformation%wave_speed(i)
+         end if
          call flow(self, bulk, strain, s, pressure, deformation%plastic_increment(i), &
             deformation%plastic_work(i), deformation%loosening(i))
          matter%stress(k, :) = s
          deformation%pressure(i) = pressure
          deformation%plastic_work(i) = deformation%plastic_work(i)*matter%volume(k)
       end do
-      if (allocated(matter%plastic_dilation)) matter%plastic_dilation(first:last) = &
-         matter%plastic_dilation(first:last) + deformation%loosening(:last - first + 1)
+      if (allocated(matter%plastic_dilation)) &
+         call gain(first, last, deformation%loosening, matter%plastic_dilation)
    end subroutine mohr_coulomb_update
 
    !> One particle: deviator and pressure after the flow, and what the flow took.

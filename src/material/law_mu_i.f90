@@ -10,8 +10,8 @@ module law_mu_i
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use material_effects, only: effects_t
-   use material_friction, only: frictional_t, strain_trial
-   use material_law, only: equivalent_stress
+   use material_friction, only: frictional_t
+   use material_law, only: equivalent_stress, strain_trial
    use material_matter, only: deformation_t, matter_t
    implicit none
    private

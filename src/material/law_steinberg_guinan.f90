@@ -14,7 +14,7 @@ module law_steinberg_guinan
    use base_schema, only: schema_t
    use material_effects, only: effects_t
    use material_kinematics, only: predict_deviator
-   use material_law, only: equivalent_stress, law_stored, law_t
+   use material_law, only: equivalent_stress, law_stored, law_t, mean_work, strain_trial
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
    implicit none
@@ -197,19 +197,23 @@ contains
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      real(wp) :: ratio, limit, increment
+      real(wp) :: ratio, limit, increment, stiffness
       integer :: i, k
 
+      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
       call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
       do i = 1, last - first + 1
          k = first - 1 + i
          associate (trial => deformation%plastic_increment(i))
             ratio = self%modulus(matter, k, deformation%pressure(i))
-            call flow(self, trial, matter%plastic_strain(k), ratio, &
-               3.0_wp*self%shear*deformation%modulus(i), limit, increment)
+            ! matter that freezes has the modulus after the step: its trial had almost none
+            stiffness = 3.0_wp*self%shear*merge(deformation%modulus(i), ratio, &
+               deformation%modulus(i) > least_modulus)
+            call flow(self, trial, matter%plastic_strain(k), ratio, stiffness, limit, increment)
             if (limit < trial) matter%stress(k, :) = limit/trial*matter%stress(k, :)
             matter%plastic_strain(k) = matter%plastic_strain(k) + increment
-            deformation%plastic_work(i) = limit*increment*matter%volume(k)
+            deformation%plastic_work(i) = matter%volume(k)*mean_work( &
+               stiffness/3.0_wp, trial, limit, increment, deformation%plastic_work(i))
             trial = increment
          end associate
       end do

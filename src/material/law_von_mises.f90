@@ -5,7 +5,7 @@ module law_von_mises
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use material_effects, only: effects_t
-   use material_law, only: equivalent_stress, law_t
+   use material_law, only: equivalent_stress, law_t, mean_work, strain_trial
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
    implicit none
@@ -66,6 +66,7 @@ contains
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
+      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
       call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
       if (allocated(matter%plastic_strain)) then
          call return_hardening(first, last, self%shear, self%yield, self%hardening, &
@@ -88,7 +89,8 @@ contains
       real(wp), contiguous, intent(inout) :: stress(:, :)          !! Deviator (store, 6) [Pa]
       !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
       real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      real(wp), contiguous, intent(inout) :: plastic_work(:)       !! (range) [J]
+      !> Trial deviator times strain increment [Pa] in, plastic work [J] out (range).
+      real(wp), contiguous, intent(inout) :: plastic_work(:)
       real(wp) :: trial, scaling
       integer :: i, k
 
@@ -96,7 +98,8 @@ contains
          k = first - 1 + i
          trial = plastic_increment(i)
          plastic_increment(i) = max(trial - yield, 0.0_wp)/(3.0_wp*shear)
-         plastic_work(i) = yield*plastic_increment(i)*volume(k)
+         plastic_work(i) = volume(k)*mean_work(shear, trial, yield, plastic_increment(i), &
+            plastic_work(i))
          scaling = yield/max(trial, yield)
          stress(k, 1) = scaling*stress(k, 1)
          stress(k, 2) = scaling*stress(k, 2)
@@ -121,7 +124,8 @@ contains
       real(wp), contiguous, intent(inout) :: plastic_strain(:)     !! (store) [1]
       !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
       real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      real(wp), contiguous, intent(inout) :: plastic_work(:)       !! (range) [J]
+      !> Trial deviator times strain increment [Pa] in, plastic work [J] out (range).
+      real(wp), contiguous, intent(inout) :: plastic_work(:)
       real(wp) :: trial, limit, scaling
       integer :: i, k
 
@@ -132,7 +136,8 @@ contains
          plastic_increment(i) = max(trial - limit, 0.0_wp)/(3.0_wp*shear + hardening)
          plastic_strain(k) = plastic_strain(k) + plastic_increment(i)
          limit = limit + hardening*plastic_increment(i)
-         plastic_work(i) = limit*plastic_increment(i)*volume(k)
+         plastic_work(i) = volume(k)*mean_work(shear, trial, limit, plastic_increment(i), &
+            plastic_work(i))
          scaling = limit/max(trial, limit)
          stress(k, 1) = scaling*stress(k, 1)
          stress(k, 2) = scaling*stress(k, 2)

@@ -273,9 +273,11 @@ contains
       if (allocated(self%voids)) then
          call self%voids%squeeze(matter, deformation, first, last)
          call self%eos%update(matter, deformation, first, last)
+         call add_bulking(matter, deformation, first, last)
          call self%voids%relax(matter, deformation, first, last)
       else if (allocated(self%eos)) then
          call self%eos%update(matter, deformation, first, last)
+         call add_bulking(matter, deformation, first, last)
          call self%eos%remember(matter, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
          if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
@@ -285,9 +287,18 @@ contains
       else
          deformation%wave_speed(:last - first + 1) = 0.0_wp
       end if
+   end subroutine update_pressure
+
+   !> Add the pressure that fracture made to that of the equation of state, where there is any.
+   pure subroutine add_bulking(matter, deformation, first, last)
+      type(matter_t), intent(in) :: matter               !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
       if (allocated(matter%bulking)) deformation%pressure(:last - first + 1) = &
          deformation%pressure(:last - first + 1) + matter%bulking(first:last)
-   end subroutine update_pressure
+   end subroutine add_bulking
 
    !> Deviator of stress, and what strength adds to the square of the wave speed.
    pure subroutine update_deviator(self, matter, deformation, first, last, dt)

@@ -16,8 +16,7 @@ module material_friction
    implicit none
    private
 
-   public :: angles_t, declare_angles, fault_of_angles, frictional_t, loosen, read_angles, &
-      strain_trial
+   public :: angles_t, declare_angles, fault_of_angles, frictional_t, gain, loosen, read_angles
 
    !> Constants of cohesive matter with friction.
    type :: angles_t
@@ -156,30 +155,10 @@ contains
       end do
    end subroutine stiffen_joined
 
-   !> Trial deviator times strain increment, s* : e. With it laws find the work that the mean of the
-   !! stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for the
-   !! rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. The stress after the step alone would
-   !! take energy from grains that had no stress when they met.
-   pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
-      real(wp), contiguous, intent(in) :: stress(:, :)    !! Trial deviator (store, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: product_of_both(:) !! (range) [Pa]
-      integer :: i, k
-
-      do concurrent (i=1:last - first + 1)
-         k = first - 1 + i
-         product_of_both(i) = stress(k, 1)*gradient(i, 1) + stress(k, 2)*gradient(i, 5) &
-            + stress(k, 3)*gradient(i, 9) + stress(k, 4)*(gradient(i, 2) + gradient(i, 4)) &
-            + stress(k, 5)*(gradient(i, 6) + gradient(i, 8)) &
-            + stress(k, 6)*(gradient(i, 3) + gradient(i, 7))
-      end do
-   end subroutine strain_trial
-
    !> Take the volume that shear gained out of the pressure: p + rho c**2 (exp(gained) - 1), exact
-   !! for p = K (rho/rho0 - 1).
-   pure subroutine loosen(first, last, gained, mass, volume, wave_speed, pressure)
+   !! for p = K (rho/rho0 - 1). What the flow of the step gains, x times the volume gained before,
+   !! then raises the pressure by exactly rho c**2 exp(gained) x.
+   pure subroutine loosen(first, last, gained, mass, volume, wave_speed, pressure, tangent)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(in) :: gained(:)  !! Logarithm of the volume gained (store) [1]
@@ -187,6 +166,7 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
       real(wp), contiguous, intent(in) :: wave_speed(:)    !! Its square (range) [m2/s2]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: tangent(:)    !! c**2 exp(gained) (range) [m2/s2]
       integer :: i, k
 
       ! Not with vectors: exponentials of vectors differ in the last bits from those of the numbers
@@ -194,7 +174,23 @@ contains
       !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i
-         pressure(i) = pressure(i) + mass(k)/volume(k)*wave_speed(i)*(exp(gained(k)) - 1.0_wp)
+         tangent(i) = wave_speed(i)*exp(gained(k))
+         pressure(i) = pressure(i) + mass(k)/volume(k)*(tangent(i) - wave_speed(i))
       end do
    end subroutine loosen
+
+   !> Add what the flow of a step gained, as a share of the volume gained before.
+   pure subroutine gain(first, last, share, gained)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: share(:)   !! Of the step (range) [1]
+      real(wp), contiguous, intent(inout) :: gained(:) !! Logarithm of the volume (store) [1]
+      integer :: i
+
+      ! Not with vectors, as above.
+      !GCC$ novector
+      do i = 1, last - first + 1
+         gained(first - 1 + i) = gained(first - 1 + i) + log(1.0_wp + share(i))
+      end do
+   end subroutine gain
 end module material_friction

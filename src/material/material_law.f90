@@ -13,7 +13,7 @@ module material_law
    implicit none
    private
 
-   public :: equivalent_stress, law_stiffen, law_stored, law_t
+   public :: equivalent_stress, law_stiffen, law_stored, law_t, mean_work, strain_trial
 
    !> A law of strength. The material holds none if it has no strength.
    type, abstract :: law_t
@@ -198,4 +198,41 @@ contains
             + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2)))
       end do
    end subroutine equivalent_stress
+
+   !> Trial deviator times strain increment, s* : e. With it laws find the work that the mean of the
+   !! stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for the
+   !! rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. The stress after the step alone would
+   !! take energy from grains that had no stress when they met.
+   pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
+      real(wp), contiguous, intent(in) :: stress(:, :)    !! Trial deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: product_of_both(:) !! (range) [Pa]
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         product_of_both(i) = stress(k, 1)*gradient(i, 1) + stress(k, 2)*gradient(i, 5) &
+            + stress(k, 3)*gradient(i, 9) + stress(k, 4)*(gradient(i, 2) + gradient(i, 4)) &
+            + stress(k, 5)*(gradient(i, 6) + gradient(i, 8)) &
+            + stress(k, 6)*(gradient(i, 3) + gradient(i, 7))
+      end do
+   end subroutine strain_trial
+
+   !> Work a volume that a radial return does on the plastic strain: that of the mean of the
+   !! stresses before and after the step, (s + s') : (s* - s')/(4 G), so that the books are of
+   !! second order. It is not negative: matter that softens under a load that turns would take
+   !! energy.
+   elemental real(wp) function mean_work(shear, trial, limit, increment, product_of_both) &
+      result(work)
+      real(wp), intent(in) :: shear                        !! Shear modulus of the trial [Pa]
+      real(wp), intent(in) :: trial                        !! Equivalent trial stress [Pa]
+      real(wp), intent(in) :: limit                        !! Equivalent stress after the step [Pa]
+      real(wp), intent(in) :: increment                    !! Of the plastic strain [1]
+      real(wp), intent(in) :: product_of_both              !! s* : e, of `strain_trial` [Pa]
+
+      work = increment*max(0.0_wp, 0.5_wp*(trial + limit) &
+         - 1.5_wp*shear*product_of_both/max(trial, tiny(1.0_wp)))
+   end function mean_work
 end module material_law

@@ -91,6 +91,8 @@ contains
       call schema%real("material", "specific_heat", "at constant volume", unit="J/(kg K)", &
          range="> 0", owner="effects.thermal")
       call schema%require("material", "specific_heat")
+      call schema%real("material", "conductivity", "of heat, which then flows between points; "// &
+         "none without it", unit="W/(m K)", range="> 0", owner="effects.thermal")
       call schema%real("material", "t_ref", "temperature of full strength", unit="K", &
          default="293.0", range=">= 0", owner="effects.thermal")
       call schema%real("material", "t_melt", "temperature of melting", unit="K", range="> 0", &
@@ -399,6 +401,8 @@ contains
       if (effects%thermal) then
          allocate (material%heat)
          call group%get("specific_heat", material%heat%specific_heat)
+         if (group%given("conductivity")) &
+            call group%get("conductivity", material%heat%conductivity)
       end if
       if (effects%melting .and. .not. gives_whole(material)) then
          allocate (material%melting)

@@ -17,7 +17,7 @@ module material_voids
    implicit none
    private
 
-   public :: declare_voids, expand_grains, voids_t
+   public :: declare_voids, expand_grains, expanded, voids_t
 
    !> Rules of the voids of a material.
    type :: voids_t
@@ -66,19 +66,20 @@ contains
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
       character(len=:), allocatable :: eos, law
-      real(wp) :: dilation
+      real(wp) :: dilation, share
 
       text = ""
       call group%get("eos_model", eos)
       call group%get("strength_model", law)
+      call group%get("solid_fraction", share)
       dilation = 0.0_wp
       if (group%given("dilation_angle")) call group%get("dilation_angle", dilation)
       if (eos == "p_alpha") then
          text = "eos_model = 'p_alpha' has pores of its own; remove it or &effects voids"
       else if (dilation > 0.0_wp) then
          text = "with &effects voids shear opens them by b_shear, not by dilation_angle"
-      else if (law == "jh2") then
-         text = "strength_model = 'jh2' makes pressure of its own; remove &effects voids"
+      else if (law == "jh2" .and. share < 1.0_wp) then
+         text = "strength_model = 'jh2' is that of matter without pores; remove solid_fraction"
       end if
    end function voids_fault
 
@@ -146,7 +147,7 @@ contains
          theta = solid_fraction(k)
          ! Pressed grains climb over each other, until they are as loose as they can be.
          solid_fraction(k) = merge(max(min(theta, voids%critical), &
-            theta*(1.0_wp - voids%shearing*shear)), theta, &
+            theta/(1.0_wp + voids%shearing*shear*(1.0_wp + 0.5_wp*voids%shearing*shear))), theta, &
             loose(i) > 0.5_wp .and. pressure(i) > 0.0_wp)
          theta = solid_fraction(k)
          alpha = merge(min(1.0_wp, (theta - voids%critical)*crushing), 1.0_wp, &
@@ -228,8 +229,18 @@ contains
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         solid_fraction(k) = min(1.0_wp, solid_fraction(k) &
-            *(1.0_wp + expansion*(temperature(k) - old_temperature(i))))
+         solid_fraction(k) = expanded(solid_fraction(k), &
+            expansion*(temperature(k) - old_temperature(i)))
       end do
    end subroutine expand_grains
+
+   !> Share of grains that expand, theta exp(growth) but not above 1, with the positive Pade
+   !! approximant of order (2, 2), which cooling takes back to round-off.
+   pure real(wp) function expanded(solid_fraction, growth) result(share)
+      real(wp), intent(in) :: solid_fraction         !! Before [1]
+      real(wp), intent(in) :: growth                 !! Of the logarithm of their volume [1]
+
+      share = min(1.0_wp, solid_fraction*(1.0_wp + growth*(0.5_wp + growth/12.0_wp)) &
+         /(1.0_wp - growth*(0.5_wp - growth/12.0_wp)))
+   end function expanded
 end module material_voids

@@ -31,6 +31,7 @@ module mesh_boundary
       procedure :: constrain => boundary_constrain   !! Impose velocities on nodes
       procedure :: rub => boundary_rub               !! Walls with friction
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
+      procedure :: insulate => boundary_insulate     !! No flux through the faces
       procedure :: touches => boundary_touches       !! Does a tile have nodes on a ruled face?
    end type boundary_t
 
@@ -163,6 +164,33 @@ contains
          end do
       end do
    end subroutine boundary_mirror
+
+   !> No flux through the faces: its component along the normal vanishes, unless what leaves there
+   !! comes in across.
+   pure subroutine boundary_insulate(self, grid, coordinate, tensor)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      !> (9, node) Flux along direction l in row 1 + 3 (l - 1)
+      real(wp), contiguous, intent(inout) :: tensor(:, :)
+      integer :: face, first, length(3), x, y, z, node, row
+      logical :: here
+
+      do face = 1, 6
+         if (self%kind(face) == face_periodic) cycle
+         call face_box(grid, coordinate, face, here, first, length)
+         if (.not. here) cycle
+         row = 1 + 3*((face - 1)/2)
+         do z = 0, length(3)
+            do y = 0, length(2)
+               do x = 0, length(1)
+                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  tensor(row, node) = 0.0_wp
+               end do
+            end do
+         end do
+      end do
+   end subroutine boundary_insulate
 
    !> The box of nodes of a tile, its margin included, that lies on a face.
    pure subroutine face_box(grid, coordinate, face, here, first, length)

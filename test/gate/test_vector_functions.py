@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""No loop over particles calls a vector variant of exp, log or a power.
+
+Would catch: a loop that the compiler turns into calls of the vector library of mathematics. Its
+last bits differ from those of the scalar function in the remainder of the loop, so a result would
+depend on where a particle stands in its range, and with it on ranks, threads and restarts.
+The names of those functions are those of the vector ABI, such as _ZGVdN4v_exp.
+"""
+
+import re
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+if "--scree" not in sys.argv:
+    sys.exit("usage: test_vector_functions.py --scree BUILD/bin/scree")
+BUILD = Path(sys.argv[sys.argv.index("--scree") + 1]).resolve().parents[1]
+LAYERS = ("base", "mesh", "material", "particle", "transfer", "io", "ddmp", "driver")
+
+SAMPLE = """subroutine sample(number, values)
+   integer, intent(in) :: number
+   real(kind(1.0d0)), intent(inout) :: values(number)
+   integer :: i
+   {mark}
+   do i = 1, number
+      values(i) = exp(values(i))
+   end do
+end subroutine sample
+"""
+
+
+def cached(name):
+    """A value of the cache of CMake."""
+    cache = (BUILD / "CMakeCache.txt").read_text(encoding="utf-8")
+    return re.search(rf"^{name}:\w+=(.*)$", cache, re.M).group(1)
+
+
+def undefined(file):
+    """Pairs of object and symbol that it takes from elsewhere."""
+    answer = subprocess.run([cached("CMAKE_NM"), "--undefined-only", "--print-file-name", file],
+                            capture_output=True, text=True, check=True)
+    pairs = []
+    for line in answer.stdout.splitlines():
+        name, symbol = line.rsplit(None, 1)
+        pairs.append((Path(re.split(r":\s", name)[0].replace(":", "/")).name, symbol))
+    return pairs
+
+
+class VectorFunctions(unittest.TestCase):
+    """Looks at the symbols of the libraries as they are built."""
+
+    def sample(self, mark):
+        """Symbols that a loop over exp asks for."""
+        work = BUILD / "test" / "gate" / "vector_functions"
+        work.mkdir(parents=True, exist_ok=True)
+        source = work / "sample.f90"
+        source.write_text(SAMPLE.format(mark=mark), encoding="utf-8")
+        subprocess.run([cached("CMAKE_Fortran_COMPILER"), "-c", "-O3", "-march=native", "-o", work / "sample.o",
+                        source], check=True)
+        return {symbol for _, symbol in undefined(work / "sample.o")}
+
+    def test_the_mark_helps(self):
+        """The gate itself: the mark before a loop keeps the vector variants away."""
+        with_mark = self.sample("!GCC$ novector")
+        self.assertIn("exp", with_mark)
+        self.assertFalse([symbol for symbol in with_mark if symbol.startswith("_ZGV")])
+
+    def test_symbols(self):
+        """No object of the program asks for a vector variant."""
+        found, scalar = [], 0
+        for layer in LAYERS:
+            library = BUILD / "lib" / f"libscree_{layer}.a"
+            self.assertTrue(library.is_file(), f"{library} is missing; build the program first")
+            for name, symbol in undefined(library):
+                scalar += symbol in ("exp", "log", "pow")
+                if symbol.startswith("_ZGV"):
+                    found.append(f"{name}: {symbol}; put !GCC$ novector before the loop")
+        self.assertGreater(scalar, 20, "the laws call exp, log and pow somewhere")
+        self.assertEqual(found, [], "\n" + "\n".join(found))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

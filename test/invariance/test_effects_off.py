@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An effect that is switched off leaves no trace: the same bits, bytes and phases as if never named.
+
+Would catch: a field that is allocated although nothing asked for it, an exchange or a phase of an
+effect that is off, and an effect that changes the state although it is off. That what is on does
+change the state keeps the test from passing for nothing. Instructions are counted by
+test/bench/effects.py.
+"""
+# timeout: 200
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bench"))
+import case     # noqa: E402
+import effects  # noqa: E402
+import report   # noqa: E402
+
+STEPS = 12
+# What a phase of its own is for; all other effects share the phases of every run.
+OWN_PHASE = {"conduction": "heat conduction"}
+
+
+def main():
+    """Every effect with a switch."""
+    options = case.arguments()
+    sheet = report.Report()
+    seen = {}
+
+    def run(name, deck):
+        if deck not in seen:
+            summary = case.Case(options, name, deck.replace("{steps}", str(STEPS))).run("-q").summary
+            seen[deck] = (summary["digest"], summary["bytes_per_particle"],
+                          {phase: times["calls"] for phase, times in summary["timers"].items()})
+        return seen[deck]
+
+    compared = 0
+    for name, (off, never, on) in effects.EFFECTS.items():
+        if off is None and name not in OWN_PHASE:
+            continue
+        with_it = run(f"{name}_on", on)
+        without = run(f"{name}_off", off or never)
+        # failure, softening and differences of temperature come later than these few steps
+        if name not in ("damage", "size_scatter", "voids", "melting", "rate", "conduction"):
+            sheet.require(with_it[0] != without[0], f"{name}: acts when it is on")
+        for phase in OWN_PHASE.values():
+            sheet.require((phase in with_it[2]) == (OWN_PHASE.get(name) == phase), f"{name}: phases when it is on")
+            sheet.require(phase not in without[2], f"{name}: no phase when it is off")
+        sheet.require(with_it[1] >= without[1] or name == "strength", f"{name}: bytes do not fall")
+        if off is None or never is None or name == "strength":
+            continue
+        compared += 1
+        never_named = run(f"{name}_never", never)
+        sheet.require(without[0] == never_named[0], f"{name}: the same bits off and never named")
+        sheet.require(without[1] == never_named[1], f"{name}: the same bytes off and never named")
+        sheet.require(without[2] == never_named[2], f"{name}: the same phases, called as often")
+    sheet.require(compared >= 8, "effects were compared")
+    for name in ("thermal", "damage", "size_scatter", "voids", "conduction"):
+        off, never, on = effects.EFFECTS[name]
+        sheet.above(f"{name}: bytes that it carries", run(name, on)[1] - run(name, off or never)[1], 8.0)
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
