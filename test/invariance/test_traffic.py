@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What ranks send in a step is what the model of doc/developer/scaling.md says.
+
+Would catch: patches sent twice, sent to ranks that do not see them, or with columns that nobody
+asked for; a second exchange in a step; messages with nothing in them.
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import case     # noqa: E402
+import report   # noqa: E402
+import scaling  # noqa: E402
+
+STEPS = 4
+WORD = 8
+BAR = """
+&run  dimension='1d'  method='{method}' /
+&grid  lo=0,0,0  hi=512,1,1  dx=1  block=64 /
+&time  t_end=1.0e3  max_steps={steps} /
+&material  name='rubber'  density=1000  young=1.0e6  poisson=0.3 /
+&region  name='bar'  shape='box'  lo=0,0,0  hi=512,1,1 /
+&body  name='bar'  region='bar'  material='rubber' /
+&parallel  balance='never' /
+"""
+
+
+def bars(options, sheet):
+    """Eight tiles in a row on two ranks: one tile of each rank touches the other."""
+    for method, exchanges in scaling.EXCHANGES.items():
+        run = case.Case(options, f"bar_{method}", BAR.format(method=method, steps=STEPS), ranks=2)
+        traffic = run.run("-q").summary["traffic"]
+        words = sum(1 + columns * 65 for columns in exchanges)
+        sheet.require(traffic["patch_messages"] == 2 * STEPS * len(exchanges),
+                      f"{method}: {traffic['patch_messages']} messages of patches")
+        sheet.require(traffic["patch_bytes"] == 2 * STEPS * WORD * words,
+                      f"{method}: {traffic['patch_bytes']} bytes of patches")
+
+
+def blocks(options, sheet):
+    """A periodic block of 4 x 4 x 4 tiles on 1 to 8 ranks."""
+    options.cells, options.steps, options.method_words = 24, STEPS, ""
+    for method in scaling.EXCHANGES:
+        for ranks in (1, 2, 4, 8):
+            summary = scaling.run(options, method, ranks, 1, 24, f"block_{method}_{ranks}")
+            traffic = summary.get("traffic", {"patch_messages": 0, "patch_bytes": 0})
+            messages, size = scaling.model(method, 24 ** 3, ranks)
+            name = f"{method} on {ranks} ranks"
+            sheet.require(traffic["patch_messages"] == messages * STEPS * ranks,
+                          f"{name}: {traffic['patch_messages'] / STEPS / ranks} messages, "
+                          f"not {messages}")
+            if ranks > 1:
+                sheet.near(f"{name}, bytes a step and rank",
+                           traffic["patch_bytes"] / STEPS / ranks, size, 1.0e-3)
+
+
+def main():
+    """Bars exactly, blocks as the model says."""
+    options = case.arguments()
+    sheet = report.Report()
+    bars(options, sheet)
+    blocks(options, sheet)
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
