@@ -103,7 +103,8 @@ contains
       type(survey_t), intent(out) :: survey          !! The counts
 
       allocate (survey%body(size(bodies)))
-      call survey_bodies(simulation%grid, bodies, survey%key, survey%tile, survey%body)
+      call survey_bodies(simulation%communicator, simulation%grid, bodies, survey%key, &
+         survey%tile, survey%body)
       survey%particles = sum(survey%tile)
    end subroutine take_survey
 

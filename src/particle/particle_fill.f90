@@ -5,6 +5,7 @@
 !! identity, so neither identity nor position depends on ranks. Where bodies overlap the later one
 !! wins.
 module particle_fill
+   use base_communicator, only: communicator_t
    use base_constants, only: pi
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
@@ -48,26 +49,33 @@ contains
    end function body_sites
 
    !> Count the particles of each tile that some body reaches, and those of each body.
-   subroutine survey_bodies(grid, bodies, key, particles, body_count)
+   subroutine survey_bodies(communicator, grid, bodies, key, particles, body_count)
+      type(communicator_t), intent(in) :: communicator !! Ranks that share the work
       type(grid_t), intent(in) :: grid                !! The grid
       type(body_t), intent(in) :: bodies(:)           !! The bodies
       integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
       integer(int64), allocatable, intent(out) :: particles(:) !! Their particles
       integer(int64), intent(out) :: body_count(:)    !! (body) Particles of each body
-      integer(int64), allocatable :: all_keys(:), counts(:, :)
+      integer(int64), allocatable :: all_keys(:), counts(:, :), flat(:)
       integer :: tile, body
 
       call candidate_tiles(grid, bodies, all_keys)
       allocate (counts(size(bodies), size(all_keys)))
-      !$omp parallel do default(none) shared(grid, bodies, all_keys, counts) private(tile, body) &
-      !$omp schedule(dynamic, 16)
-      do tile = 1, size(all_keys)
+      counts = 0
+      !$omp parallel do default(none) shared(communicator, grid, bodies, all_keys, counts) &
+      !$omp private(tile, body) schedule(dynamic, 16)
+      do tile = communicator%rank + 1, size(all_keys), communicator%size
          do body = 1, size(bodies)
             counts(body, tile) = count_sites(grid, bodies, body, &
                curve_coordinate(all_keys(tile), grid%dimensions))
          end do
       end do
       !$omp end parallel do
+      if (communicator%size > 1) then
+         flat = reshape(counts, [size(counts)])
+         call communicator%total(flat)
+         counts = reshape(flat, shape(counts))
+      end if
       body_count = sum(counts, dim=2)
       particles = sum(counts, dim=1)
       key = pack(all_keys, particles > 0)
