@@ -8,8 +8,8 @@
 !! sum_i D_ji = 0 and sum_i x_i D_ji = V_j for itself; hence momentum is kept and linear fields
 !! are exact for any weights w_c >= 0. The weight is twice the least fill of the nodes of the cell,
 !! at most 1: a cell with an empty node takes no part, so no force falls on a node without mass, and
-!! the fill may waver round one inside of a body without any effect. Nor is it above a hundred times
-!! the least density of the nodes over the greatest: a node of light matter beside heavy matter has
+!! the fill may waver round one inside of a body without any effect. Nor is it above four times the
+!! least density of the nodes over the greatest: a node of light matter beside heavy matter has
 !! no mass for the stress of the latter, which would tear it away at any useful time step.
 module ddmp_dual
    use base_kinds, only: wp
@@ -19,7 +19,7 @@ module ddmp_dual
 
    public :: dual_t
 
-   real(wp), parameter :: contrast = 100.0_wp        !! Densities of nodes over each other [1]
+   real(wp), parameter :: contrast = 4.0_wp          !! Densities of nodes over each other [1]
    integer, parameter, public :: surface_fill = 1    !! By the least fill of its nodes
    integer, parameter, public :: surface_cells = 2   !! 1 in cells without an empty node, else 0
    integer, parameter, public :: surface_none = 3    !! 1 in all cells

@@ -21,6 +21,8 @@ for place in (HERE.parent / "support", HERE / "taylor", HERE / "shocks"):
     sys.path.insert(0, str(place))
 import case               # noqa: E402
 import taylor             # noqa: E402
+import test_flyer         # noqa: E402
+import test_precursor     # noqa: E402
 import test_taylor_fine   # noqa: E402
 
 FOLDER = HERE.parents[1] / "doc" / "theory" / "figures"
@@ -69,6 +71,47 @@ def bars(options):
     save(figure, "bars")
 
 
+def waves(options):
+    """Stress of precursor and plastic shock in three metals; free surfaces of flyer and spall; waves at a contrast."""
+    figure, (left, middle, right) = pyplot.subplots(1, 3, figsize=(9.5, 2.9))
+    tools = case.post()
+    for metal, speed, name in ((test_precursor.AL_2024, 400, "Al-2024, 400 m/s"),
+                               (test_precursor.BE, 100, "Be, 100 m/s"), (test_precursor.CU, 20, "Cu, 20 m/s")):
+        test_precursor.strike(options, metal, speed, test_precursor.SMOOTH)
+        start = options.work / f"solid_{metal.name}_{speed}" / f"solid_{metal.name}_{speed}_p.hdf.series"
+        time, file = tools.series(str(start))[2]
+        snap = tools.snapshot(file)
+        ahead, after = metal.precursor(), metal.plastic(speed)
+        order = np.argsort(snap.points[:, 0])
+        line, = left.plot(1e3 * snap.points[order, 0], -snap.fields["stress"][order, 0] / after["stress"], label=name)
+        fronts = [1e3 * time * (wave["speed"] - speed) for wave in (after, ahead)]
+        level = ahead["stress"] / after["stress"]
+        left.plot([0.0, fronts[0], fronts[0], fronts[1], fronts[1], 40.0], [1.0, 1.0, level, level, 0.0, 0.0], "--",
+                  color=line.get_color(), lw=0.8)
+    left.set(xlabel="x [mm]", ylabel="stress over that of the plastic wave", ylim=(-0.05, 1.2))
+    left.legend()
+    result = test_flyer.flyer(options, 40)
+    middle.plot(result["time"], result["surface"], label="flyer, no strength")
+    middle.plot([0, 2, 2, 4, 4, 6], [0, 0, 1, 1, 0, 0], "k:", lw=0.8)
+    for cells in (40, 80):
+        result = test_flyer.spall(options, cells, 0.6)
+        middle.plot(result["time"], result["surface"], label=f"pulse that breaks, {cells} cells")
+    middle.axhline(0.4, color="r", lw=0.8, ls=":")
+    middle.set(xlabel="time c/h", ylabel="velocity of the free surface over V", xlim=(1.5, 5.5))
+    middle.legend(fontsize=6)
+    for ratio in (1.0e6, 10.0, 1.0e-6):
+        test_flyer.contrast(options, ratio)
+        name = f"contrast_{ratio:g}_100_ddmp"
+        snap = tools.snapshot(tools.series(str(options.work / name / f"{name}_p.hdf.series"))[-1][1])
+        order = np.argsort(snap.points[:, 0])
+        right.plot(1e3 * snap.points[order, 0], -snap.fields["stress"][order, 0] / (2703.0 * 6400.0 * 5.0),
+                   label=f"Z2/Z1 = {ratio:g}")
+        right.plot([6.0, 9.99], [2.0 * ratio / (1.0 + ratio)] * 2, "k--", lw=0.8)
+    right.set(xlabel="x [mm]", ylabel="stress over that of the wave", xlim=(0.0, 15.0), ylim=(-0.2, 2.4))
+    right.legend(fontsize=6)
+    save(figure, "waves")
+
+
 def main():
     """All figures, or those with a word in their names."""
     parser = argparse.ArgumentParser(add_help=False)
@@ -78,7 +121,7 @@ def main():
     options = case.arguments()
     np.seterr(all="ignore")
     pyplot.rcParams.update(STYLE)
-    for name, draw in (("bars", bars),):
+    for name, draw in (("bars", bars), ("waves", waves)):
         if only.only in name:
             draw(options)
 

@@ -6,8 +6,9 @@ does not follow pressure; steps that are not of first order at least; work that 
 
 `scree --point` returns to the yield surface with implicit steps. Here Johnson and Cook is a differential equation, rate
 of flow by stress, solved by Runge and Kutta; p-alpha and Tillotson are isentropes, solved likewise. Steinberg and
-Guinan and JH-2 are stepped with ten times as many steps, the former by means of both ends. Each path is run with three numbers
-of steps: the error must be small with the most, and fall with first order, that of the energy alone with second. Where
+Guinan and JH-2 are stepped with ten times as many steps, the former by means of both ends. Each path is run with three
+numbers of steps: the error must be small with the most, and fall with first order, that of the energy alone with
+second. Where
 flow begins anew within a step, at a rate that jumps (copper released), the order is 0.65 and the error 7e-5.
 """
 

@@ -10,8 +10,8 @@ of the examples of Uintah; solved exactly in test/support/shocks.py. W. F. Noh, 
 plane: density 4 behind a shock of speed 1/3. Error: sum of |rho - exact| times volume over the mass or length; pressure
 and velocity are means between the waves, velocity over the difference of their speeds. Measured with 200 cells: air
 0.0051, blast 0.042, collision 0.056 (ratios 0.51 to 0.58), pressure within 0.25 %; Noh 0.077, part of it at the
-heated wall, where density is a fifth too low, plateau 1.2 % and pressure 2.1 % too high. Where gases fly apart the middle has
-less than a particle in a cell; what is held there are the fans.
+heated wall, where density is a fifth too low, plateau 1.2 % and pressure 2.1 % too high. Where gases fly apart the
+middle has less than a particle in a cell; what is held there are the fans.
 """
 
 import sys
