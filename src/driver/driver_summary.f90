@@ -124,13 +124,17 @@ contains
             + length(nodes%velocity) + length(nodes%acceleration) + length(nodes%extra) &
             + length(nodes%strain) + length(nodes%share) + length(nodes%volume) &
             + length(nodes%force) + length(nodes%gradient) + length(nodes%middle) &
-            + length(nodes%filtered) + length(nodes%term) + length(nodes%loss))
+            + length(nodes%filtered) + length(nodes%term) + length(nodes%loss) &
+            + length(nodes%mean) + length(nodes%star) + length(nodes%unit) &
+            + length(nodes%difference))
+         if (allocated(nodes%weight)) total = total + 8_int64*size(nodes%weight, kind=int64)
       end associate
       if (allocated(simulation%conduction)) then
          associate (heat => simulation%conduction)
             total = total + 8_int64*(length(heat%content) + length(heat%total) &
                + length(heat%temperature) + length(heat%flow) + length(heat%share) &
                + length(heat%volume) + length(heat%slope) + length(heat%push))
+            if (allocated(heat%weight)) total = total + 8_int64*size(heat%weight, kind=int64)
          end associate
       end if
       call simulation%communicator%total(total)

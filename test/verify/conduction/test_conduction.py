@@ -6,7 +6,8 @@ is not that of the particle, heat lost at a face, at the end of a tile or betwee
 beyond the stable one, temperatures that nodes do not see and that stay for ever, a material without
 a conductivity that is warmed, and any cost where no conductivity is given.
 
-Closed solutions: cos(2 pi x) in an insulated slab fades as exp(-4 a pi**2 t); two half spaces in contact
+Closed solutions: cos(2 pi x) in an insulated slab fades as exp(-4 a pi**2 t), J0(w r) in
+an insulated cylinder as exp(-a w**2 t); two half spaces in contact
 have the temperature (e1 T1 + e2 T2)/(e1 + e2) where they touch, e = sqrt(k rho c), with error
 functions beside it (H. S. Carslaw, J. C. Jaeger, Conduction of Heat in Solids, 1959, 2.15).
 """
@@ -121,6 +122,39 @@ def other_axes(options, sheet):
         for axis in (1, 2):
             sheet.below(f"{name}: axis {axis}", np.abs(result[axis] - result[0]).max() / WAVE, 1.0e-13)
         sheet.above(f"{name}: what is left differs along the axis", np.ptp(result[0]) / WAVE, 0.5)
+
+
+def bessel(x):
+    """J0 by its series, exact enough up to x = 4."""
+    return sum((-0.25 * x * x) ** n / math.factorial(n) ** 2 for n in range(25))
+
+
+def cylinder(options, sheet):
+    """A wave of an insulated cylinder: J0(w r) fades as exp(-a w**2 t), w the first zero of J1."""
+    wave, diffusivity, end = 3.8317059702075123, 0.1, 0.3
+    for name in ("ddmp", "mpm"):
+        method, words = METHODS[name]
+        errors = []
+        for cells in (16, 32):
+            spacing = 1.0 / cells
+            text = HEAD.format(dimension="axisymmetric", method=method, words=words, spacing=spacing, end=end,
+                               thermal=".true.", high=f"1,1,{spacing!r}").replace(
+                "face='all'  type='symmetry'", "face='all'  type='slip'")
+            text += material("m", diffusivity * DENSITY * HEAT)
+            for site in range(2 * cells):
+                place = (site + 0.5) / (2 * cells)
+                text += BODY.format(name=f"b{site}", material="m", points="2,1,2", low=f"{site / (2 * cells)},0,0",
+                                    high=f"{(site + 1) / (2 * cells)},1,{spacing!r}",
+                                    temperature=MEAN + WAVE * bessel(wave * place))
+            run = case.Case(options, f"cylinder_{name}_{cells}", text).run("-q")
+            first, last = run.snapshots()[0][1], run.snapshots()[-1][1]
+            exact = MEAN + WAVE * math.exp(-diffusivity * wave ** 2 * end) * bessel(wave * last.points[:, 0])
+            errors.append(np.sqrt(np.average((last.fields["temperature"] - exact) ** 2,
+                                             weights=last.fields["mass"])) / WAVE)
+            sheet.below(f"cylinder {name} {cells}: change of the heat", heat_of(last) / heat_of(first) - 1.0, 1.0e-13)
+        print(f"cylinder {name}: errors {errors[0]:.2e}, {errors[1]:.2e}")
+        sheet.below(f"cylinder {name}: error", errors[1], 2.0e-3)
+        sheet.above(f"cylinder {name}: order", math.log2(errors[0] / errors[1]), 1.5)
 
 
 def halves(options, sheet):
@@ -243,6 +277,7 @@ def main():
     sheet = report.Report()
     fading(options, sheet)
     other_axes(options, sheet)
+    cylinder(options, sheet)
     halves(options, sheet)
     longest_step(options, sheet)
     collision(options, sheet)
