@@ -151,7 +151,7 @@ contains
       type(session_t), intent(inout) :: session      !! Everything but particles
       integer, intent(out) :: code                   !! Exit code
       type(error_t), allocatable, intent(out) :: error !! What stopped it
-      character(len=:), allocatable :: reason
+      character(len=:), allocatable :: note, reason
       type(error_t), allocatable :: late
       type(group_t) :: group
       logical :: timing
@@ -159,9 +159,16 @@ contains
 
       begin = wall_seconds()
       code = exit_success
+      ! a run that cannot go on leaves the files of the one before as they are
+      if (session%command%restart) call go_on(session, note, error)
+      if (allocated(error)) return
       call open_files(session, error)
       if (allocated(error)) return
-      call fill(session, error)
+      if (session%command%restart) then
+         call session%log%info(note)
+      else
+         call fill(session, error)
+      end if
       if (allocated(error)) return
       call session%outputs%open(session%simulation, session%command%restart, error)
       if (allocated(error)) return
@@ -238,29 +245,32 @@ contains
       if (session%command%verbose) level = log_debug
    end function log_level
 
-   !> Particles from the bodies or from a checkpoint.
+   !> Particles from a checkpoint.
+   subroutine go_on(session, note, error)
+      type(session_t), intent(inout) :: session      !! Gets particles
+      character(len=:), allocatable, intent(out) :: note !! What the log should say
+      type(error_t), allocatable, intent(out) :: error !! No checkpoint can be read
+      character(len=:), allocatable :: file
+
+      file = ""
+      if (allocated(session%command%checkpoint)) file = session%command%checkpoint
+      call resume(session%simulation, session%outputs, session%place, file, note, error)
+   end subroutine go_on
+
+   !> Particles from the bodies.
    subroutine fill(session, error)
       type(session_t), intent(inout) :: session      !! Gets particles
-      type(error_t), allocatable, intent(out) :: error !! No checkpoint can be read
-      character(len=:), allocatable :: note, file
+      type(error_t), allocatable, intent(out) :: error !! They do not fit the exact solution
 
-      if (session%command%restart) then
-         file = ""
-         if (allocated(session%command%checkpoint)) file = session%command%checkpoint
-         call resume(session%simulation, session%outputs, session%place, file, note, error)
-         if (allocated(error)) return
-         call session%log%info(note)
-      else
-         call fill_simulation(session%simulation, session%bodies, session%survey)
-         call spin_bodies(session%simulation, session%bodies)
-         call place_exact(session%simulation, error)
-         if (allocated(error)) return
-         call strain_exact(session%simulation)
-         call first_step(session%simulation)
-         associate (simulation => session%simulation)
-            call simulation%ledger%balance(simulation%communicator, simulation%grid, &
-               simulation%stores, simulation%materials, simulation%ledger%start)
-         end associate
-      end if
+      call fill_simulation(session%simulation, session%bodies, session%survey)
+      call spin_bodies(session%simulation, session%bodies)
+      call place_exact(session%simulation, error)
+      if (allocated(error)) return
+      call strain_exact(session%simulation)
+      call first_step(session%simulation)
+      associate (simulation => session%simulation)
+         call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+            simulation%stores, simulation%materials, simulation%ledger%start)
+      end associate
    end subroutine fill
 end module driver_program

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Checkpoints of a run and the way back from them.
 module driver_restart
-   use base_error, only: error_t
+   use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use driver_exact_error, only: load_errors, save_errors
    use driver_output, only: outputs_t
@@ -42,10 +42,20 @@ contains
       call save_errors(simulation, state)
       call state%set("checkpoint_number", [int(place%number, int64)])
       call state%set("last_step_length", [simulation%dt])
+      call state%set("space", space_of(simulation))
       call checkpoint_write(simulation%communicator, place, simulation%stores, state, error)
       if (.not. allocated(error)) place%number = place%number + 1
       call simulation%timer%stop(simulation%phase%checkpoint)
    end subroutine write_checkpoint
+
+   !> What a state cannot be carried over to: the number of directions, and whether they go round.
+   pure function space_of(simulation) result(space)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer(int64) :: space(2)
+
+      space = [int(simulation%grid%dimensions, int64), &
+         merge(1_int64, 0_int64, simulation%grid%axisymmetric)]
+   end function space_of
 
    !> Go on from a checkpoint: the one named, or the newest that can be read.
    subroutine resume(simulation, outputs, place, file, note, error)
@@ -72,6 +82,13 @@ contains
       end if
       if (allocated(error)) return
       note = note//"restart from "//path
+      call state%get("space", number, error)
+      if (allocated(error)) return
+      if (any(number /= space_of(simulation))) then
+         call fail(error, exit_file, "'"//path// &
+            "' is of another deck: its dimension in &run differs")
+         return
+      end if
       simulation%step = state%step
       simulation%time = state%time
       simulation%dt_next = state%dt_next

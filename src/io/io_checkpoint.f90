@@ -4,7 +4,8 @@
 !! Layout: attributes of the root hold step and time; /particles/MATERIAL/FIELD one data set a
 !! field, in the order of particles of all files; /state the small numbers; /deck and /deck_echo
 !! texts.
-!! Every data set carries an attribute `check`, a hash that reading compares.
+!! Every data set carries an attribute `check`, a hash that reading compares; the whole file has a
+!! seal (io_seal).
 module io_checkpoint
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -17,14 +18,13 @@ module io_checkpoint
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_write, only: data_bytes, rows_of_root, rows_t, write_bytes, write_data
    use io_order, only: store_rows, tile_order
+   use io_seal, only: checkpoint_schema
    use io_state, only: state_t
    use particle_store, only: store_t
    implicit none
    private
 
    public :: checkpoint_newest, checkpoint_place_t, checkpoint_write, head_check, keep_newest
-
-   character(len=*), parameter, public :: checkpoint_schema = "scree-checkpoint-1"
 
    !> Where a checkpoint goes and what stands in it beside the state. The same on all ranks.
    type :: checkpoint_place_t
@@ -98,6 +98,7 @@ contains
       call measure(communicator, place, stores, state, bytes)
       call writer%file%create(communicator, place%path(), bytes, error)
       if (allocated(error)) return
+      writer%file%seal = checkpoint_schema
       call write_head(writer%file, place, state)
       call writer%file%group("/particles")
       do index = 1, size(stores)
@@ -262,7 +263,10 @@ contains
       end do
       allocate (names(count(numbers >= 0)))
       do index = 1, size(found)
-         if (numbers(index) >= 0) names(1 + count(numbers > numbers(index))) = found(index)
+         if (numbers(index) < 0) cycle
+         ! 1 and 0001 are the same number; names must not share a place
+         names(1 + count(numbers > numbers(index)) &
+            + count(numbers(:index - 1) == numbers(index))) = found(index)
       end do
    end subroutine list_checkpoints
 

@@ -14,6 +14,7 @@ module io_digest
    use io_hdf5_read, only: data_info_t, hdf5_source_t
    use io_hdf5_write, only: even_rows, rows_t
    use io_order, only: tile_order
+   use io_seal, only: check_seal, checkpoint_schema
    use io_state, only: state_t
    use particle_store, only: store_t
    implicit none
@@ -81,6 +82,8 @@ contains
       sum = 0
       step = 0
       time = 0.0_wp
+      call check_seal(communicator, path, checkpoint_schema, error)
+      if (allocated(error)) return
       call source%open(path, error)
       if (.not. allocated(error)) call source%attribute("/", "step", step, error)
       if (.not. allocated(error)) call source%attribute("/", "time", time, error)

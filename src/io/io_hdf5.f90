@@ -22,6 +22,7 @@ module io_hdf5
       h5tcopy_f, h5tset_size_f, hid_t, hsize_t, size_t
    use io_file, only: folder_of, remove_file, rename_file, reserve_file, sync_file, sync_folder, &
       truncate_file
+   use io_seal, only: write_seal
    use io_libc, only: clear_failure, failure_number, failure_text
    use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_int64_t, c_loc, c_ptr
    implicit none
@@ -52,6 +53,7 @@ module io_hdf5
       type(communicator_t) :: communicator                !! The ranks
       type(error_t), allocatable :: problem               !! First thing that failed, on all ranks
       integer :: status = 0                               !! Failures of this rank not yet shared
+      character(len=:), allocatable :: seal               !! Title of a seal at the end, if wanted
    contains
       procedure :: create => hdf5_create                  !! Begin a file
       procedure :: finish => hdf5_finish                  !! Complete it, or take it away
@@ -167,6 +169,10 @@ contains
       self%id = -1
       if (self%works()) call self%settle("close", "", status)
       call h5close_f(status)
+      if (self%works() .and. allocated(self%seal)) then
+         call write_seal(self%communicator, part_of(self), self%seal, error)
+         if (allocated(error)) call move_alloc(error, self%problem)
+      end if
       if (self%works() .and. self%communicator%rank == 0) then
          call sync_file(part_of(self), error)
          if (.not. allocated(error)) call rename_file(part_of(self), self%path, error)

@@ -12,6 +12,7 @@ module io_restart
    use io_file, only: longest_path
    use io_hdf5_read, only: data_info_t, hdf5_source_t
    use io_hdf5_write, only: even_rows, rows_t
+   use io_seal, only: check_seal, checkpoint_schema
    use io_state, only: state_t
    use particle_store, only: store_t
    implicit none
@@ -87,6 +88,8 @@ contains
       integer :: index
 
       reader%communicator = communicator
+      call check_seal(communicator, path, checkpoint_schema, error)
+      if (allocated(error)) return
       call reader%source%open(path, error)
       if (.not. allocated(error)) call read_head(reader%source, state, error)
       if (.not. allocated(error)) call read_state(reader%source, state, error)

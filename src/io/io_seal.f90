@@ -1,0 +1,154 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> A seal at the end of a file: a title and a hash of all bytes before it.
+!!
+!! The hashes inside of a checkpoint guard its numbers, but not what the HDF5 library needs to find
+!! them; with damage there it may fail in any way, and has been seen to kill the program. So no byte
+!! of a sealed file is given to the library before all have been compared. HDF5 does not look at
+!! what stands behind its own end of the file.
+module io_seal
+   use base_agreement, only: agree
+   use base_communicator, only: communicator_t
+   use base_error, only: error_t, exit_file, fail
+   use base_hash, only: add_hash, digest_text, hash_wholes, mix
+   use base_kinds, only: int64
+   use io_file, only: file_exists, file_size, output_file_t
+   use io_libc, only: failure_text
+   implicit none
+   private
+
+   public :: check_seal, write_seal
+
+   character(len=*), parameter, public :: checkpoint_schema = "scree-checkpoint-1"
+
+   integer, parameter :: digits = 16                     !! Of the hash
+   integer, parameter, public :: seal_bytes = 48         !! Title, blanks, digits, end of line
+   integer, parameter :: block_words = 131072            !! Words that are read together
+   integer, parameter :: word_bytes = 8
+   character(len=*), parameter :: maker = "scree-"       !! All titles begin with it
+
+contains
+
+   !> Append the seal to a file. Collective.
+   subroutine write_seal(communicator, path, title, error)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      character(len=*), intent(in) :: path               !! The file, complete and closed
+      character(len=*), intent(in) :: title              !! Kind and version of the file
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read or written
+      character(len=seal_bytes - digits - 1) :: padded
+      type(output_file_t) :: file
+      integer(int64) :: hash
+
+      call hash_file(communicator, path, file_size(path), hash, error)
+      if (.not. allocated(error) .and. communicator%rank == 0) then
+         padded = title
+         call file%append(path, error)
+         if (.not. allocated(error)) &
+            call file%write(padded//digest_text(hash)//new_line("a"), error)
+         call file%close()
+      end if
+      call agree(communicator, error)
+   end subroutine write_seal
+
+   !> Compare a file with its seal. Collective.
+   subroutine check_seal(communicator, path, title, error)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: title              !! Kind and version that are understood
+      type(error_t), allocatable, intent(out) :: error   !! Missing, another kind, or damaged
+      character(len=seal_bytes) :: seal
+      integer(int64) :: hash
+
+      call read_seal(path, seal, error)
+      if (.not. allocated(error)) then
+         if (seal(:len(maker)) /= maker .or. seal(seal_bytes:) /= new_line("a")) then
+            call fail(error, exit_file, "'"//path// &
+               "' is cut short, or no checkpoint of this program")
+         else if (seal(:seal_bytes - digits - 1) /= title) then
+            call fail(error, exit_file, "'"//path//"' is of another version: it is '"// &
+               trim(seal(:seal_bytes - digits - 1))//"', this program reads '"//title//"'")
+         end if
+      end if
+      call agree(communicator, error)
+      if (allocated(error)) return
+      call hash_file(communicator, path, file_size(path) - seal_bytes, hash, error)
+      if (allocated(error)) return
+      if (digest_text(hash) /= seal(seal_bytes - digits:seal_bytes - 1)) call fail(error, &
+         exit_file, "'"//path//"' is damaged: its bytes are not those that were written")
+   end subroutine check_seal
+
+   !> Read the seal of a file.
+   subroutine read_seal(path, seal, error)
+      character(len=*), intent(in) :: path               !! The file
+      character(len=seal_bytes), intent(out) :: seal     !! Its last bytes
+      type(error_t), allocatable, intent(out) :: error   !! Missing or unreadable
+      integer(int64) :: bytes
+      integer :: status, unit
+
+      seal = ""
+      bytes = file_size(path)
+      if (.not. file_exists(path)) then
+         call fail(error, exit_file, "cannot read '"//path//"': "//failure_text())
+         return
+      end if
+      if (bytes < seal_bytes) return
+      open (newunit=unit, file=path, access="stream", action="read", status="old", iostat=status)
+      if (status == 0) then
+         read (unit, pos=bytes - seal_bytes + 1, iostat=status) seal
+         close (unit)
+      end if
+      if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"'")
+   end subroutine read_seal
+
+   !> Hash of the first bytes of a file; the ranks share the work. Collective.
+   subroutine hash_file(communicator, path, bytes, hash, error)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      character(len=*), intent(in) :: path               !! The file
+      integer(int64), intent(in) :: bytes                !! How many count
+      integer(int64), intent(out) :: hash                !! The same on all ranks
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      integer(int64), allocatable :: places(:), words(:)
+      integer(int64) :: block, first, last, sum(1)
+      integer :: filled, n, status, unit
+
+      allocate (places(block_words), words(block_words))
+      sum = 0
+      open (newunit=unit, file=path, access="stream", action="read", status="old", iostat=status)
+      block = communicator%rank
+      do while (status == 0 .and. block*block_words*word_bytes < bytes)
+         first = block*block_words*word_bytes
+         last = min(first + int(block_words, int64)*word_bytes, bytes)
+         filled = int((last - first + word_bytes - 1)/word_bytes)
+         call read_words(unit, first, last, words(:filled), status)
+         do n = 1, filled
+            places(n) = first/word_bytes + n
+         end do
+         sum = add_hash(sum, hash_wholes(0_int64, places(:filled), words(:filled)))
+         block = block + communicator%size
+      end do
+      if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"'")
+      if (status == 0) close (unit)
+      call communicator%total(sum)
+      hash = mix(add_hash(sum(1), mix(bytes)))
+      call agree(communicator, error)
+   end subroutine hash_file
+
+   !> Read bytes of a file as words; a last word that is not full ends in zeros.
+   subroutine read_words(unit, first, last, words, status)
+      integer, intent(in) :: unit                        !! The open file
+      integer(int64), intent(in) :: first                !! Bytes before the first
+      integer(int64), intent(in) :: last                 !! Bytes up to the last
+      integer(int64), contiguous, intent(out) :: words(:) !! What is read
+      integer, intent(out) :: status                     !! 0 if all was read
+      character(len=word_bytes) :: rest
+      integer :: full, left
+
+      full = int((last - first)/word_bytes)
+      left = int(last - first) - full*word_bytes
+      status = 0
+      if (full > 0) read (unit, pos=first + 1, iostat=status) words(:full)
+      if (left == 0 .or. status /= 0) return
+      rest = repeat(achar(0), word_bytes)
+      read (unit, pos=first + int(full, int64)*word_bytes + 1, iostat=status) rest(:left)
+      words(full + 1) = transfer(rest, words(1))
+   end subroutine read_words
+end module io_seal

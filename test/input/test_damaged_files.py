@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Checkpoints with damage: a run goes on from an older one or not at all, and never from a wrong one.
+
+Would catch a damaged file that is used, that kills the program or the HDF5 library, or whose digest is
+that of another state; and a restart that fails after it has touched earlier results.
+"""
+
+import random
+import shutil
+import subprocess
+import unittest
+
+import case
+
+OPTIONS = case.arguments(__doc__)
+SEED = 5
+FLIPS, CUTS = 150, 40           # of --digest
+RESTARTS = 12                   # of --restart, which starts message passing
+DECK = """
+&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
+&time t_end = 1  max_steps = 20 /
+&material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
+&material name = 'soft'  density = 1000  young = 1e9  poisson = 0.3 /
+&region name = 'ball'  shape = 'sphere'  centre = 0.5 0 0.3  radius = 0.2 /
+&region name = 'cube'  shape = 'box'  lo = 0.3 0 0.6  hi = 0.7 1 0.9 /
+&body name = 'one'  region = 'ball'  material = 'metal'  velocity = 0 0 10 /
+&body name = 'two'  region = 'cube'  material = 'soft' /
+&checkpoint dt = 5e-5  keep = 0 /
+"""
+TITLE = b"scree-checkpoint-1"
+
+
+def digest(path):
+    """Exit code and what --digest says of a file."""
+    answer = subprocess.run([OPTIONS.scree, "--digest", path], stdout=subprocess.PIPE, timeout=60,
+                            stderr=subprocess.STDOUT, check=False)
+    return answer.returncode, answer.stdout.decode(errors="replace").strip()
+
+
+def contents(folder):
+    """All files of a folder with their bytes."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+class Damage(unittest.TestCase):
+    """One run with several checkpoints, whose files are then damaged."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.run_ = case.Case(OPTIONS, "whole", DECK).run("-q")
+        cls.paths = sorted(cls.run_.folder.glob("whole_chk_*.h5"))
+        assert len(cls.paths) > 1, "there are checkpoints to fall back to"
+        cls.bytes_ = cls.paths[-1].read_bytes()
+        cls.chance = random.Random(SEED)
+
+    def flipped(self):
+        """The newest checkpoint with one to five bits changed anywhere."""
+        data = bytearray(self.bytes_)
+        for place in self.chance.sample(range(len(data)), self.chance.choice([1, 1, 1, 2, 5])):
+            data[place] ^= 1 << self.chance.randrange(8)
+        return bytes(data)
+
+    def cut(self):
+        """The newest checkpoint without its end, or with something behind it."""
+        if self.chance.random() < 0.1:
+            return self.bytes_ + b"\n"
+        return self.bytes_[:self.chance.randrange(len(self.bytes_))]
+
+    def test_whole_file(self):
+        """Would catch a digest that is not that of the state, or damage found in whole files."""
+        self.assertEqual(digest(self.paths[-1]), (0, self.run_.summary["digest"]))
+        self.assertEqual(digest(self.paths[0])[0], 0)
+
+    def test_digest(self):
+        """Would catch damage that is not seen: each file must end in exit code 3 and a message."""
+        path = OPTIONS.work / "damaged.h5"
+        for data in [self.flipped() for _ in range(FLIPS)] + [self.cut() for _ in range(CUTS)]:
+            path.write_bytes(data)
+            code, said = digest(path)
+            self.assertEqual(code, 3, said)
+            self.assertIn("'" + str(path) + "' is ", said)
+
+    def test_what_is_no_checkpoint(self):
+        """Would catch other files and other versions that are read as checkpoints."""
+        path = OPTIONS.work / "other.h5"
+        old = self.bytes_.replace(TITLE, b"scree-checkpoint-7")
+        for data, said in ((b"", "cut short"), (b"x" * 4096, "no checkpoint of this program"),
+                           (self.run_.path("_p_000000.hdf").read_bytes(), "no checkpoint of this"),
+                           (old, "of another version: it is 'scree-checkpoint-7'")):
+            path.write_bytes(data)
+            code, text = digest(path)
+            self.assertEqual(code, 3, text)
+            self.assertIn(said, text)
+        self.assertEqual(digest(OPTIONS.work / "nobody.h5")[0], 3)
+        self.assertEqual(digest(OPTIONS.work)[0], 3)
+
+    def again(self, name, deck=DECK, keep=None):
+        """A copy of the run, with only the newest checkpoints if so wished."""
+        copy = case.Case(OPTIONS, name, deck)
+        for number, path in enumerate(self.paths[-(keep or 0):], start=1):
+            shutil.copyfile(path, copy.folder / f"{name}_chk_{number:04d}.h5")
+        for ending in ("_history.csv", ".log", ".summary.json", ".echo.nml"):
+            shutil.copyfile(self.run_.path(ending), copy.path(ending))
+        return copy
+
+    def test_older_one_is_used(self):
+        """Would catch a restart from damage, or from an older file without a word about it."""
+        copy = self.again("older", keep=2)
+        older, newest = sorted(copy.folder.glob("*.h5"))
+        state = digest(older)[1]
+        for number in range(RESTARTS):
+            newest.write_bytes(self.flipped() if number % 2 else self.cut())
+            copy.run("--restart", "--set", "time.max_steps=0")
+            self.assertIn("restart from " + str(older), copy.output)
+            self.assertIn(f"'{newest}' is ", copy.output)
+            self.assertEqual(copy.summary["digest"], state)
+            for path in set(copy.folder.glob("*.h5")) - {older, newest}:
+                path.unlink()
+
+    def test_none_is_left(self):
+        """Would catch a run that begins anew, or changes files, when no checkpoint can be used."""
+        copy = self.again("none", keep=2)
+        for path in copy.folder.glob("*.h5"):
+            path.write_bytes(self.flipped())
+        before = contents(copy.folder)
+        for options in (["--restart"], ["--restart", str(path)], ["--restart", "nobody.h5"]):
+            copy.run(*options, expect=3)
+            self.assertEqual(before, contents(copy.folder), "a file was changed")
+
+    def test_other_decks(self):
+        """Would catch a state that is read into a run of other materials or fields."""
+        for name, old, new, said in (
+                ("spatial", "plane_strain", "3d", "its dimension in &run differs"),
+                ("renamed", "soft", "gel", "is of another deck: its materials are 'metal' 'soft'"),
+                ("heated", "poisson = 0.3 /", "poisson = 0.3  specific_heat = 900 /",
+                 "has no field 'temperature'")):
+            deck = DECK.replace(old, new)
+            if name == "heated":
+                deck += "&effects thermal = .true. /\n"
+            with self.subTest(name):
+                copy = self.again(name, deck, keep=1)
+                before = contents(copy.folder)
+                copy.run("--restart", expect=3)
+                self.assertIn(said, copy.output)
+                self.assertEqual(before, contents(copy.folder), "a file was changed")
+
+
+if __name__ == "__main__":
+    unittest.main()
