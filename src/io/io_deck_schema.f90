@@ -94,8 +94,8 @@ contains
          range="> 0")
       call schema%real("time", "dt_fixed", "the step, whatever cfl says", unit="s", range="> 0")
       call schema%integer("time", "max_steps", "stop after so many steps", range=">= 0")
-      call schema%text("time", "wall_limit", "hh:mm:ss of wall time, or slurm for the end of the job, "// &
-         "then checkpoint and exit code 75", default="none")
+      call schema%text("time", "wall_limit", "hh:mm:ss of wall time, or slurm for the end of "// &
+         "the job, then checkpoint and exit code 75", default="none")
       call schema%text("time", "stop_when", "early end", default="never", &
          words="never kinetic_below at_rest")
       call schema%real("time", "stop_value", &
