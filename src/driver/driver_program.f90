@@ -165,7 +165,9 @@ contains
       call open_files(session, error)
       if (allocated(error)) return
       if (session%command%restart) then
-         call session%log%info(note)
+         ! lines before the last one tell of files that were passed over
+         if (index(note, new_line("a")) > 0) call session%log%warn(note)
+         if (index(note, new_line("a")) == 0) call session%log%info(note)
       else
          call fill(session, error)
       end if

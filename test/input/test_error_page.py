@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page of messages against the messages: each that the tests know is on it, and none is made up.
+
+Would catch a message that was reworded, or is new, and is not explained; and a row of the page that
+no message fits any more.
+"""
+
+import re
+import unittest
+
+import broken_scenes as scenes
+import broken_values as values
+import case
+
+PAGE = (case.ROOT / "doc/guide/errors.md").read_text(encoding="utf-8")
+TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS,
+          scenes.NAMES, scenes.ORPHANS, scenes.BODIES, scenes.ANGLES, scenes.SIZES,
+          scenes.INCLUDES, scenes.WARNINGS]
+# Faults of one key each, whose message says all there is to say.
+ALONE = re.compile(
+    "the radius cannot be periodic|the axis of axisymmetric|axisymmetric needs|has no face|"
+    "there is none, so nothing|t_melt must be above|dt_max must be above|dt_fixed is below|"
+    "wall_limit = |spin leaves|jc_rate is given|carries no internal energy|basis = 'gimp' needs|"
+    "of must name two|is part of file names|axis must not be 0|needs both|cfl is not used|"
+    "is after t_end|the file was not read|expects file =|dx or cells must be given")
+
+
+def rows():
+    """Messages of the page with the heading that they stand under."""
+    heading, found = "", []
+    for line in PAGE.splitlines():
+        if line.startswith("## "):
+            heading = line[3:]
+        cells = line.split(" | ")
+        if line.startswith("| `") and len(cells) == 3:
+            found += [(heading, text) for text in re.findall("`([^`]+)`", cells[0])]
+    return found
+
+
+def pattern(message):
+    """What a message of the page fits: three points stand for anything."""
+    return re.compile(".*?".join(re.escape(part) for part in message.split("...")))
+
+
+class Page(unittest.TestCase):
+    """Texts are compared; test_bad_decks compares them with the program."""
+
+    def test_each_row_is_said(self):
+        """Would catch a row that no message fits: decks by the tables, files by the source."""
+        said = [row[4] for table in TABLES for row in table]
+        source = "".join(path.read_text(encoding="utf-8")
+                         for path in sorted((case.ROOT / "src").rglob("*.f90")))
+        source = re.sub(r'" *// *(&\s*)?"', "", source)
+        self.assertGreater(len(rows()), 60)
+        for heading, message in rows():
+            with self.subTest(message):
+                if any(pattern(message).search(text) for text in said):
+                    continue
+                for part in message.split("..."):
+                    part = part.strip(" '=()")
+                    self.assertIn(part, source, f"{heading}: nobody says this")
+
+    def test_each_message_is_explained(self):
+        """Would catch a message of the tables that the page does not have."""
+        patterns = [pattern(message) for _, message in rows()]
+        for table in TABLES:
+            for row in table:
+                with self.subTest(row[4]):
+                    self.assertTrue(any(one.search(row[4]) for one in patterns)
+                                    or ALONE.search(row[4]), "not in doc/guide/errors.md")
+
+
+if __name__ == "__main__":
+    case.arguments(__doc__)
+    unittest.main()
