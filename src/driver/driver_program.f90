@@ -27,6 +27,7 @@ module driver_program
    use driver_simulation, only: simulation_t
    use driver_start, only: fill_simulation, first_step, spin_bodies, survey_t, take_survey
    use driver_summary, only: summarise
+   use driver_trial, only: most_particles, trial_text
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_check, only: check_case, check_deck
    use io_deck_file, only: read_deck_file
@@ -171,10 +172,21 @@ contains
          write (output_unit, "(a)") session%deck%report()
          write (output_unit, "(a)", advance="no") cost_text(session%simulation, session%bodies, &
             session%survey, session%limits, session%outputs%expected(session%limits%time_end))
+         if (session%survey%particles <= most_particles) call try_out(session, error)
          return
       end if
       call perform(session, code, error)
    end subroutine compute
+
+   !> Run a few steps, write nothing, and say how long the whole will take.
+   subroutine try_out(session, error)
+      type(session_t), intent(inout) :: session      !! Checked
+      type(error_t), allocatable, intent(out) :: error !! The bodies cannot begin
+
+      call fill_bodies(session, error)
+      if (allocated(error)) return
+      write (output_unit, "(a)", advance="no") trial_text(session%simulation, session%limits)
+   end subroutine try_out
 
    !> Read the deck on rank 0 and parse it on all ranks.
    subroutine read_deck(session, error)
@@ -342,16 +354,24 @@ contains
          if (allocated(error)) return
          call session%log%info(note)
       else
-         call fill_simulation(session%simulation, session%bodies, session%survey)
-         call spin_bodies(session%simulation, session%bodies)
-         call place_exact(session%simulation, error)
-         if (allocated(error)) return
-         call strain_exact(session%simulation)
-         call first_step(session%simulation)
-         associate (simulation => session%simulation)
-            call simulation%ledger%balance(simulation%communicator, simulation%grid, &
-               simulation%stores, simulation%materials, simulation%ledger%start)
-         end associate
+         call fill_bodies(session, error)
       end if
    end subroutine fill
+
+   !> Particles of the bodies in their first state, the books opened.
+   subroutine fill_bodies(session, error)
+      type(session_t), intent(inout) :: session      !! Gets particles
+      type(error_t), allocatable, intent(out) :: error !! Bodies and exact solution do not agree
+
+      call fill_simulation(session%simulation, session%bodies, session%survey)
+      call spin_bodies(session%simulation, session%bodies)
+      call place_exact(session%simulation, error)
+      if (allocated(error)) return
+      call strain_exact(session%simulation)
+      call first_step(session%simulation)
+      associate (simulation => session%simulation)
+         call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+            simulation%stores, simulation%materials, simulation%ledger%start)
+      end associate
+   end subroutine fill_bodies
 end module driver_program
