@@ -141,7 +141,13 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
 
       bytes = 8*7 + 4
-      if (allocated(simulation%stores(1)%body)) bytes = bytes + 8
+      associate (store => simulation%stores(1))
+         if (allocated(store%body)) bytes = bytes + 8
+         if (allocated(store%extent)) bytes = bytes + 24
+         if (allocated(store%domain)) bytes = bytes + 72
+         if (allocated(store%affine)) bytes = bytes + 72
+         if (allocated(store%spin)) bytes = bytes + 24
+      end associate
       if (allocated(simulation%exact)) bytes = bytes + 24
    end function base_bytes
 
@@ -165,18 +171,21 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       type(survey_t), intent(in) :: survey           !! The counts
       real(wp), &
-         parameter :: room = 1.27_wp          ! ranges and arrays have an eighth to spare, each
+         parameter :: room = 1.1_wp           ! ranges and arrays have some to spare
+      ! rows of the node fields of the same names
+      integer, parameter :: mass = 1, motion = 3, gradient = 9, volume = 1, force = 3
       real(wp) :: columns
 
-      columns = real(2*motion_columns + 9, wp)
-      if (simulation%method%dual) columns = real(2*dual_columns + 9 + 1 + 1 + 3 + 9, wp)
+      columns = real(motion_columns + mass + 3*motion, wp)
+      if (simulation%method%dual) columns = real(dual_columns + mass + 3*motion + gradient &
+         + 2*volume + force, wp)
       if (simulation%method%dual .and. simulation%carries_energy) columns = columns + 9.0_wp
       if (simulation%method%controlled()) columns = columns + real(7 + 6, wp)
       if (simulation%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 + 3, wp)
       if (allocated(simulation%conduction)) columns = columns &
          + merge(26.0_wp, 7.0_wp, simulation%method%dual)
       bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
-         + real(size(survey%key), wp)*(9.0_wp/8.0_wp*8.0_wp*columns &
+         + real(size(survey%key), wp)*(17.0_wp/16.0_wp*8.0_wp*columns &
          *real(simulation%grid%tile_nodes, wp) &
          + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
    end function memory

@@ -21,6 +21,7 @@ module driver_program
    use driver_run, only: run_to_end
    use driver_start, only: fill_simulation, first_step, spin_bodies
    use driver_summary, only: summarise
+   use driver_trial, only: most_particles, trial_text
    use io_deck_check, only: check_case
    use io_digest, only: file_digest
    use io_file, only: make_folder, write_file
@@ -128,10 +129,21 @@ contains
          write (output_unit, "(a)") session%deck%report()
          write (output_unit, "(a)", advance="no") cost_text(session%simulation, session%bodies, &
             session%survey, session%limits, session%outputs%expected(session%limits%time_end))
+         if (session%survey%particles <= most_particles) call try_out(session, error)
          return
       end if
       call perform(session, code, error)
    end subroutine compute
+
+   !> Run a few steps, write nothing, and say how long the whole will take.
+   subroutine try_out(session, error)
+      type(session_t), intent(inout) :: session      !! Checked
+      type(error_t), allocatable, intent(out) :: error !! The bodies cannot begin
+
+      call fill_bodies(session, error)
+      if (allocated(error)) return
+      write (output_unit, "(a)", advance="no") trial_text(session%simulation, session%limits)
+   end subroutine try_out
 
    !> Drive one material point.
    subroutine move_point(session, error)
@@ -169,7 +181,7 @@ contains
          if (index(note, new_line("a")) > 0) call session%log%warn(note)
          if (index(note, new_line("a")) == 0) call session%log%info(note)
       else
-         call fill(session, error)
+         call fill_bodies(session, error)
       end if
       if (allocated(error)) return
       call session%outputs%open(session%simulation, session%command%restart, error)
@@ -259,10 +271,10 @@ contains
       call resume(session%simulation, session%outputs, session%place, file, note, error)
    end subroutine go_on
 
-   !> Particles from the bodies.
-   subroutine fill(session, error)
+   !> Particles of the bodies in their first state, the books opened.
+   subroutine fill_bodies(session, error)
       type(session_t), intent(inout) :: session      !! Gets particles
-      type(error_t), allocatable, intent(out) :: error !! They do not fit the exact solution
+      type(error_t), allocatable, intent(out) :: error !! Bodies and exact solution do not agree
 
       call fill_simulation(session%simulation, session%bodies, session%survey)
       call spin_bodies(session%simulation, session%bodies)
@@ -274,5 +286,5 @@ contains
          call simulation%ledger%balance(simulation%communicator, simulation%grid, &
             simulation%stores, simulation%materials, simulation%ledger%start)
       end associate
-   end subroutine fill
+   end subroutine fill_bodies
 end module driver_program
