@@ -128,9 +128,13 @@ def main():
     options = case.arguments()
     sheet = report.Report()
     modes(options, sheet)
-    for method, basis in (("ddmp", "linear"), ("mpm", "linear"), ("mpm", "quadratic")):
-        for update in ("usl", "usf", "musl"):
-            for words in ALL:
+    # each pair of gradient, update and transfer, and a third of the triples
+    for m, (method, basis) in enumerate((("ddmp", "linear"), ("mpm", "linear"),
+                                         ("mpm", "quadratic"))):
+        for u, update in enumerate(("usl", "usf", "musl")):
+            for w, words in enumerate(ALL):
+                if (m + u + w) % 3 > 0:
+                    continue
                 text = f"basis='{basis}' stress_update='{update}' {words}"
                 run = case.Case(options, "gas", GAS.format(method=method, words=text)).run("-q")
                 ledger, table = run.summary["ledger"], run.history
