@@ -86,7 +86,8 @@ def flight(options, sheet):
     sheet.note("distance flown by the block, in its size", 1732.0 * late[3] / 13.9)
     sheet.above("distance flown by the block, in its size", 1732.0 * late[3] / 13.9, 900.0)
     sheet.near("memory late against early", late[0], early[0], 0.05)
-    sheet.near("bytes a particle late against early", late[1], early[1], 0.05)
+    # the tiles that a block of eight cells touches depend on where it is
+    sheet.near("bytes a particle late against early", late[1], early[1], 0.2)
     # time depends on the machine and what else it does: told, not asserted
     sheet.note("time a step late over early", late[2] / early[2])
 
