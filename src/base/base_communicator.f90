@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The ranks of a run and all that they say to each other. The only file that uses MPI.
+! allow(C071): the texts of C have no length of their own
 module base_communicator
    use base_kinds, only: int64, wp
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char

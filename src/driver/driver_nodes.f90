@@ -5,10 +5,11 @@ module driver_nodes
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
-   use driver_simulation, only: scratch_t, simulation_t
+   use driver_simulation, only: nodes_t, scratch_t, simulation_t
    use mesh_boundary, only: face_friction
    use mesh_patch, only: assemble, ensure_patch
    use omp_lib, only: omp_get_thread_num
+   use transfer_scatter, only: motion_columns
    implicit none
    private
 
@@ -28,11 +29,12 @@ contains
       call simulation%timer%start(simulation%phase%grid)
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
          all => simulation%tiles%all)
-         call ensure_patch(nodes%total, size(nodes%motion, 1), number, all)
+         call ensure_sums(simulation)
          call ensure_weights(nodes%weight, simulation%grid%tile_cells, all)
          call ensure_patch(nodes%share, 1, number, all)
          call ensure_patch(nodes%volume, 1, number, all)
          call ensure_patch(nodes%force, 3, number, all)
+         call ensure_patch(nodes%gradient, 9, number, all)
       end associate
       !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
@@ -51,6 +53,30 @@ contains
       call simulation%timer%stop(simulation%phase%grid)
    end subroutine dual_fields
 
+   !> Make room for the sums over the particles around the nodes.
+   pure subroutine ensure_sums(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
+         all => simulation%tiles%all)
+         call ensure_patch(nodes%mass, 1, number, all)
+         call ensure_patch(nodes%velocity, 3, number, all)
+         call ensure_patch(nodes%acceleration, 3, number, all)
+      end associate
+   end subroutine ensure_sums
+
+   !> Keep the sums of the nodes of a tile: momentum where the velocity will be, force where the
+   !! acceleration will be.
+   pure subroutine keep_sums(nodes, tile, sums)
+      type(nodes_t), intent(inout) :: nodes          !! Gets them
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: sums(:, :)             !! (column, node) Mass, momentum, force, more
+
+      nodes%mass(1, :, tile) = sums(1, :)
+      nodes%velocity(:, :, tile) = sums(2:4, :)
+      nodes%acceleration(:, :, tile) = sums(5:7, :)
+   end subroutine keep_sums
+
    !> Make room for the weights of the cells of all tiles.
    pure subroutine ensure_weights(weight, cells, tiles)
       real(wp), allocatable, intent(inout) :: weight(:, :) !! (cell, tile)
@@ -61,7 +87,7 @@ contains
          if (size(weight, 2) >= tiles) return
          deallocate (weight)
       end if
-      allocate (weight(cells, tiles + tiles/8))
+      allocate (weight(cells, tiles + tiles/16))
    end subroutine ensure_weights
 
    !> Weights of the cells of a tile and their share of the volumes of the nodes.
@@ -69,14 +95,17 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       integer, parameter :: filled = 8               ! row of the patch
+      integer, parameter :: first = 9, last = 17     ! rows of the stress
       real(wp) :: around(simulation%grid%tile_nodes)
+      real(wp) :: sums(last, simulation%grid%tile_nodes)
 
       associate (grid => simulation%grid, nodes => simulation%nodes, dual => simulation%dual, &
          coordinate => simulation%tiles%coordinate(:, tile))
-         call assemble(grid, simulation%tiles, nodes%motion, tile, nodes%total(:, :, tile))
+         call assemble(grid, simulation%tiles, nodes%motion, tile, sums)
+         call keep_sums(nodes, tile, sums)
+         nodes%gradient(:, :, tile) = sums(first:last, :)
          call grid%node_volume(coordinate, around)
-         call dual%cell_weights(grid, nodes%total(:, :, tile), filled, around, nodes%weight(:, &
-            tile))
+         call dual%cell_weights(grid, sums, filled, around, nodes%weight(:, tile))
          nodes%share(:, :, tile) = 0.0_wp
          call dual%add_volume(grid, coordinate, nodes%weight(:, tile), nodes%share(:, :, tile))
       end associate
@@ -86,13 +115,12 @@ contains
    subroutine force_tile(simulation, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
-      integer, parameter :: first = 9, last = 17     ! rows of the patch
       real(wp) :: stress(9, simulation%grid%tile_nodes)
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile))
          call assemble(grid, simulation%tiles, nodes%share, tile, nodes%volume(:, :, tile))
-         stress = nodes%total(first:last, :, tile)
+         stress = nodes%gradient(:, :, tile)
          call divide(nodes%volume(:, :, tile), 1, stress)
          if (simulation%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
          call simulation%boundary%mirror(grid, coordinate, stress)
@@ -145,14 +173,10 @@ contains
       call simulation%timer%start(simulation%phase%grid)
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
          all => simulation%tiles%all)
-         call ensure_patch(nodes%total, size(nodes%motion, 1), number, all)
-         call ensure_patch(nodes%velocity, 3, number, all)
-         call ensure_patch(nodes%acceleration, 3, number, all)
+         if (.not. simulation%method%dual) call ensure_sums(simulation)
          call ensure_patch(nodes%strain, 3, number, all)
-         if (simulation%method%dual) then
-            call ensure_patch(nodes%gradient, 9, number, all)
-            if (simulation%carries_energy) call ensure_patch(nodes%middle, 9, number, all)
-         end if
+         if (simulation%method%dual .and. simulation%carries_energy) &
+            call ensure_patch(nodes%middle, 9, number, all)
       end associate
       !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
@@ -171,26 +195,25 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp) :: force(3, simulation%grid%tile_nodes)
-      real(wp) :: mass(simulation%grid%tile_nodes)
+      real(wp) :: sums(motion_columns, simulation%grid%tile_nodes)
       integer :: component
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile), &
          velocity => simulation%nodes%velocity(:, :, tile), &
-         acceleration => simulation%nodes%acceleration(:, :, tile))
-         if (.not. simulation%method%dual) &
-            call assemble(grid, simulation%tiles, nodes%motion, tile, nodes%total(:, :, tile))
-         mass = nodes%total(1, :, tile)
-         velocity = nodes%total(2:4, :, tile)
-         acceleration = nodes%total(5:7, :, tile)
-         if (simulation%method%dual) then
+         acceleration => simulation%nodes%acceleration(:, :, tile), &
+         mass => simulation%nodes%mass(1, :, tile))
+         if (.not. simulation%method%dual) then
+            call assemble(grid, simulation%tiles, nodes%motion, tile, sums)
+            call keep_sums(nodes, tile, sums)
+         else
             call assemble(grid, simulation%tiles, nodes%force, tile, force)
             acceleration = acceleration + force
          end if
          if (simulation%method%differing()) &
             acceleration = acceleration + nodes%difference(:, :, tile)
-         call divide(nodes%total(:, :, tile), 1, velocity)
-         call divide(nodes%total(:, :, tile), 1, acceleration)
+         call divide(nodes%mass(:, :, tile), 1, velocity)
+         call divide(nodes%mass(:, :, tile), 1, acceleration)
          if (allocated(simulation%gravity)) then
             do component = 1, 3
                where (mass > empty_mass) acceleration(component, :) = &
@@ -297,7 +320,7 @@ contains
             call assemble(simulation%grid, simulation%tiles, simulation%nodes%extra, tile, momentum)
             ! linear velocity fields bring the mass along, in front
             strain = momentum(size(momentum, 1) - 2:, :)
-            call divide(simulation%nodes%total(:, :, tile), 1, strain)
+            call divide(simulation%nodes%mass(:, :, tile), 1, strain)
             none = 0.0_wp
             call simulation%boundary%constrain(simulation%grid, coordinate, strain, none)
             if (simulation%method%dual) then

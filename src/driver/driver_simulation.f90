@@ -30,7 +30,7 @@ module driver_simulation
    type :: nodes_t
       real(wp), allocatable :: motion(:, :, :) !! Patch: mass, momentum, force, and for the dual
                                                      !! gradient volume and stress
-      real(wp), allocatable :: total(:, :, :)        !! The sums of these
+      real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
       !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
@@ -49,7 +49,8 @@ module driver_simulation
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
       real(wp), allocatable :: force(:, :, :)        !! Patch (3): force of the node stress [N]
-      real(wp), allocatable :: gradient(:, :, :)     !! Patch (9): node gradient of strain [m3/s]
+      !> Patch (9): node gradient of strain [m3/s]; before the nodes move the sum of the stresses [J]
+      real(wp), allocatable :: gradient(:, :, :)
       real(wp), allocatable :: middle(:, :, :) !! Patch (9): that of the mid-step velocity [m3/s]
    end type nodes_t
 

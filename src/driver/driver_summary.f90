@@ -123,7 +123,7 @@ contains
          end associate
       end do
       associate (nodes => simulation%nodes)
-         total = total + 8_int64*(length(nodes%motion) + length(nodes%total) &
+         total = total + 8_int64*(length(nodes%motion) + length(nodes%mass) &
             + length(nodes%velocity) + length(nodes%acceleration) + length(nodes%extra) &
             + length(nodes%strain) + length(nodes%share) + length(nodes%volume) &
             + length(nodes%force) + length(nodes%gradient) + length(nodes%middle) &

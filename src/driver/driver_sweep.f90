@@ -112,7 +112,7 @@ contains
          coordinate => simulation%tiles%coordinate(:, tile), &
          term => simulation%nodes%term(:, :, tile), transfer => simulation%method%transfer)
          call assemble(grid, simulation%tiles, nodes%extra, tile, again)
-         call divide(nodes%total(:, :, tile), 1, again)
+         call divide(nodes%mass(:, :, tile), 1, again)
          again = term - again
          ! where a face rules, all terms but the first vanish as an acceleration does
          if (simulation%boundary%touches(grid, coordinate)) then

@@ -90,7 +90,8 @@ contains
       if (time%given("wall_limit") .and. limit /= "none" .and. limit /= "slurm" .and. &
          limit /= "") then
          if (.not. is_clock(limit)) call deck%complain(time, "wall_limit = '"//limit// &
-            "' must be 'none', 'slurm', or hours, minutes and seconds such as '03:30:00'", "wall_limit")
+            "' must be 'none', 'slurm', or hours, minutes and seconds such as '03:30:00'", &
+            "wall_limit")
       end if
    end subroutine check_time
 

@@ -104,8 +104,8 @@ contains
       call schema%real("time", "volume_ratio_max", "a particle of more ends it too", &
          default="1e12", range="> 1")
       call schema%integer("time", "max_steps", "stop after so many steps", range=">= 0")
-      call schema%text("time", "wall_limit", "hh:mm:ss of wall time, or slurm for the end of the job, "// &
-         "then checkpoint and exit code 75", default="none")
+      call schema%text("time", "wall_limit", "hh:mm:ss of wall time, or slurm for the end of "// &
+         "the job, then checkpoint and exit code 75", default="none")
       call schema%text("time", "stop_when", "early end", default="never", &
          words="never kinetic_below at_rest")
       call schema%real("time", "stop_value", &

@@ -28,7 +28,7 @@ contains
             size(patch, 3) >= tiles) return
          deallocate (patch)
       end if
-      allocate (patch(components, nodes, tiles + tiles/8))
+      allocate (patch(components, nodes, tiles + tiles/16))
    end subroutine ensure_patch
 
    !> Sum the patches that touch the nodes of one tile, its margin included.

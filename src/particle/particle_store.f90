@@ -183,11 +183,11 @@ contains
       do tile = 1, size(wish)
          mover%to(tile) = needed + 1
          self%room(tile) = max(wish(tile), self%count(tile))
-         self%room(tile) = self%room(tile) + self%room(tile)/8 + merge(4, 0, wish(tile) > 0)
+         self%room(tile) = self%room(tile) + self%room(tile)/16 + merge(4, 0, wish(tile) > 0)
          needed = needed + self%room(tile)
       end do
       self%used = needed
-      mover%size = needed + needed/8 + 64
+      mover%size = needed + needed/32 + 64
       call self%walk(mover)
       allocate (home(mover%size))
       home = 0
@@ -246,13 +246,13 @@ contains
 
       used = self%used
       do tile = 1, size(wish)
-         if (wish(tile) > self%room(tile)) used = used + wish(tile) + wish(tile)/2 + 4
+         if (wish(tile) > self%room(tile)) used = used + wish(tile) + wish(tile)/8 + 4
       end do
       if (used > size(self%identity)) call self%layout(wish)
       now = self%first
       do tile = 1, size(wish)
          if (wish(tile) <= self%room(tile)) cycle
-         needed = wish(tile) + wish(tile)/2 + 4
+         needed = wish(tile) + wish(tile)/8 + 4
          self%first(tile) = self%used + 1
          self%room(tile) = needed
          self%used = self%used + needed
