@@ -8,6 +8,7 @@ cannot be had again, a step that the summary counts for the wrong reason.
 # timeout: 120
 
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -126,6 +127,10 @@ def main():
     """All bounds."""
     options = case.arguments()
     sheet = report.Report()
+    answer = subprocess.run([options.scree, "--version"], stdout=subprocess.PIPE, text=True, check=True)
+    if " Debug " in answer.stdout:
+        print("         a build that traps bad numbers stops before the bounds do, not tested")
+        sys.exit(77)
     for kind in CASES:
         stops(options, sheet, kind)
     state_before(options, sheet)
