@@ -6,7 +6,7 @@ module base_deck_fill
    use base_deck_value, only: convert, read_default, value_t
    use base_namelist, only: block_t, namelist_t, piece_t, token_t
    use base_schema, only: group_rule_t, kind_integer, kind_logical, kind_real, key_t, schema_t
-   use base_text, only: closest, number, shortened
+   use base_text, only: closest, join, number, shortened
    implicit none
    private
 
@@ -32,8 +32,7 @@ contains
          associate (block => namelist%blocks(i))
             rule = schema%find(block%name)
             if (rule == 0) then
-               call problems%error(block%file, block%line, "unknown group &"//block%name// &
-                  meant("&", closest(block%name, schema%names()), ""))
+               call problems%error(block%file, block%line, unknown_group(schema, block%name))
                cycle
             end if
             counts(rule) = counts(rule) + 1
@@ -48,6 +47,17 @@ contains
          end associate
       end do
    end subroutine fill_groups
+
+   !> What to say of a group that does not exist.
+   function unknown_group(schema, name) result(text)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      character(len=*), intent(in) :: name               !! As written
+      character(len=:), allocatable :: text
+
+      text = meant("&", closest(name, schema%names()), "")
+      if (text == "") text = "; there are: "//join(schema%names(), " ")
+      text = "unknown group &"//name//text
+   end function unknown_group
 
    !> A question behind a message, if there is something to ask.
    pure function meant(before, near, after) result(question)
@@ -114,8 +124,9 @@ contains
       character(len=*), intent(in) :: key                !! As written
       character(len=:), allocatable :: text
 
-      text = "&"//rule%name//": unknown key '"//key//"'"//meant("'", closest(key, rule%names()), &
-         "'")
+      text = meant("'", closest(key, rule%names()), "'")
+      if (text == "") text = "; scree --explain "//rule%name//" shows those that there are"
+      text = "&"//rule%name//": unknown key '"//key//"'"//text
    end function unknown_key
 
    !> Convert a piece and keep its value.

@@ -84,6 +84,7 @@ contains
       equals = index(text(dot:), "=") + dot - 1
       if (equals < dot) return
       group = lower(trim(adjustl(text(:bracket - 1))))
+      if (group == "") return
       key = lower(trim(adjustl(text(dot + 1:equals - 1))))
       value = trim(adjustl(text(equals + 1:)))
    end subroutine take_apart

@@ -352,6 +352,7 @@ contains
          complaint = "must be "//key%range
       end if
       if (key%unit_text /= "") complaint = complaint//" "//key%unit_text
+      if (key%hint /= "") complaint = complaint//"; "//key%hint
    end subroutine check_range
 
    !> Read a whole number.

@@ -42,6 +42,7 @@ module base_schema
       logical :: least_open = .false.                    !! The lower bound itself is out of range
       logical :: most_open = .false.                     !! The upper bound itself is out of range
       logical :: required = .false.                      !! Must be given where it applies
+      character(len=:), allocatable :: hint              !! Why the range is what it is, or empty
       character(len=:), allocatable :: target            !! Group whose names it refers to
       type(text_t), allocatable :: words(:)              !! Texts that are allowed, empty: any
       type(condition_t), allocatable :: owners(:)        !! All must hold so that it applies
@@ -72,6 +73,7 @@ module base_schema
       procedure :: words => schema_words                 !! Allow more words for a key of texts
       procedure :: require => schema_require             !! Keys that must be given
       procedure :: refer => schema_refer                 !! Names of which group a key refers to
+      procedure :: explain_range => schema_explain_range !! Why the range is what it is
       procedure :: preset => schema_preset               !! Declare presets of a group
       procedure :: find => schema_find                   !! Index of a group
       procedure :: names => schema_names                 !! Names of all groups
@@ -187,6 +189,7 @@ contains
       key%doc = doc
       key%range = ""
       key%target = ""
+      key%hint = ""
       if (.not. allocated(key%unit_text)) key%unit_text = ""
       if (.not. allocated(key%words)) allocate (key%words(0))
       if (present(default)) key%default = default
@@ -348,6 +351,18 @@ contains
          if (place(1) > 0) self%groups(place(1))%keys(place(2))%required = .true.
       end do
    end subroutine schema_require
+
+   !> Say why the range of a key is what it is, for whoever leaves it.
+   subroutine schema_explain_range(self, group, name, hint)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: group              !! Group of the key
+      character(len=*), intent(in) :: name               !! The key
+      character(len=*), intent(in) :: hint               !! Follows the range in a message
+      integer :: place(2)
+
+      place = self%locate(group, name)
+      if (place(1) > 0) self%groups(place(1))%keys(place(2))%hint = hint
+   end subroutine schema_explain_range
 
    !> Say that the texts of a key are names of groups of another kind.
    subroutine schema_refer(self, group, name, target)

@@ -6,8 +6,7 @@ module base_text
    private
 
    public :: append, brief, buffer_t, closest, distance, is_letter, join, lower, number, &
-      shortened, &
-      split, text_t
+      shortened, size_text, split, text_t
 
    !> A text of any length, so that arrays of texts can be made.
    type :: text_t
@@ -252,6 +251,23 @@ contains
       if (len(text) < 3) return
       if (text(len(text) - 1:) == ".0") text = text(:len(text) - 2)
    end function brief
+
+   !> A number of bytes for people.
+   pure function size_text(bytes) result(text)
+      real(wp), intent(in) :: bytes                      !! Any
+      character(len=:), allocatable :: text
+      character(len=24) :: line
+
+      if (bytes < 1.0e9_wp) then
+         write (line, "(f12.1)") bytes*1.0e-6_wp
+         text = trim(adjustl(line))//" MB"
+      else if (bytes < 1.0e12_wp) then
+         write (line, "(f12.2)") bytes*1.0e-9_wp
+         text = trim(adjustl(line))//" GB"
+      else
+         text = brief(bytes*1.0e-12_wp)//" TB"
+      end if
+   end function size_text
 
    !> A number written as 1.2300E+002 made 123.0: no needless zeros, an exponent only if it helps.
    pure function tidy(line) result(text)

@@ -2,7 +2,9 @@
 !> What a run will cost, said before it starts.
 module driver_check
    use base_kinds, only: int64, wp
+   use base_text, only: size_text
    use driver_heat, only: conduction_step
+   use driver_output, only: snapshot_bytes
    use driver_run, only: limits_t
    use driver_simulation, only: simulation_t
    use driver_start, only: survey_t
@@ -14,9 +16,7 @@ module driver_check
    implicit none
    private
 
-   public :: cost_text
-
-   real(wp), parameter :: snapshot_bytes = 60.0_wp   !! A particle with default fields, compressed
+   public :: cost_text, expected_steps
 
 contains
 
@@ -31,24 +31,48 @@ contains
       character(len=:), allocatable :: cause
       real(wp) :: dt, steps, bytes
 
-      call least_step(simulation, bodies, dt, cause)
-      if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
-      dt = min(dt, limits%dt_max)
-      steps = 0.0_wp
-      if (dt > 0.0_wp .and. dt < huge(dt)) steps = limits%time_end/dt
-      if (limits%max_steps < huge(1_int64)) steps = min(steps, real(limits%max_steps, wp))
+      call first_step(simulation, bodies, limits, dt, cause)
+      steps = expected_steps(simulation, bodies, limits)
       bytes = memory(simulation, survey)
       text = grid_line(simulation, survey)//new_line("a")//points_text(bodies, survey) &
          //fields_text(simulation, survey) &
          //"step       first dt "//short(dt)//" s"//cause//"; about "// &
          whole(nint(steps, int64))//" steps"// &
          new_line("a")// &
-         "memory     "//megabytes(bytes)//" for particle and node fields, on all ranks together"// &
+         "memory     "//size_text(bytes)//" for particle and node fields, on all ranks together"// &
          new_line("a")// &
-         "output     "//whole(snapshots)//" snapshots, about "//megabytes(real(snapshots, wp) &
+         "output     "//whole(snapshots)//" snapshots, about "//size_text(real(snapshots, wp) &
          *real(survey%particles, wp)*snapshot_bytes)//"; a checkpoint "// &
-         megabytes(real(survey%particles, wp)*carried(simulation, survey))//new_line("a")
+         size_text(real(survey%particles, wp)*carried(simulation, survey))//new_line("a")
    end function cost_text
+
+   !> Steps of the whole run if all are as long as the first one.
+   real(wp) function expected_steps(simulation, bodies, limits) result(steps)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(limits_t), intent(in) :: limits           !! End of the run
+      real(wp), parameter :: countless = 1.0e18_wp   ! still a long whole number
+      character(len=:), allocatable :: cause
+      real(wp) :: dt
+
+      call first_step(simulation, bodies, limits, dt, cause)
+      steps = 0.0_wp
+      if (dt > 0.0_wp .and. dt < huge(dt)) steps = min(limits%time_end/dt, countless)
+      if (limits%max_steps < huge(1_int64)) steps = min(steps, real(limits%max_steps, wp))
+   end function expected_steps
+
+   !> The first time step.
+   subroutine first_step(simulation, bodies, limits, dt, cause)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(limits_t), intent(in) :: limits           !! Bounds of the step
+      real(wp), intent(out) :: dt                    !! [s]
+      character(len=:), allocatable, intent(out) :: cause !! If not the fastest signal
+
+      call least_step(simulation, bodies, dt, cause)
+      if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
+      dt = min(dt, limits%dt_max)
+   end subroutine first_step
 
    !> The grid in one line.
    function grid_line(simulation, survey) result(text)
@@ -117,7 +141,13 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
 
       bytes = 8*7 + 4
-      if (allocated(simulation%stores(1)%body)) bytes = bytes + 8
+      associate (store => simulation%stores(1))
+         if (allocated(store%body)) bytes = bytes + 8
+         if (allocated(store%extent)) bytes = bytes + 24
+         if (allocated(store%domain)) bytes = bytes + 72
+         if (allocated(store%affine)) bytes = bytes + 72
+         if (allocated(store%spin)) bytes = bytes + 24
+      end associate
       if (allocated(simulation%exact)) bytes = bytes + 24
    end function base_bytes
 
@@ -141,18 +171,21 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       type(survey_t), intent(in) :: survey           !! The counts
       real(wp), &
-         parameter :: room = 1.27_wp          ! ranges and arrays have an eighth to spare, each
+         parameter :: room = 1.1_wp           ! ranges and arrays have some to spare
+      ! rows of the node fields of the same names
+      integer, parameter :: mass = 1, motion = 3, gradient = 9, volume = 1, force = 3
       real(wp) :: columns
 
-      columns = real(2*motion_columns + 9, wp)
-      if (simulation%method%dual) columns = real(2*dual_columns + 9 + 1 + 1 + 3 + 9, wp)
+      columns = real(motion_columns + mass + 3*motion, wp)
+      if (simulation%method%dual) columns = real(dual_columns + mass + 3*motion + gradient &
+         + 2*volume + force, wp)
       if (simulation%method%dual .and. simulation%carries_energy) columns = columns + 9.0_wp
       if (simulation%method%controlled()) columns = columns + real(7 + 6, wp)
       if (simulation%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 + 3, wp)
       if (allocated(simulation%conduction)) columns = columns &
          + merge(26.0_wp, 7.0_wp, simulation%method%dual)
       bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
-         + real(size(survey%key), wp)*(9.0_wp/8.0_wp*8.0_wp*columns &
+         + real(size(survey%key), wp)*(17.0_wp/16.0_wp*8.0_wp*columns &
          *real(simulation%grid%tile_nodes, wp) &
          + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
    end function memory
@@ -208,19 +241,4 @@ contains
       write (line, "(es10.3)") number
       text = trim(adjustl(line))
    end function short
-
-   !> A size as text.
-   pure function megabytes(bytes) result(text)
-      real(wp), intent(in) :: bytes                  !! Any
-      character(len=:), allocatable :: text
-      character(len=24) :: line
-
-      if (bytes < 1.0e9_wp) then
-         write (line, "(f12.1)") bytes*1.0e-6_wp
-         text = trim(adjustl(line))//" MB"
-      else
-         write (line, "(f12.2)") bytes*1.0e-9_wp
-         text = trim(adjustl(line))//" GB"
-      end if
-   end function megabytes
 end module driver_check

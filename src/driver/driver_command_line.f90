@@ -20,6 +20,7 @@ module driver_command_line
       character(len=:), allocatable :: output_folder     !! In place of out/CASE
       logical :: quiet = .false.                         !! Only warnings and errors on the screen
       logical :: verbose = .false.                       !! Details too
+      logical :: force = .false.                         !! Sizes that are hardly meant are meant
       character(len=:), allocatable :: digest            !! Checkpoint whose digest is wanted
       logical :: template = .false.                      !! Print all keys
       character(len=:), allocatable :: explain           !! Key to be explained
@@ -36,14 +37,15 @@ module driver_command_line
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(14) = [ &
+   type(option_t), parameter :: options(15) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
       option_t("outdir  ", "o", a_value), option_t("quiet   ", "q", nothing), &
       option_t("verbose ", "v", nothing), option_t("digest  ", " ", a_value), &
       option_t("template", " ", nothing), option_t("explain ", " ", a_value), &
-      option_t("list    ", " ", a_value), option_t("point   ", " ", nothing)]
+      option_t("list    ", " ", a_value), option_t("point   ", " ", nothing), &
+      option_t("force   ", " ", nothing)]
    character(len=9), parameter :: lists(3) = [character(len=9) :: "materials", "fields", "shapes"]
 
 contains
@@ -156,12 +158,18 @@ contains
       letters = arguments(next)%text
       next = next + 1
       at = 2
+      do which = 1, size(options)
+         if (letters(2:) /= trim(options(which)%name)) cycle
+         call complain(error, "unknown option "//letters//"; did you mean -"//letters//"?")
+         return
+      end do
       do while (at <= len(letters))
          do which = 1, size(options)
             if (options(which)%letter == letters(at:at) .and. letters(at:at) /= " ") exit
          end do
          if (which > size(options)) then
-            call complain(error, "unknown option -"//letters(at:at)//" in '"//letters//"'")
+            call complain(error, "unknown option -"//letters(at:at)//" in '"//letters//"'"// &
+               long_name(letters))
             return
          end if
          at = at + 1
@@ -177,6 +185,22 @@ contains
          if (allocated(error)) return
       end do
    end subroutine parse_short
+
+   !> A question behind a message if a word with one dash is the name of an option with two.
+   function long_name(word) result(text)
+      character(len=*), intent(in) :: word               !! With its dash
+      character(len=:), allocatable :: text
+      type(text_t), allocatable :: names(:)
+      integer :: i
+
+      allocate (names(0))
+      do i = 1, size(options)
+         call append(names, trim(options(i)%name))
+      end do
+      text = closest(word(2:scan(word//"=", "=") - 1), names)
+      if (len(word) < 4) text = ""
+      if (text /= "") text = "; did you mean --"//text//"?"
+   end function long_name
 
    !> Take the next argument as value where the option wants one. The file of --restart is optional:
    !! it must end in .h5, since what follows may be the deck.
@@ -235,6 +259,8 @@ contains
          command%quiet = .true.
       case ("verbose")
          command%verbose = .true.
+      case ("force")
+         command%force = .true.
       case ("digest")
          command%digest = value
       case ("template")
@@ -302,6 +328,7 @@ contains
          "  -r, --restart [FILE]   go on from FILE.h5 or the newest valid checkpoint"//newline// &
          "  -q, --quiet            only warnings and errors on the screen"//newline// &
          "  -v, --verbose          details too"//newline// &
+         "      --force            take sizes that are hardly meant: points, files"//newline// &
          "      --template         print a deck with all keys and defaults"//newline// &
          "      --explain KEY      what a key or group of the deck means"//newline// &
          "      --point            drive one material along &point, write CASE_point.csv"// &

@@ -10,7 +10,7 @@ module driver_difference
    use driver_nodes, only: divide
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
-   use mesh_patch, only: assemble, ensure_patch
+   use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use transfer_scatter, only: dual_columns
    implicit none
@@ -73,7 +73,7 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       integer :: index, p, k
 
-      patch = 0.0_wp
+      call clear_patch(patch)
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index), grid => simulation%grid, &

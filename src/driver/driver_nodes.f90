@@ -9,7 +9,7 @@ module driver_nodes
    use driver_simulation, only: nodes_t, scratch_t, simulation_t
    use mesh_boundary, only: face_friction
    use mesh_grid, only: grid_t
-   use mesh_patch, only: assemble, ensure_patch
+   use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use transfer_scatter, only: motion_columns
    implicit none
@@ -108,7 +108,7 @@ contains
          nodes%gradient(:, :, tile) = sums(first:last, :)
          call grid%node_volume(coordinate, around)
          call dual%cell_weights(grid, sums, filled, around, nodes%weight(:, tile))
-         nodes%share(:, :, tile) = 0.0_wp
+         call clear_patch(nodes%share(:, :, tile))
          call dual%add_volume(grid, coordinate, nodes%weight(:, tile), nodes%share(:, :, tile))
       end associate
    end subroutine weigh_tile
@@ -126,7 +126,7 @@ contains
          call divide(nodes%volume(:, :, tile), 1, stress)
          if (simulation%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
          call simulation%boundary%mirror(grid, coordinate, stress)
-         nodes%force(:, :, tile) = 0.0_wp
+         call clear_patch(nodes%force(:, :, tile))
          call simulation%dual%add_force(grid, coordinate, nodes%weight(:, tile), stress, &
             nodes%force(:, :, tile))
       end associate
@@ -228,11 +228,11 @@ contains
             call calm_light_nodes(grid, coordinate, nodes%volume(1, :, tile), dt, velocity, &
             acceleration, nodes%strain(:, :, tile))
          if (.not. simulation%method%dual) return
-         nodes%gradient(:, :, tile) = 0.0_wp
+         call clear_patch(nodes%gradient(:, :, tile))
          call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), &
             nodes%strain(:, :, tile), nodes%gradient(:, :, tile))
          if (.not. simulation%carries_energy) return
-         nodes%middle(:, :, tile) = 0.0_wp
+         call clear_patch(nodes%middle(:, :, tile))
          force = velocity + 0.5_wp*dt*acceleration
          call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), force, &
             nodes%middle(:, :, tile))
@@ -308,8 +308,8 @@ contains
       call ledger%sums(external_work)%add(work)
    end subroutine book_push
 
-   !> Bound what a light node gains in the step in the velocity that strains: its force over its mass
-   !! has no bound, while particles near it gain only their share of the force. Node volumes count
+   !> Bound what a light node gains in the step in the velocity that strains: its force over its
+   !! mass has no bound, while particles near it gain only their share of the force. Node volumes count
    !! with the weights of cells, so they tell how light a node and its cells are. Gains that move a
    !! node by less than a small share of a cell stay.
    pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
@@ -357,7 +357,7 @@ contains
             none = 0.0_wp
             call simulation%boundary%constrain(simulation%grid, coordinate, strain, none)
             if (simulation%method%dual) then
-               simulation%nodes%gradient(:, :, tile) = 0.0_wp
+               call clear_patch(simulation%nodes%gradient(:, :, tile))
                call simulation%dual%add_gradient(simulation%grid, coordinate, &
                   simulation%nodes%weight(:, tile), strain, simulation%nodes%gradient(:, :, tile))
             end if

@@ -5,7 +5,7 @@ module driver_output
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use base_text, only: text_t
+   use base_text, only: brief, size_text, text_t
    use driver_exact_error, only: error_columns, take_errors
    use driver_ledger, only: balance_t, entries, entry_names, entry_units
    use driver_schedule, only: read_schedule, schedule_t
@@ -21,10 +21,15 @@ module driver_output
 
    public :: outputs_t
 
+   real(wp), parameter, public :: snapshot_bytes = 60.0_wp !! Default fields, compressed
+   real(wp), parameter :: most_bytes = 1.0e12_wp     !! A stream with more needs --force
+   real(wp), parameter :: most_files = 1.0e6_wp      !! The same for its files
+   real(wp), parameter :: most_rows = 1.0e9_wp       !! The same for rows of a history
    integer, parameter :: column_width = 40           !! Longest name of a column
 
    !> One stream of snapshots.
    type :: snapshots_t
+      integer :: place = 0                           !! Number of its &output, 0 = none
       character(len=:), allocatable :: prefix        !! CASE_p, or CASE_NAME_p for further streams
       character(len=64), allocatable :: fields(:)    !! Names, or "default"
       type(snapshot_format_t) :: format              !! Precision, compression
@@ -36,6 +41,7 @@ module driver_output
 
    !> One history.
    type :: histories_t
+      integer :: place = 0                           !! Number of its &output, 0 = none
       character(len=:), allocatable :: path          !! CASE_history.csv
       type(schedule_t) :: schedule                   !! When
       type(history_t) :: file                        !! The file
@@ -51,6 +57,7 @@ module driver_output
       type(snapshot_header_t) :: header              !! What every snapshot says of the run
    contains
       procedure :: plan => outputs_plan              !! Read the streams from the deck
+      procedure :: limit => outputs_limit            !! Refuse sizes that are hardly meant
       procedure :: open => outputs_open              !! Open files, new or after a restart
       procedure :: write_due => outputs_write_due    !! Write what is due
       procedure :: expected => outputs_expected      !! Snapshots that will be written
@@ -88,12 +95,14 @@ contains
          call group%get("name", name)
          if (kind == "particles") then
             snapshots = snapshots + 1
+            self%snapshots(snapshots)%place = index
             call plan_snapshots(group, deck, stores, self%snapshots(snapshots))
             self%snapshots(snapshots)%prefix = self%case//"_p"
             if (snapshots > 1) self%snapshots(snapshots)%prefix = self%case//"_"//name//"_p"
             call read_schedule(group, time_end, self%snapshots(snapshots)%schedule)
          else if (kind == "history") then
             histories = histories + 1
+            self%histories(histories)%place = index
             self%histories(histories)%path = self%folder//"/"//self%case//"_history.csv"
             if (histories > 1) self%histories(histories)%path = &
                self%folder//"/"//self%case//"_"//name//"_history.csv"
@@ -266,13 +275,38 @@ contains
 
       number = 0
       do n = 1, size(self%snapshots)
-         associate (schedule => self%snapshots(n)%schedule)
-            if (schedule%interval > 0.0_wp) &
-               number = number + 1 + int(time_end/schedule%interval, int64)
-            if (allocated(schedule%times)) number = number + size(schedule%times)
-         end associate
+         number = number + int(self%snapshots(n)%schedule%expected(time_end, 0.0_wp), int64)
       end do
    end function outputs_expected
+
+   !> Refuse streams that would fill a disk or a folder, which are hardly meant.
+   subroutine outputs_limit(self, deck, particles, time_end, steps)
+      class(outputs_t), intent(in) :: self           !! The streams
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      integer(int64), intent(in) :: particles        !! In all bodies
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      real(wp), intent(in) :: steps                  !! Steps that it will take
+      real(wp) :: bytes, rows
+      integer :: n
+
+      do n = 1, size(self%snapshots)
+         associate (stream => self%snapshots(n))
+            rows = stream%schedule%expected(time_end, steps)
+            bytes = rows*real(particles, wp)*snapshot_bytes
+            if (stream%place == 0 .or. (bytes <= most_bytes .and. rows <= most_files)) cycle
+            call deck%complain("output", stream%place, "would write "//size_text(bytes)//" in "// &
+               brief(rows)//" files; write less often, or continue with --force")
+         end associate
+      end do
+      do n = 1, size(self%histories)
+         associate (stream => self%histories(n))
+            rows = stream%schedule%expected(time_end, steps)
+            if (stream%place == 0 .or. rows <= most_rows) cycle
+            call deck%complain("output", stream%place, "would write "//brief(rows)// &
+               " rows; write less often, or continue with --force")
+         end associate
+      end do
+   end subroutine outputs_limit
 
    !> Close all files.
    subroutine outputs_close(self, communicator, error)

@@ -3,39 +3,29 @@
 module driver_program
    use base_agreement, only: agree
    use base_communicator, only: communicator_t, message_passing_version
-   use base_deck, only: deck_t, group_t
-   use base_error, only: error_t, exit_file, exit_input, exit_success, fail
+   use base_deck, only: group_t
+   use base_error, only: error_t, exit_success
    use base_kinds, only: wp
    use base_log, only: log_debug, log_error, log_info, log_t, log_warn
-   use base_schema, only: schema_t
    use base_schema_text, only: explain, template
-   use base_text, only: append, text_t
    use base_timer, only: wall_seconds
    use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
       git_commit, version_text
    use driver_check, only: cost_text
    use driver_command_line, only: command_t, help_text, parse, program_arguments
-   use driver_exact_deck, only: declare_exact
    use driver_exact_start, only: place_exact, strain_exact
    use driver_lists, only: list_text
-   use driver_method, only: declare_method
-   use driver_output, only: outputs_t
-   use driver_point, only: declare_point, drive_point, relieve
+   use driver_plan, only: declare_all, lay_out, plan_t, read_plan
+   use driver_point, only: drive_point
    use driver_restart, only: resume
-   use driver_run, only: limits_t, read_limits, run_to_end
-   use driver_scene, only: build_scene, describe_run
-   use driver_simulation, only: simulation_t
-   use driver_start, only: fill_simulation, first_step, spin_bodies, survey_t, take_survey
+   use driver_run, only: run_to_end
+   use driver_start, only: fill_simulation, first_step, spin_bodies
    use driver_summary, only: summarise
-   use io_checkpoint, only: checkpoint_place_t
-   use io_deck_check, only: check_case, check_deck
-   use io_deck_file, only: read_deck_file
-   use io_deck_schema, only: declare_deck
+   use driver_trial, only: most_particles, trial_text
+   use io_deck_check, only: check_case
    use io_digest, only: file_digest
    use io_file, only: make_folder, write_file
-   use material_type, only: declare_material_keys
    use omp_lib, only: omp_get_max_threads
-   use particle_fill, only: body_t
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    implicit none
    private
@@ -43,17 +33,7 @@ module driver_program
    public :: run_program
 
    !> All that one call of the program holds.
-   type :: session_t
-      type(command_t) :: command                     !! What the user asked for
-      type(schema_t) :: schema                       !! What a deck may hold
-      type(deck_t) :: deck                           !! The deck
-      character(len=:), allocatable :: deck_text     !! As written, for files
-      type(simulation_t) :: simulation               !! The run
-      type(body_t), allocatable :: bodies(:)         !! What fills it
-      type(survey_t) :: survey                       !! Counts of it
-      type(limits_t) :: limits                       !! When it ends
-      type(outputs_t) :: outputs                     !! Files
-      type(checkpoint_place_t) :: place              !! Checkpoints
+   type, extends(plan_t) :: session_t
       type(log_t) :: log                             !! Screen and log file
    end type session_t
 
@@ -128,17 +108,6 @@ contains
          //message_passing_version()
    end function version_line
 
-   !> All keys of a deck.
-   subroutine declare_all(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
-
-      call declare_deck(schema)
-      call declare_method(schema)
-      call declare_material_keys(schema)
-      call declare_exact(schema)
-      call declare_point(schema)
-   end subroutine declare_all
-
    !> Read the deck, build the run, and run or check it.
    subroutine compute(session, code, error)
       type(session_t), intent(inout) :: session      !! The command line is known
@@ -148,55 +117,33 @@ contains
       code = exit_success
       if (.not. (session%command%check .or. session%command%point)) &
          call session%simulation%communicator%start()
-      call read_deck(session, error)
+      call read_plan(session, error)
       if (allocated(error)) return
       if (session%command%point) then
          call move_point(session, error)
          return
       end if
-      call build_scene(session%deck, session%simulation, session%bodies)
-      call session%deck%verdict(error)
-      if (allocated(error)) return
-      call take_survey(session%simulation, session%bodies, session%survey)
-      call check_bodies(session)
-      call session%deck%verdict(error)
-      if (allocated(error)) return
-      call read_limits(session%deck, session%limits)
-      call describe_run(session%deck, session%simulation, session%bodies, session%deck_text, &
-         session%command%output_folder, session%outputs, session%place)
-      call session%outputs%plan(session%deck, session%simulation%stores, session%limits%time_end)
-      call session%deck%verdict(error)
+      call lay_out(session, error)
       if (allocated(error)) return
       if (session%command%check) then
          write (output_unit, "(a)") session%deck%report()
          write (output_unit, "(a)", advance="no") cost_text(session%simulation, session%bodies, &
             session%survey, session%limits, session%outputs%expected(session%limits%time_end))
+         if (session%survey%particles <= most_particles) call try_out(session, error)
          return
       end if
       call perform(session, code, error)
    end subroutine compute
 
-   !> Read the deck on rank 0 and parse it on all ranks.
-   subroutine read_deck(session, error)
-      type(session_t), intent(inout) :: session      !! Gets the deck
-      type(error_t), allocatable, intent(out) :: error !! It cannot be read
-      type(text_t), allocatable :: overrides(:)
+   !> Run a few steps, write nothing, and say how long the whole will take.
+   subroutine try_out(session, error)
+      type(session_t), intent(inout) :: session      !! Checked
+      type(error_t), allocatable, intent(out) :: error !! The bodies cannot begin
 
-      associate (communicator => session%simulation%communicator, command => session%command)
-         if (communicator%rank == 0) call read_deck_file(command%deck, session%deck_text, error)
-         call agree(communicator, error)
-         if (allocated(error)) return
-         call communicator%broadcast(session%deck_text)
-         call declare_all(session%schema)
-         if (command%point) call relieve(session%schema)
-         overrides = command%overrides
-         if (allocated(command%case_name)) &
-            call append(overrides, "run.case='"//command%case_name//"'")
-         call session%deck%read(session%schema, session%deck_text, command%deck, overrides, error)
-         if (allocated(error)) return
-         if (.not. command%point) call check_deck(session%deck)
-      end associate
-   end subroutine read_deck
+      call fill_bodies(session, error)
+      if (allocated(error)) return
+      write (output_unit, "(a)", advance="no") trial_text(session%simulation, session%limits)
+   end subroutine try_out
 
    !> Drive one material point.
    subroutine move_point(session, error)
@@ -210,32 +157,6 @@ contains
       call drive_point(session%deck, session%command%output_folder, note, error)
       if (.not. allocated(error)) write (output_unit, "(a)") note
    end subroutine move_point
-
-   !> Every body must hold particles.
-   subroutine check_bodies(session)
-      type(session_t), intent(inout) :: session      !! Survey and deck
-      character(len=:), allocatable :: name
-      real(wp) :: low(3), high(3)
-      integer :: n
-
-      do n = 1, size(session%bodies)
-         if (session%survey%body(n) > 0) cycle
-         name = "'"//session%bodies(n)%name//"'"
-         call session%bodies(n)%shape%bounds(low, high)
-         associate (grid => session%simulation%grid)
-            if (any(grid%active .and. (high <= grid%lower .or. low >= grid%upper))) then
-               call session%deck%complain("body", n, &
-                  "body "//name//" lies outside of the grid; "// &
-                  "move its region or widen &grid", "region")
-            else
-               call session%deck%complain("body", n, &
-                  "body "//name//" holds no particle: its region "// &
-                  "is thinner than the lattice of "//"dx/ppc, empty, or covered by later bodies", &
-                  "region")
-            end if
-         end associate
-      end do
-   end subroutine check_bodies
 
    !> Make or read the particles, run, and sum up.
    subroutine perform(session, code, error)
@@ -342,16 +263,24 @@ contains
          if (allocated(error)) return
          call session%log%info(note)
       else
-         call fill_simulation(session%simulation, session%bodies, session%survey)
-         call spin_bodies(session%simulation, session%bodies)
-         call place_exact(session%simulation, error)
-         if (allocated(error)) return
-         call strain_exact(session%simulation)
-         call first_step(session%simulation)
-         associate (simulation => session%simulation)
-            call simulation%ledger%balance(simulation%communicator, simulation%grid, &
-               simulation%stores, simulation%materials, simulation%ledger%start)
-         end associate
+         call fill_bodies(session, error)
       end if
    end subroutine fill
+
+   !> Particles of the bodies in their first state, the books opened.
+   subroutine fill_bodies(session, error)
+      type(session_t), intent(inout) :: session      !! Gets particles
+      type(error_t), allocatable, intent(out) :: error !! Bodies and exact solution do not agree
+
+      call fill_simulation(session%simulation, session%bodies, session%survey)
+      call spin_bodies(session%simulation, session%bodies)
+      call place_exact(session%simulation, error)
+      if (allocated(error)) return
+      call strain_exact(session%simulation)
+      call first_step(session%simulation)
+      associate (simulation => session%simulation)
+         call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+            simulation%stores, simulation%materials, simulation%ledger%start)
+      end associate
+   end subroutine fill_bodies
 end module driver_program

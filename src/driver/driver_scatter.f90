@@ -5,7 +5,7 @@ module driver_scatter
    use driver_cost, only: book_cost, cost_clock
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_simulation, only: scratch_t, simulation_t
-   use mesh_patch, only: ensure_patch
+   use mesh_patch, only: clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use transfer_even, only: even_stress
@@ -55,7 +55,7 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       integer :: index
 
-      patch = 0.0_wp
+      call clear_patch(patch)
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%grid, store => simulation%stores(index), &

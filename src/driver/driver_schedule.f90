@@ -19,6 +19,7 @@ module driver_schedule
       integer(int64) :: done = 0                     !! Intervals or listed times that are over
    contains
       procedure :: due => schedule_due               !! Is it due now? Then it counts as done
+      procedure :: expected => schedule_expected     !! How often it will be due
    end type schedule_t
 
 contains
@@ -63,4 +64,18 @@ contains
       end if
       if (self%every > 0) due = due .or. mod(step, self%every) == 0
    end function schedule_due
+
+   !> How often it will be due in a run, as far as that is known before it.
+   pure real(wp) function schedule_expected(self, time_end, steps) result(number)
+      class(schedule_t), intent(in) :: self          !! The schedule
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      real(wp), intent(in) :: steps                  !! Steps that it will take, 0 = unknown
+      real(wp), parameter :: countless = 1.0e18_wp   ! still a long whole number
+
+      number = 0.0_wp
+      if (self%interval > 0.0_wp) number = 1.0_wp + aint(min(time_end/self%interval, countless))
+      if (allocated(self%times)) number = number + real(size(self%times), wp)
+      if (self%every > 0 .and. steps > 0.0_wp) number = number + 1.0_wp &
+         + aint(steps/real(self%every, wp))
+   end function schedule_expected
 end module driver_schedule

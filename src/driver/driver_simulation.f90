@@ -49,7 +49,7 @@ module driver_simulation
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
       real(wp), allocatable :: force(:, :, :)        !! Patch (3): force of the node stress [N]
-      !> Patch (9): node gradient of strain [m3/s]; before the nodes move the sum of the stresses [J]
+      !> Patch (9): node gradient of strain [m3/s]; before the nodes move, sums of the stresses [J]
       real(wp), allocatable :: gradient(:, :, :)
       real(wp), allocatable :: middle(:, :, :) !! Patch (9): that of the mid-step velocity [m3/s]
    end type nodes_t

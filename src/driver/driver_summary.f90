@@ -65,7 +65,8 @@ contains
       call log%info(balance_text(now, rate, bytes))
       call count_traffic(simulation, traffic)
       if (simulation%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
-      call find_extremes(simulation, range)
+      range = 0.0_wp
+      if (counts(1) > 0) call find_extremes(simulation, range)
       if (allocated(simulation%exact)) call take_errors(simulation)
       if (simulation%communicator%rank /= 0) return
       call json%add("version", version_text)

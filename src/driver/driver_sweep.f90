@@ -7,7 +7,7 @@ module driver_sweep
    use driver_nodes, only: book_push, divide, node_gradient
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
-   use mesh_patch, only: assemble, ensure_patch
+   use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use transfer_affine, only: turn_only
@@ -83,7 +83,7 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [kg m/s]
       integer :: index
 
-      patch = 0.0_wp
+      call clear_patch(patch)
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%grid, store => simulation%stores(index), &
@@ -182,7 +182,7 @@ contains
       real(wp), allocatable :: filtered(:, :), gradient(:, :)
       integer :: index
 
-      patch = 0.0_wp
+      call clear_patch(patch)
       if (simulation%method%dual .and. simulation%method%transfer%affine()) &
          call node_gradient(simulation, tile, simulation%nodes%gradient, gradient)
       call find_filtered(simulation, tile, dt, filtered)

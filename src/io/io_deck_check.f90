@@ -7,6 +7,7 @@ module io_deck_check
    use base_text, only: brief, number
    use io_deck_check_grid, only: check_grid, check_plane
    use io_deck_check_scene, only: check_boundaries, check_regions
+   use io_deck_check_units, only: check_kelvin, check_material_units
    use io_file, only: name_of
    implicit none
    private
@@ -26,8 +27,9 @@ contains
       call check_case(deck)
       call check_grid(deck)
       call check_time(deck)
+      call check_checkpoint(deck)
       do i = 1, deck%count("material")
-         call check_material(deck, deck%group("material", i))
+         call check_material_units(deck, deck%group("material", i))
       end do
       call check_regions(deck)
       if (deck%count("body") == 0) call deck%complain("body", 1, &
@@ -35,6 +37,7 @@ contains
       do i = 1, deck%count("body")
          call check_plane(deck, deck%group("body", i), "velocity")
          call check_spin(deck, deck%group("body", i))
+         call check_kelvin(deck, deck%group("body", i))
       end do
       call check_boundaries(deck)
       do i = 1, deck%count("output")
@@ -95,6 +98,22 @@ contains
       end if
    end subroutine check_time
 
+   !> Checkpoints at so short intervals that a run would do nothing else.
+   subroutine check_checkpoint(deck)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      real(wp), parameter :: most = 1.0e6_wp             ! checkpoints
+      real(wp) :: dt, t_end
+      type(group_t) :: checkpoint, time
+
+      checkpoint = deck%group("checkpoint")
+      time = deck%group("time")
+      if (.not. (checkpoint%known("dt") .and. time%known("t_end"))) return
+      call checkpoint%get("dt", dt)
+      call time%get("t_end", t_end)
+      if (t_end/most > dt) call deck%complain(checkpoint, "dt gives "//brief(t_end/dt)// &
+         " checkpoints until t_end; take a longer dt, or wall_minutes", "dt")
+   end subroutine check_checkpoint
+
    !> True for hh:mm:ss.
    pure logical function is_clock(text) result(right)
       character(len=*), intent(in) :: text               !! Perhaps a time
@@ -108,22 +127,6 @@ contains
          verify(text(last - 4:last - 3)//text(last - 1:), "0123456789") == 0 .and. &
          scan(text(last - 4:last - 4)//text(last - 1:last - 1), "6789") == 0
    end function is_clock
-
-   !> A density that only forgotten units explain.
-   subroutine check_material(deck, material)
-      type(deck_t), intent(inout) :: deck                !! The deck
-      type(group_t), intent(in) :: material              !! One material
-      real(wp), parameter :: polystyrene_foam = 15.0_wp  !! [kg/m3]
-      real(wp) :: density
-      type(group_t) :: units
-
-      if (.not. material%known("density")) return
-      call material%get("density", density)
-      units = deck%group("units")
-      if (density > polystyrene_foam .or. units%given("system")) return
-      call deck%warn(material, "density = "//brief(density)// &
-         " kg/m3 is lighter than polystyrene; is &units missing?", "density")
-   end subroutine check_material
 
    !> In a plane or on a line bodies turn only in the plane.
    subroutine check_spin(deck, body)

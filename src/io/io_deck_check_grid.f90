@@ -3,13 +3,14 @@
 module io_deck_check_grid
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_text, only: brief
+   use base_text, only: brief, number
    implicit none
    private
 
    public :: check_grid, check_plane, dimension_of
 
    character(len=1), parameter, public :: axis_names(3) = ["x", "y", "z"]
+   real(wp), parameter :: most = 1.0e6_wp                !! Cells along one direction
    real(wp), parameter :: whole = 1.0e-9_wp              !! Greatest error of a number of cells
 
 contains
@@ -72,7 +73,6 @@ contains
       real(wp), intent(in) :: lo(3)                      !! Lower corner [m]
       real(wp), intent(in) :: hi(3)                      !! Upper corner [m]
       logical, intent(in) :: active(3)                   !! The scene has this direction
-      real(wp), parameter :: most = 1.0e6_wp             !! Cells along one direction
       real(wp) :: cells, dx
       integer :: k
 
@@ -111,6 +111,12 @@ contains
       end if
       if (.not. grid%known("cells")) return
       call grid%get("cells", cells)
+      do k = 1, 3
+         if (.not. active(k) .or. cells(k) <= nint(most)) cycle
+         call deck%complain(grid, "cells = "//number(cells(k))//" in "//axis_names(k)// &
+            " is more than a million cells", "cells")
+         return
+      end do
       edge = (hi - lo)/real(cells, wp)
       do k = 2, 3
          if (.not. active(k)) cycle

@@ -5,6 +5,7 @@ module io_deck_check_scene
    use base_kinds, only: wp
    use base_text, only: text_t
    use io_deck_check_grid, only: axis_names, check_plane, dimension_of
+   use io_deck_check_units, only: check_angles
    use mesh_boundary, only: face_names
    implicit none
    private
@@ -37,6 +38,7 @@ contains
       real(wp) :: axis(3), hi(3), lo(3)
       integer :: k, operands
 
+      call check_angles(deck, region)
       call region%get("shape", shape)
       select case (shape)
       case ("box")

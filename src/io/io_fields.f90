@@ -5,6 +5,7 @@ module io_fields
    use base_error, only: error_t, exit_input, fail
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
+   use base_text, only: append_text => append, closest, text_t
    use particle_store, only: store_t
    implicit none
    private
@@ -100,16 +101,22 @@ contains
    pure function reason(name) result(text)
       character(len=*), intent(in) :: name               !! What was asked for
       character(len=:), allocatable :: text
+      type(text_t), allocatable :: names(:)
+      character(len=:), allocatable :: near
       integer :: index
 
       if (any(field_names == name)) then
          text = "is not carried by any material of this scene"
          return
       end if
+      allocate (names(0))
       text = "is unknown; there are: default"
       do index = 1, size(field_names)
          text = text//" "//trim(field_names(index))
+         call append_text(names, trim(field_names(index)))
       end do
+      near = closest(name, names)
+      if (near /= "") text = text//"; did you mean '"//near//"'?"
    end function reason
 
    !> Find a field among those carried and those that follow from them.

@@ -8,6 +8,7 @@ module material_friction
    use base_constants, only: pi
    use base_deck_group, only: group_t
    use base_kinds, only: wp
+   use base_text, only: brief
    use base_schema, only: schema_t
    use material_law, only: law_t
    use material_matter, only: deformation_t, matter_t
@@ -80,7 +81,8 @@ contains
       call group%get("cohesion", cohesion)
       call group%get("eos_model", eos)
       if (friction > 0.0_wp .and. friction < 0.5_wp*pi) then
-         text = "friction_angle is in degrees; was it given in radians?"
+         text = "friction_angle = "//brief(friction)//" deg: did you mean radians ("// &
+            brief(anint(friction*1800.0_wp/pi)/10.0_wp)//" deg)?"
       else if (dilation > friction) then
          text = "dilation_angle must not be above friction_angle, or flow would make energy"
       else if (dilation > 0.0_wp .and. eos /= "linear") then

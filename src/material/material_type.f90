@@ -66,6 +66,8 @@ contains
          default="isotropic", words="isotropic none", owner="effects.strength")
       call schema%real("material", "young", "Young's modulus, with poisson", unit="Pa", range="> 0")
       call schema%real("material", "poisson", "Poisson's ratio, with young", range="> -1 < 0.5")
+      call schema%explain_range("material", "poisson", "0.5 makes the wave speed infinite, "// &
+         "matter that hardly changes its volume has about 0.49")
       call schema%real("material", "bulk", "bulk modulus, with shear, instead of young and "// &
          "poisson", unit="Pa", range="> 0")
       call schema%real("material", "shear", "shear modulus, with bulk or where the equation of "// &
@@ -132,12 +134,16 @@ contains
       class(material_t), intent(out) :: self         !! The material
       type(deck_t), intent(inout) :: deck            !! The deck, notes what is wrong
       integer, intent(in) :: place                   !! Number among the &material of the deck
+      character(len=14), parameter :: models(4) = [character(len=14) :: "elastic", "eos_model", &
+         "strength_model", "damage_model"]
       type(effects_t) :: effects
       type(group_t) :: group
 
       call effects%read(deck%group("effects"))
       group = deck%group("material", place)
       call group%get("name", self%name)
+      ! a misspelt model is told already; what would be said of its keys is not meant
+      if (.not. group%valid(models)) return
       call choose_models(self, group, effects)
       call check_moduli(self, group, deck)
       call check_models(self, group, effects, deck)
@@ -297,9 +303,10 @@ contains
       call group%get("damage_model", word)
       if ((effects%size_scatter .and. scatters .or. word == "grady_kipp") .and. &
          .not. group%given("weibull_m")) call deck%complain(group, "weibull_m must be given")
-      if (group%given("weibull_m") .and. .not. (effects%size_scatter .or. word == "grady_kipp")) &
+      if (group%given("weibull_m") .and. effects%damage .and. &
+         .not. (effects%size_scatter .or. word == "grady_kipp")) &
          call deck%complain(group, "weibull_m needs &effects size_scatter = .true.", "weibull_m")
-      if (.not. group%given("failed_as")) return
+      if (.not. (group%given("failed_as") .and. effects%damage)) return
       if (.not. (allocated(material%damage) .or. group%given("spall"))) call deck%complain(group, &
          "failed_as is given but nothing fails; give damage_model or spall", "failed_as")
       call group%get("failed_as", word)

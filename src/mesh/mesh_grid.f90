@@ -18,7 +18,7 @@ module mesh_grid
    !! lanes that carry weight come first.
    integer, parameter, public :: lane_bit(3) = [0, 2, 1]
    integer, parameter :: least_width = 4                       !! Layers of cells before the halo
-   integer, parameter :: default_width(3) = [64, 8, 6]         !! Cells along a tile, by dimensions
+   integer, parameter :: default_width(3) = [64, 5, 6]         !! Cells along a tile, by dimensions
 
    !> The grid. In two dimensions the active directions are x and z, in axisymmetry radius and axis.
    type :: grid_t

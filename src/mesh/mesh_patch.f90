@@ -12,7 +12,7 @@ module mesh_patch
    implicit none
    private
 
-   public :: assemble, ensure_patch
+   public :: assemble, clear_patch, ensure_patch
 
 contains
 
@@ -31,6 +31,22 @@ contains
       allocate (patch(components, nodes, tiles + tiles/16))
    end subroutine ensure_patch
 
+   !> Set the values of all nodes to zero, as one piece of memory: node by node it costs as much as
+   !! a tenth of a step.
+   pure subroutine clear_patch(values)
+      real(wp), contiguous, intent(inout) :: values(:, :) !! (component, node)
+
+      call clear_numbers(size(values), values)
+   end subroutine clear_patch
+
+   !> Set numbers to zero.
+   pure subroutine clear_numbers(number, values)
+      integer, intent(in) :: number                  !! Of them
+      real(wp), intent(inout) :: values(number)      !! Flat
+
+      values = 0.0_wp
+   end subroutine clear_numbers
+
    !> Sum the patches that touch the nodes of one tile, its margin included.
    pure subroutine assemble(grid, tiles, patch, tile, total)
       type(grid_t), intent(in) :: grid               !! The grid
@@ -42,7 +58,7 @@ contains
 
       extent = extent_of(tile)
       margin = merge(grid%margin, 0, grid%active)
-      total = 0.0_wp
+      call clear_patch(total)
       do place = 1, neighbors
          other = tiles%neighbor(place, tile)
          if (other == 0) cycle

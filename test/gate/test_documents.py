@@ -112,7 +112,10 @@ class DocumentGate(unittest.TestCase):
         self.assertEqual(code, 0, text)
         command = f"$ build/bin/scree --check {SCENE}\n"
         shown = [block for block in blocks(FIRST_STEPS, "console") if block.startswith(command)]
-        self.assertEqual(command + text, shown[0])
+        # how long it takes is another matter on every machine
+        said, told = (re.sub(r"estimate .*", "estimate", words) for words in
+                      (command + text, shown[0]))
+        self.assertEqual(said, told)
 
     def test_printed_faults(self):
         deck = next(block for block in blocks(DECK, "fortran") if "dimention" in block)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A bar that is stretched without end, and a bar that breaks.
 
-Would catch: strain of a stretch that is not that of the places, a body that falls apart between particles before they are a
-cell apart, momentum or energy that breaking makes.
+Would catch: strain of a stretch that is not that of the places, a body that falls apart between
+particles too early, momentum or energy that breaking makes.
 
 Particles fly apart with velocities that grow with the place, at a load that does not slow them, so the ratio of volumes is
 exactly the stretch as long as particles feel each other. The stretch at which one of them is off by 1 % is

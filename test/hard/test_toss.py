@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sand is thrown up, comes apart, falls back and packs.
 
-Would catch: loose sand that resists or pulls while it is open, volume that sand gains or loses for good by coming apart,
+Would catch: loose sand that resists or pulls while it is open, volume that sand gains for good,
 halves of a body that still feel each other when they are apart.
 
 The volume at the end should be that at the start within 1 %. It is 6.9 % too large (limit 10 %): some layers come to

@@ -2,25 +2,25 @@
 """Wrong decks and command lines: all faults in one pass, with line and hint, and the exit code.
 
 Would catch a fault that is not seen, is seen at another line, hides the next one, crashes the
-program, or changes a file.
+program, takes memory or time with it, or changes a file.
 """
 
 import os
+import resource
 import subprocess
 import unittest
 
 import case
+import broken_scenes as scenes
+import broken_values as values
 
 OPTIONS = case.arguments(__doc__)
-
-GOOD = """&run dimension = 'plane_strain' /
-&grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
-&time t_end = 1e-5 /
-&material name = 'metal'  density = 2700
-  young = 70e9  poisson = 0.3 /
-&region name = 'ball'  shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.2 /
-&body name = 'one'  region = 'ball'  material = 'metal' /
-"""
+TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS,
+          scenes.ORPHANS, scenes.NAMES, scenes.BODIES, scenes.ANGLES, scenes.SIZES,
+          scenes.INCLUDES, scenes.RARE]
+GOOD = values.DECKS["plain"]
+MEMORY = 2 << 30             # address space of a check [byte]; the libraries alone have 0.5 GB
+SECONDS = 10                 # processor time of a check, far more than the 0.02 s that one takes
 
 # The faults of the transcript in the manual, and what is said about them.
 FAULTY = """&run
@@ -62,80 +62,31 @@ faulty.nml:25: error: &time appears twice; only one is allowed
 faulty.nml:26: error: &effects: gravity = yes  <- expects .true. or .false.
 faulty.nml: 11 groups, 10 errors, 0 warnings"""
 
-# Old text, new text, a part of what must be said about it.
-CHANGES = [
-    ("density = 2700", "density = -2700", ":4: error: &material: density = -2700  <- must be > 0"),
-    ("density = 2700", "density = ", ":4: error: &material: density =   <- expects a number"),
-    ("density = 2700", "", ":4: error: &material 'metal': density must be given"),
-    ("density = 2700", "densty = 2700", ":4: error: &material: unknown key 'densty'; did you mean"),
-    ("poisson = 0.3", "poisson = 0.5", ":5: error: &material: poisson = 0.5  <- must be"),
-    ("poisson = 0.3", "bulk = 1e9", "young"),
-    ("'metal' /", "'metall' /", ":7: error: &body 'one': no material 'metall'; defined: metal;"),
-    ("'metal' /", "'metal' velocity = 0 0 NaN /", "velocity = 0 0 NaN  <- expects 3 numbers"),
-    ("'metal' /", "'metal' velocity = 1 2 3 4 /", "velocity = 1 2 3 4  <- expects 3 numbers, not 4"),
-    ("'metal' /", "'metal' velocity = 0 1 0 /", "velocity must be 0 in y"),
-    ("/\n&grid lo = 0 0 0  hi = 1 0.1 1", " method = 'mpm' /\n&method basis = 'gimp' /\n&boundary "
-     "face = 'all' type = 'periodic' /\n&grid lo = 0.4 0 0  hi = 0.7 0.1 1", ":2: error: &method: "
-     "basis = 'gimp' needs at least 4 cells along x, which is periodic, but there are 3; take"),
-    ("'metal' /", "'metal' temperature = 300 /", "temperature needs &effects thermal = .true."),
-    ("'metal' /", "'metal' specific_energy = 1 /", "material 'metal' carries no internal energy"),
-    ("'metal' /", "'metal' /\n&exact solution = 'vortx' /", "did you mean 'vortex'?"),
-    ("'metal' /", "'metal' /\n&exact origin = 0 0 0 /", "origin given but solution = 'none'"),
-    ("'metal' /", "'metal' /\n&exact solution = 'vortex' /", "frequency must be given"),
-    ("'metal' /", "'metal' /\n&exact solution = 'vortex' frequency = 1 mode = 2 /", "mode given but"),
-    ("'metal' /", "'metal' /\n&exact solution = 'vortex' frequency = 1 /",
-     ":4: error: &material 'metal': solution = 'vortex' of &exact holds for strength_model = 'neo_hookean' only"),
-    ("'metal' /", "'metal' /\n&exact solution = 'vortex' frequency = 1 inner_radius = 2 /",
-     ":8: error: &exact: solution = 'vortex' needs outer_radius above inner_radius"),
-    ("'metal' /", "'metal' spin = 0 1 0 /\n&exact solution = 'spinning_disc' angular_speed = 1 disc_radius = 1 /",
-     ":7: error: &body 'one': &exact gives the rotation; remove spin"),
-    ("'metal' /", "'metal' velocity = 0 0 1 /\n&exact solution = 'bar_mode' bar_length = 1 mode_speed = 1 /",
-     ":7: error: &body 'one': &exact gives the velocity; remove it here"),
-    ("'metal' /", "'metal' /\n&exact solution = 'bar_mode' bar_length = 1 mode_speed = 1 flight_speed = 2 /",
-     ":8: error: &exact: solution = 'bar_mode' can fly with ends = 'free_free' only"),
-    ("'metal' /", "'metal' /\n&exact solution = 'bar_mode' bar_length = 1 mode_speed = 1 bodies = 'two' /",
-     "no body 'two'; defined: one"),
-    ("'metal' /", "'metal' /\n&body name = 'two' region = 'ball' material = 'metal' /\n"
-     "&exact solution = 'bar_mode' bar_length = 1 mode_speed = 1 bodies = 'one' /",
-     ":8: error: &body 'two': is of the material of a body that &exact names"),
-    ("'metal' /", "'metal' /\n&body name = 'one' region = 'ball' material = 'metal' /", ":8: error:"),
-    ("'metal' /", "metal /", "material = metal  <- expects a text in quotes"),
-    ("'metal' /", "'metal /", ":7: error: &body: the quote is not closed"),
-    ("'metal' /", "'metal'", ":7: error: &body is not closed"),
-    ("dx = 0.1", "dx = 0.3", "nearest: hi = 0.9 or dx = 0.333333"),
-    ("dx = 0.1", "", "&grid: dx or cells must be given"),
-    ("hi = 1 0.1 1", "hi = 1 0.1", "hi = 1 0.1  <- expects 3 numbers, not 2"),
-    ("hi = 1 0.1 1", "hi(4) = 1", "hi(4)  <- places are counted from 1 to 3"),
-    ("'plane_strain'", "'plain_strain'", "did you mean 'plane_strain'?"),
-    ("'plane_strain'", "'axisymmetric'  deck_version = 1e3", "deck_version = 1e3  <- expects a whole number"),
-    ("'plane_strain'", "'axisymmetric' /\n&method quadrature = 'lsd'",
-     ":2: error: &method: quadrature = 'lsd' does not know the hoop stress"),
-    ("'plane_strain'", "'axisymmetric' /\n&method quadrature = 'control'",
-     ":2: error: &method: quadrature = 'control' does not know the hoop stress"),
-    ("'plane_strain'", "'1d'  case = 'a/b'", "is part of file names"),
-    ("shape = 'sphere'", "shape = 'sphere'  height = 1", "height given but shape = 'sphere'"),
-    ("radius = 0.2", "radius = 2.7e3*2", "radius = 2.7e3*2  <- expects a number"),
-    ("t_end = 1e-5", "t_end = 1e400", "t_end = 1e400  <- is too large or too small"),
-    ("t_end = 1e-5", "t_end = 1/3", "numbers are no expressions"),
-    ("&time", "&effects gravity_vector = 0 0 1 /\n&time", "given but gravity = .false."),
-    ("&time", "&effects damage = 1 /\n&time", "damage = 1  <- expects .true. or .false."),
-    ("&time", "&boundary face = 'xlo' type = 'periodic' /\n&time", "periodic needs both faces"),
-    ("&time", "&output name = 'o' kind = 'history' /\n&time", "give one of dt, every, times, count"),
-    ("&time", "&units system = 'imperial' /\n&time", "system = 'imperial' is none of: si cgs"),
-    ("&time", "time\n&time", ":3: error: text outside a group: time"),
-]
 
-COMMANDS = [
-    (["--set", "grid.dxx=1"], "command line: error: &grid: unknown key 'dxx'; did you mean 'dx'?"),
-    (["--set", "grid.dx=abc"], "command line: error: &grid: dx = abc  <- expects a number"),
-    (["--set", "material[x].young=1"], "command line: error: no &material 'x'; there are: metal"),
-    (["--set", "grid"], "command line: error: grid  <- expects GROUP.KEY=VALUE"),
-    (["--chek"], "command line: error: unknown option --chek; did you mean --check?"),
-]
+def bound():
+    """Bounds of memory and time in the child. A program with checks of addresses maps terabytes."""
+    if not SANITIZED:
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+
+
+def sanitized():
+    """True if the program was built with checks of addresses."""
+    answer = subprocess.run([OPTIONS.scree, "--version"], stdout=subprocess.PIPE, text=True,
+                            check=True)
+    return "fsanitize" in answer.stdout
+
+
+SANITIZED = sanitized()
+
+
+def contents(folder):
+    """All files below a folder with their bytes."""
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 class BadDecks(unittest.TestCase):
-    """Each is checked only: nothing is computed."""
+    """Each is checked only, but for the last: nothing is computed."""
 
     def check(self, name, text, *options, expect=2):
         """Write a deck, or the bytes given, check it, and give back what is said."""
@@ -143,17 +94,28 @@ class BadDecks(unittest.TestCase):
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"{name}.nml"
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
-        before = sorted(os.listdir(folder))
-        return self.run_check(path, options, expect, folder, before)
+        return self.run_check(path, ("--check", *options), expect)
 
-    def run_check(self, path, options, expect, folder, before):
-        answer = subprocess.run([OPTIONS.scree, "--check", *options, path.name], cwd=folder,
+    def run_check(self, path, options, expect):
+        """Run the program on a deck, and see that its folder is what it was."""
+        before = contents(path.parent)
+        answer = subprocess.run([OPTIONS.scree, *options, path.name], cwd=path.parent,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60,
-                                env={**os.environ, **case.OPEN_MPI}, check=False)
+                                env={**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"},
+                                preexec_fn=bound, check=False)
         output = answer.stdout.decode(errors="replace")
         self.assertEqual(answer.returncode, expect, output)
-        self.assertEqual(before, sorted(os.listdir(folder)), "--check wrote a file")
+        self.assertEqual(before, contents(path.parent), "a file was written")
         return output
+
+    def look_for(self, row, word, expect):
+        """One row of a table: the message must stand at its line."""
+        deck, old, new, line, said = row
+        self.assertIn(old, values.DECKS[deck])
+        output = self.check("deck", values.DECKS[deck].replace(old, new, 1), expect=expect)
+        place = f"deck.nml:{line}:" if line else "deck.nml:"
+        self.assertTrue(any(text.startswith(f"{place} {word}: ") and said in text
+                            for text in output.splitlines()), f"{place} {word}: {said}\n{output}")
 
     def test_all_faults_in_one_pass(self):
         """Would catch a fault that hides another one."""
@@ -164,25 +126,39 @@ class BadDecks(unittest.TestCase):
         for line, start in zip(found, wanted):
             self.assertTrue(line.startswith(start), f"{line}\n{start}")
 
-    def test_good_deck(self):
+    def test_good_decks(self):
         """Would catch a check that finds faults where there are none: the changes start from it."""
-        output = self.check("good", GOOD, expect=0)
-        self.assertIn("good.nml: 6 groups, 0 errors, 0 warnings", output)
+        for name, text in values.DECKS.items():
+            with self.subTest(name):
+                self.assertIn(" 0 errors, 0 warnings", self.check(name, text, expect=0))
 
-    def test_changes(self):
-        """Would catch a single fault without its message."""
-        for number, (old, new, said) in enumerate(CHANGES):
-            with self.subTest(new):
-                self.assertIn(old, GOOD)
-                name = f"change_{number}"
-                output = self.check(name, GOOD.replace(old, new))
-                self.assertIn(said, output)
+    def test_broken_decks(self):
+        """Would catch a single fault without its message, at another line, or that takes memory."""
+        rows = [row for table in TABLES for row in table]
+        self.assertGreater(len(rows), 200)
+        for row in rows:
+            with self.subTest(row):
+                self.look_for(row, "error", 2)
+
+    def test_warnings(self):
+        """Would catch numbers in wrong units, and bodies in each other, that nobody is told of."""
+        for row in scenes.WARNINGS:
+            with self.subTest(row):
+                self.look_for(row, "warning", 0)
+
+    def test_force(self):
+        """Would catch sizes that can be had in no way, or a limit that --force does not lift."""
+        deck = values.DECKS["shock"].replace("dt = 1 /", "dt = 1e-6 /")
+        self.assertIn("continue with --force", self.check("force", deck))
+        self.assertIn(" 0 errors", self.check("force", deck, "--force", expect=0))
 
     def test_command_lines(self):
         """Would catch a wrong option that is ignored."""
-        for options, said in COMMANDS:
+        for options, said in scenes.COMMANDS:
             with self.subTest(options):
-                self.assertIn(said, self.check("command", GOOD, *options))
+                output = self.check("command", GOOD, *options)
+                self.assertTrue(any(line.startswith("command line: error: ") and said in line
+                                    for line in output.splitlines()), output)
 
     def test_what_is_no_deck(self):
         """Would catch a crash, or a wrong exit code, on files that are no deck."""
@@ -192,22 +168,43 @@ class BadDecks(unittest.TestCase):
         self.assertIn("not closed", self.check("open", "&run"))
         self.assertIn("unknown group", self.check("long", "&" + "x" * 500 + " /"))
         self.assertIn("longer than 512", self.check("line", GOOD + "!" + "x" * 600))
-        folder = OPTIONS.work
-        before = sorted(os.listdir(folder))
-        self.run_check(folder / "nobody.nml", [], 3, folder, before)
-        self.run_check(folder / "empty", [], 3, folder, before)
+        self.run_check(OPTIONS.work / "nobody.nml", ("--check",), 3)
+        self.run_check(OPTIONS.work / "empty", ("--check",), 3)
 
     def test_includes(self):
-        """Would catch an include that never ends or is ignored."""
+        """Would catch an include that never ends, is ignored, or is not found."""
         self.assertIn("cannot include itself", self.check("ring", "&include file = 'ring.nml' /"))
         self.assertIn("cannot read 'nobody.nml'",
                       self.check("lost", "&include file = 'nobody.nml' /", expect=3))
+        self.assertIn("this is a folder", self.check("dot", "&include file = '.' /", expect=3))
+        folder = OPTIONS.work / "chain"
+        folder.mkdir(exist_ok=True)
+        (folder / "other.nml").write_text("&include file = 'chain.nml' /\n", encoding="utf-8")
+        self.assertIn("chain.nml > other.nml > chain.nml",
+                      self.check("chain", "&include file = 'other.nml' /"))
+        (folder / "other.nml").write_text("! a line\n&time t_end = x /\n", encoding="utf-8")
+        self.assertIn("other.nml:2: error: &time: t_end = x  <- expects a number",
+                      self.check("chain", GOOD.replace("&time t_end = 1e-5 /",
+                                                       "&include file = 'other.nml' /")))
 
     def test_other_ends_of_lines(self):
         """Would catch decks of other systems that are read differently."""
         self.check("returns", GOOD.replace("\n", "\r\n"), expect=0)
         self.check("tabs", GOOD.replace("  ", "\t").rstrip("\n"), expect=0)
         self.check("mark", b"\xef\xbb\xbf" + GOOD.encode(), expect=0)
+
+    def test_results_stay(self):
+        """Would catch a run that is refused after it has touched the results of an earlier one."""
+        folder = OPTIONS.work / "stay"
+        (folder / "out").mkdir(parents=True, exist_ok=True)
+        for name in ("stay.log", "stay_history.csv", "stay_chk_0001.h5", "stay_p_000000.hdf"):
+            (folder / "out" / name).write_text("earlier results\n", encoding="utf-8")
+        path = folder / "stay.nml"
+        for row in (values.NUMBERS[0], scenes.BODIES[0], scenes.SIZES[0], scenes.SIZES[2]):
+            with self.subTest(row):
+                path.write_text(values.DECKS[row[0]].replace(row[1], row[2]), encoding="utf-8")
+                for options in (("--outdir", "out"), ("--outdir", "out", "--restart")):
+                    self.assertIn(row[4], self.run_check(path, options, 2))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,197 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Damages decks at random and reads each with all checks of `--check`, in one process.
+!!
+!! Usage: fuzz_decks FOLDER FIRST COUNT DECK...
+!! Mutation number n is the same in every call, so one that fails can be had alone. The deck that is
+!! being read is FOLDER/deck.nml; what a crash leaves there is the deck that did it.
+!! What must hold: a deck with an error has a message and exit code 2 or 3; a deck without one is
+!! understood, that is, its echo reads back without an error and to the same echo; an unknown key,
+!! group, word or name is always an error that quotes it.
+program fuzz_decks
+   use base_error, only: error_t, exit_file, exit_input
+   use base_schema, only: schema_t
+   use base_text, only: append, buffer_t, lower, number, text_t
+   use driver_command_line, only: parse
+   use driver_plan, only: declare_all, lay_out, plan_t, read_plan
+   use fuzz_mutation, only: choice_t, mutate, respell
+   use io_file, only: read_file
+   use, intrinsic :: iso_fortran_env, only: output_unit
+   implicit none
+
+   call fuzz()
+
+contains
+
+   !> All mutations. What is allocated here is freed before the program ends.
+   subroutine fuzz()
+      type(schema_t) :: schema
+      type(text_t), allocatable :: decks(:)
+      character(len=:), allocatable :: folder, text, unknown, fault
+      type(choice_t) :: choice
+      integer :: first, mutations, n, refused, words, failures, which
+
+      call arguments(folder, first, mutations, decks)
+      call declare_all(schema)
+      refused = 0
+      do which = 1, size(decks)
+         call look_at(schema, folder, decks(which)%text, "", refused, fault)
+         if (refused > 0) fault = "it is refused as it is: "//fault
+         if (fault /= "") call give_up("deck "//number(which)//": "//fault)
+      end do
+      refused = 0
+      words = 0
+      failures = 0
+      do n = first, first + mutations - 1
+         call choice%start(n)
+         which = choice%upto(size(decks))
+         unknown = ""
+         text = decks(which)%text
+         if (choice%upto(4) == 1) then
+            call respell(choice, schema, text, unknown)
+            if (unknown /= "") words = words + 1
+         end if
+         if (unknown == "") call mutate(choice, text)
+         call look_at(schema, folder, text, unknown, refused, fault)
+         if (fault == "") cycle
+         failures = failures + 1
+         write (output_unit, "(a)") "mutation "//number(n)//" of deck "//number(which)//": "// &
+            fault
+         if (failures == 10) exit
+      end do
+      write (output_unit, "(a)") number(mutations)//" mutations of "//number(size(decks))// &
+         " decks: "//number(refused)//" refused, "//number(words)//" unknown words, "// &
+         number(failures)//" failures"
+      flush (output_unit)
+      if (failures > 0) call give_up("FAILED")
+   end subroutine fuzz
+
+   !> Take the command line apart.
+   subroutine arguments(folder, first, mutations, decks)
+      character(len=:), allocatable, intent(out) :: folder !! Where to write
+      integer, intent(out) :: first                  !! Number of the first mutation
+      integer, intent(out) :: mutations              !! How many
+      type(text_t), allocatable, intent(out) :: decks(:) !! Decks to damage
+      type(error_t), allocatable :: error
+      character(len=1000) :: word
+      integer :: i
+
+      if (command_argument_count() < 4) call give_up("usage: fuzz_decks FOLDER FIRST COUNT DECK...")
+      call get_command_argument(1, word)
+      folder = trim(word)
+      call get_command_argument(2, word)
+      read (word, *) first
+      call get_command_argument(3, word)
+      read (word, *) mutations
+      allocate (decks(command_argument_count() - 3))
+      do i = 1, size(decks)
+         call get_command_argument(i + 3, word)
+         call read_file(trim(word), decks(i)%text, error)
+         if (allocated(error)) call give_up(error%message)
+      end do
+   end subroutine arguments
+
+   !> Read a deck as `--check` does and judge what comes of it.
+   subroutine look_at(schema, folder, text, unknown, refused, fault)
+      type(schema_t), intent(in) :: schema           !! What is allowed
+      character(len=*), intent(in) :: folder         !! Where to write
+      character(len=*), intent(in) :: text           !! The deck
+      character(len=*), intent(in) :: unknown        !! Word that must be refused, or empty
+      integer, intent(inout) :: refused              !! Decks refused so far
+      character(len=:), allocatable, intent(out) :: fault !! What does not hold, or empty
+      type(plan_t) :: plan
+      type(error_t), allocatable :: error
+      type(text_t), allocatable :: words(:)
+
+      call append(words, "--check")
+      call append(words, folder//"/deck.nml")
+      fault = ""
+      call write_deck(folder, text)
+      plan%schema = schema
+      plan%most_points = 1.0e6
+      call parse(words, plan%command, error)
+      if (.not. allocated(error)) call read_plan(plan, error)
+      if (.not. allocated(error)) call lay_out(plan, error)
+      if (allocated(error)) then
+         refused = refused + 1
+         if (error%code /= exit_input .and. error%code /= exit_file) then
+            fault = "exit code "//number(error%code)//": "//error%message
+         else if (index(error%message, ": error: ") == 0) then
+            fault = "no message: "//error%message
+         else if (index(lower(error%message), lower(unknown)) == 0) then
+            fault = "'"//unknown//"' is not quoted: "//error%message
+         end if
+      else if (unknown /= "") then
+         fault = "'"//unknown//"' is accepted"
+      else
+         call read_echo(schema, folder, plan, fault)
+      end if
+   end subroutine look_at
+
+   !> An echo must read back to itself.
+   subroutine read_echo(schema, folder, plan, fault)
+      type(schema_t), intent(in) :: schema           !! What is allowed
+      character(len=*), intent(in) :: folder         !! Where to write
+      type(plan_t), intent(in) :: plan               !! Without errors
+      character(len=:), allocatable, intent(inout) :: fault !! What does not hold, or empty
+      type(plan_t) :: again
+      type(error_t), allocatable :: error
+      character(len=:), allocatable :: echo, second
+
+      echo = plan%deck%echo()
+      call write_deck(folder, echo)
+      again%schema = schema
+      again%most_points = plan%most_points
+      again%command = plan%command
+      call read_plan(again, error)
+      if (.not. allocated(error)) call lay_out(again, error)
+      if (allocated(error)) then
+         fault = "the echo is refused: "//error%message
+         return
+      end if
+      second = again%deck%echo()
+      if (bare(echo) /= bare(second)) fault = "the echo does not read back to itself"
+   end subroutine read_echo
+
+   !> An echo without its first line and the marks of defaults, which are given in a further echo.
+   function bare(echo) result(text)
+      character(len=*), intent(in) :: echo           !! As written
+      character(len=:), allocatable :: text
+      character(len=*), parameter :: newline = new_line("a")
+      type(buffer_t) :: buffer
+      integer :: start, last, mark
+
+      start = index(echo, newline) + 1
+      do while (start <= len(echo))
+         last = start + index(echo(start:)//newline, newline) - 2
+         mark = index(echo(start:last), " ! default", back=.true.)
+         if (mark > 0) then
+            call buffer%line(trim(echo(start:start + mark - 1)))
+         else
+            call buffer%line(echo(start:last))
+         end if
+         start = last + 2
+      end do
+      text = buffer%content()
+   end function bare
+
+   !> Write the deck, bytes as they are.
+   subroutine write_deck(folder, text)
+      character(len=*), intent(in) :: folder         !! Where to write
+      character(len=*), intent(in) :: text           !! The deck
+      integer :: status, unit
+
+      open (newunit=unit, file=folder//"/deck.nml", access="stream", status="replace", &
+         iostat=status)
+      if (status /= 0) call give_up("cannot write "//folder//"/deck.nml")
+      write (unit) text
+      close (unit)
+   end subroutine write_deck
+
+   !> End with an exit code.
+   subroutine give_up(message)
+      character(len=*), intent(in) :: message        !! Last words
+
+      write (output_unit, "(a)") message
+      stop 1
+   end subroutine give_up
+end program fuzz_decks
