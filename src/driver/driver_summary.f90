@@ -65,8 +65,7 @@ contains
       call log%info(balance_text(now, rate, bytes))
       call count_traffic(simulation, traffic)
       if (simulation%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
-      range = 0.0_wp
-      if (counts(1) > 0) call find_extremes(simulation, range)
+      call find_extremes(simulation, range)
       if (allocated(simulation%exact)) call take_errors(simulation)
       if (simulation%communicator%rank /= 0) return
       call json%add("version", version_text)
@@ -261,7 +260,8 @@ contains
       call json%end()
    end subroutine add_ranks
 
-   !> Greatest speed, and the ranges of pressure and density, over all particles and ranks.
+   !> Greatest speed, and the ranges of pressure and density, over all particles and ranks; zero
+   !! without particles.
    subroutine find_extremes(simulation, range)
       type(simulation_t), intent(in) :: simulation   !! The run
       real(wp), intent(out) :: range(extremes)       !! In the order of the names
@@ -287,6 +287,7 @@ contains
          range(p) = simulation%communicator%maximum(range(p))
       end do
       range([2, 4]) = -range([2, 4])
+      if (range(1) < 0.0_wp) range = 0.0_wp
    end subroutine find_extremes
 
    !> Extremes of the final state.

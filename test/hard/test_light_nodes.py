@@ -9,7 +9,8 @@ A lone particle moves in one step from the middle of its cell to the distance s 
 pressure of 0.05 % or 5 % of the modulus. Its strain of the next step may be 1 %, and twice that which it has
 in the middle of the cell where that is more, as the bound lets light nodes move by 1e-3 of a cell.
 Energy is kept to rounding down to 1e-3 of a cell from three faces at once; work and lost energy of the lightest node
-are as large as one over its mass and cancel, so beyond 1e-12 of the mass of the particle (1e-4 of a cell in 3-D) rounding
+are as large as one over its mass and cancel, so beyond 1e-12 of the mass of the particle (1e-4 of
+a cell in 3-D) rounding
 spoils the energy of the particle. That is shown and not judged.
 
 One of the 144 grains ends up to 14 % faster than any was at the start (7 % to 13 % with other updates and steps,

@@ -4,7 +4,8 @@
 Would catch: strain of a stretch that is not that of the places, a body that falls apart between
 particles too early, momentum or energy that breaking makes.
 
-Particles fly apart with velocities that grow with the place, at a load that does not slow them, so the ratio of volumes is
+Particles fly apart with velocities that grow with the place, at a load that does not slow them, so
+the ratio of volumes is
 exactly the stretch as long as particles feel each other. The stretch at which one of them is off by 1 % is
 told for each choice; with the default it must reach that at which neighbours are 0.8 cells apart.
 
