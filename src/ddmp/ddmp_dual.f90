@@ -108,7 +108,7 @@ contains
       do cell = 0, grid%tile_cells - 1
          base = grid%first_node(cell)
          least = 1.0_wp
-         light = huge(1.0_wp)
+         light = huge(1.0_wp)/contrast
          heavy = 0.0_wp
          do lane = 1, lanes
             node = base + grid%lane_offset(lane)

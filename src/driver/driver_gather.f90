@@ -3,7 +3,9 @@
 !! cache from the first to the last of these.
 module driver_gather
    use base_kinds, only: int64, wp
+   use driver_bounds, only: count_bad, find_steepest
    use driver_cost, only: book_cost, cost_clock
+   use driver_culprit, only: tile_bounds
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
    use driver_method, only: method_t, stress_before
    use driver_nodes, only: node_gradient
@@ -94,7 +96,8 @@ contains
                call move_particles(simulation, scratch, store, tile, view, dt)
                call place_tile(simulation%grid, simulation%boundary, &
                   simulation%tiles%coordinate(:, tile), store, tile)
-               call check_numbers(store, tile, scratch%sound)
+               scratch%sound = scratch%sound .and. count_bad(store, tile, &
+                  simulation%materials(index)%density, tile_bounds(simulation, index)) < 0.5_wp
             end if
          end associate
       end do
@@ -279,6 +282,8 @@ contains
          n = store%count(tile)
          call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
             view%gradient, dt)
+         call find_steepest(deformation%gradient, store%identity(first:first + n - 1), dt, &
+            scratch%steepest, scratch%steepest_identity)
          call stretch_tile(store, tile, deformation%gradient)
          if (method%transfer%affine() .and. strained(method)) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
@@ -344,22 +349,4 @@ contains
       ! with an internal energy these are a part of it
       if (.not. allocated(matter%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
    end subroutine book_losses
-
-   !> Note if a velocity or stress is not a number any more.
-   pure subroutine check_numbers(store, tile, sound)
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
-      logical, intent(inout) :: sound                !! Becomes false
-      real(wp), parameter :: bound = huge(1.0_wp)
-      integer :: p, bad
-
-      bad = 0
-      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-         if (.not. (abs(store%velocity(p, 1)) + abs(store%velocity(p, 2)) &
-            + abs(store%velocity(p, 3)) <= bound .and. abs(store%matter%stress(p, 1)) &
-            + abs(store%matter%stress(p, 2)) + abs(store%matter%stress(p, &
-               3)) <= bound)) bad = bad + 1
-      end do
-      sound = sound .and. bad == 0
-   end subroutine check_numbers
 end module driver_gather

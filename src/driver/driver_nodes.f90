@@ -5,8 +5,10 @@ module driver_nodes
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
+   use driver_method, only: stress_after
    use driver_simulation, only: nodes_t, scratch_t, simulation_t
    use mesh_boundary, only: face_friction
+   use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use transfer_scatter, only: motion_columns
@@ -222,6 +224,9 @@ contains
          end if
          call constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
          nodes%strain(:, :, tile) = velocity + dt*acceleration
+         if (simulation%method%dual .and. simulation%method%stress == stress_after) &
+            call calm_light_nodes(grid, coordinate, nodes%volume(1, :, tile), dt, velocity, &
+            acceleration, nodes%strain(:, :, tile))
          if (.not. simulation%method%dual) return
          call clear_patch(nodes%gradient(:, :, tile))
          call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), &
@@ -302,6 +307,34 @@ contains
       end do
       call ledger%sums(external_work)%add(work)
    end subroutine book_push
+
+   !> Bound what a light node gains in the step in the velocity that strains: its force over its
+   !! mass has no bound, while particles near it gain only their share of the force.
+   !! Node volumes count with the weights of cells, so they tell how light a node and its cells are.
+   !! Gains that move a node by less than a small share of a cell stay.
+   pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      real(wp), intent(in) :: volume(:)              !! (node) With the weights of cells [m3]
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the step [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp), contiguous, intent(inout) :: strain(:, :) !! (3, node) Velocity that strains [m/s]
+      real(wp), parameter :: light = 0.125_wp        !! Below this share of the volume around
+      real(wp), parameter :: small = 1.0e-3_wp       !! Share of a cell that is let pass
+      real(wp) :: around(size(volume)), share, gain
+      integer :: node
+
+      call grid%node_volume(coordinate, around)
+      do node = 1, size(volume)
+         if (.not. volume(node) < light*around(node)) cycle
+         gain = dt**2*sqrt(acceleration(1, node)**2 + acceleration(2, node)**2 &
+            + acceleration(3, node)**2)
+         if (.not. gain > small*grid%spacing) cycle
+         share = max(volume(node)/(light*around(node)), small*grid%spacing/gain)
+         if (share < 1.0_wp) strain(:, node) = velocity(:, node) + share*dt*acceleration(:, node)
+      end do
+   end subroutine calm_light_nodes
 
    !> Node velocities from the momentum that was mapped a second time, as the velocity that strains
    !! the particles.

@@ -41,7 +41,7 @@ contains
       call outputs%save(state)
       call save_errors(simulation, state)
       call state%set("checkpoint_number", [int(place%number, int64)])
-      call state%set("last_step_length", [simulation%dt])
+      call state%set("last_step_length", [simulation%dt, simulation%guard%longest])
       call state%set("space", space_of(simulation))
       call checkpoint_write(simulation%communicator, place, simulation%stores, state, error)
       if (.not. allocated(error)) place%number = place%number + 1
@@ -100,6 +100,7 @@ contains
       call state%get("last_step_length", length, error)
       if (allocated(error)) return
       simulation%dt = length(1)
+      simulation%guard%longest = length(size(length))
       call outputs%load(state)
       call load_errors(simulation, state)
       call distribute(simulation)

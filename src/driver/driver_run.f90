@@ -9,6 +9,8 @@ module driver_run
    use base_log, only: log_t, progress_heading, progress_line, progress_t
    use base_timer, only: wall_seconds
    use driver_balance, only: balance_ranks, balancing_t, read_balancing, watch_costs
+   use driver_bounds, only: rule_deck, rule_end
+   use driver_culprit, only: name_limiting, replay_text
    use driver_ledger, only: balance_t, kinetic
    use driver_output, only: outputs_t
    use driver_restart, only: write_checkpoint
@@ -125,7 +127,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! It failed
       type(watch_t) :: watch
       real(wp) :: dt
-      logical :: finished
+      logical :: finished, advanced
 
       call begin(simulation, limits, log, watch, error)
       if (allocated(error)) return
@@ -137,11 +139,12 @@ contains
          call judge(simulation, limits, watch, finished, code, reason)
          if (finished) exit
          call choose_step(simulation, limits, dt, error)
+         advanced = .not. allocated(error)
          if (allocated(error)) exit
          call ask(simulation, limits, watch)
          call watch_costs(simulation, limits%balancing)
          call advance(simulation, dt, error)
-         if (allocated(error)) return
+         if (allocated(error)) exit
          call balance_ranks(simulation, limits%balancing)
          call write_outputs(simulation, outputs, .false., log, error)
          if (allocated(error)) return
@@ -152,8 +155,8 @@ contains
          end if
       end do
       if (allocated(error)) then
-         ! the step became too small: the state is good and worth keeping
-         call keep_state(simulation, outputs, place, log, watch)
+         call keep_state(simulation, outputs, place, log, watch, &
+            step_allowed(simulation) .and. .not. advanced)
          return
       end if
       if (code == exit_success) call write_outputs(simulation, outputs, .true., log, error)
@@ -278,35 +281,62 @@ contains
 
    !> Length of the next step.
    subroutine choose_step(simulation, limits, dt, error)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(inout) :: simulation !! The run, notes what limits the step
       type(limits_t), intent(in) :: limits           !! Bounds
       real(wp), intent(out) :: dt                    !! [s]
-      type(error_t), allocatable, intent(out) :: error !! Smaller than dt_min
-      character(len=160) :: text
+      type(error_t), allocatable, intent(out) :: error !! Too small
+      integer :: rule
 
-      dt = min(simulation%dt_next, limits%dt_max)
-      if (dt < limits%dt_min .or. .not. dt > 0.0_wp) then
-         write (text, "(a,es10.3,a,es10.3,a,i0)") "the stable time step ", dt, &
-            " s"//cause(simulation)//" is below dt_min = ", limits%dt_min, " s at step ", &
-            simulation%step
-         call fail(error, exit_physics, trim(text))
-         return
-      end if
-      if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
-      ! the last step ends at t_end; no step is left over that is shorter than rounding
-      if (simulation%time + dt*(1.0_wp + 1.0e-9_wp) >= limits%time_end) &
-         dt = limits%time_end - simulation%time
+      associate (guard => simulation%guard)
+         dt = min(simulation%dt_next, limits%dt_max)
+         guard%longest = max(guard%longest, dt)
+         if (dt < limits%dt_min .or. .not. step_allowed(simulation)) then
+            call refuse_step(simulation, limits, dt, error)
+            return
+         end if
+         rule = guard%rule
+         if (limits%dt_max < simulation%dt_next .or. limits%dt_fixed > 0.0_wp) rule = rule_deck
+         if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
+         ! the last step ends at t_end; no step is left over that is shorter than rounding
+         if (simulation%time + dt*(1.0_wp + 1.0e-9_wp) >= limits%time_end) then
+            dt = limits%time_end - simulation%time
+            rule = rule_end
+         end if
+         guard%steps(rule) = guard%steps(rule) + 1
+      end associate
    end subroutine choose_step
 
-   !> What limits the next time step, if it is not the fastest signal.
-   pure function cause(simulation) result(text)
+   !> Is the stable step longer than nothing, and than a small share of the longest so far?
+   pure logical function step_allowed(simulation) result(allowed)
       type(simulation_t), intent(in) :: simulation   !! The run
-      character(len=:), allocatable :: text
 
-      text = ""
-      if (.not. allocated(simulation%conduction)) return
-      if (simulation%conduction%rules) text = " of heat conduction"
-   end function cause
+      associate (guard => simulation%guard)
+         allowed = simulation%dt_next > 0.0_wp .and. &
+            simulation%dt_next >= guard%bounds%collapse*guard%longest
+      end associate
+   end function step_allowed
+
+   !> Say why a step is too short, and for which particle. Collective.
+   subroutine refuse_step(simulation, limits, dt, error)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(limits_t), intent(in) :: limits           !! Bounds
+      real(wp), intent(in) :: dt                     !! Stable step [s]
+      type(error_t), allocatable, intent(out) :: error !! Always
+      character(len=:), allocatable :: culprit
+      character(len=160) :: text
+
+      if (dt < limits%dt_min) then
+         write (text, "(a,es10.3,a,es10.3,a)") "the stable time step", dt, &
+            " s is below dt_min =", limits%dt_min, " s"
+      else
+         write (text, "(a,es10.3,a,es10.3,a,es10.3,a)") "the stable time step", dt, &
+            " s has fallen below dt_collapse =", simulation%guard%bounds%collapse, &
+            " of the longest,", simulation%guard%longest, " s"
+      end if
+      call name_limiting(simulation, culprit)
+      if (.not. step_allowed(simulation)) culprit = culprit//new_line("a")//replay_text(simulation)
+      call fail(error, exit_physics, trim(text)//new_line("a")//culprit)
+   end subroutine refuse_step
 
    !> Write what is due and say so.
    subroutine write_outputs(simulation, outputs, last, log, error)
@@ -388,16 +418,22 @@ contains
          //trim(step))
    end subroutine save
 
-   !> After an error that left the state good: keep it if that is possible.
-   subroutine keep_state(simulation, outputs, place, log, watch)
+   !> After an error of physics: keep a good state as a checkpoint if that is possible, a spoiled
+   !! one only as a snapshot, so that good checkpoints stay.
+   subroutine keep_state(simulation, outputs, place, log, watch, good)
       type(simulation_t), intent(inout) :: simulation !! The run
-      type(outputs_t), intent(in) :: outputs         !! Their counters go along
+      type(outputs_t), intent(inout) :: outputs      !! Their counters go along
       type(checkpoint_place_t), intent(inout) :: place !! Where
       type(log_t), intent(inout) :: log              !! Told of it
       type(watch_t), intent(inout) :: watch          !! Clocks
+      logical, intent(in) :: good                    !! Is the state good?
       type(error_t), allocatable :: error
 
-      call save(simulation, outputs, place, log, watch, error)
+      if (good) then
+         call save(simulation, outputs, place, log, watch, error)
+      else
+         call write_outputs(simulation, outputs, .true., log, error)
+      end if
       if (allocated(error)) call log%warn(error%message)
    end subroutine keep_state
 end module driver_run

@@ -3,6 +3,8 @@
 module driver_scene
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
+   use base_text, only: text_t
+   use driver_bounds, only: read_bounds
    use driver_exact_deck, only: read_exact
    use driver_method, only: position_of
    use driver_output, only: outputs_t
@@ -35,8 +37,10 @@ contains
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
       type(named_shape_t), allocatable :: shapes(:)
       type(traits_t) :: traits
+      integer :: n
 
       call simulation%method%read(deck)
+      call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
       call read_materials(deck, simulation)
       if (deck%errors() > 0) return
@@ -52,6 +56,10 @@ contains
       if (deck%errors() > 0) return
       call prepare(simulation)
       traits%body = size(bodies) > 1
+      allocate (simulation%body_names(size(bodies)))
+      do n = 1, size(bodies)
+         simulation%body_names(n)%text = bodies(n)%name
+      end do
       call simulation%method%request(traits)
       call make_stores(simulation, traits)
    end subroutine build_scene

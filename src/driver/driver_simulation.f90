@@ -3,8 +3,10 @@
 module driver_simulation
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
+   use base_text, only: text_t
    use base_timer, only: timer_t
    use ddmp_dual, only: dual_t
+   use driver_bounds, only: guard_t
    use driver_exact, only: exact_case_t
    use driver_ledger, only: ledger_t
    use driver_method, only: method_t
@@ -64,7 +66,6 @@ module driver_simulation
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
       real(wp), allocatable :: slope(:, :, :)        !! Patch (9): gradient in rows 1, 4, 7 [K m2]
       real(wp), allocatable :: push(:, :, :)         !! Patch (3): heat of the node flux, row 1 [W]
-      logical :: rules = .false.                     !! Does it limit the next time step?
    end type conduction_t
 
    !> Scratch space of one thread.
@@ -74,7 +75,9 @@ module driver_simulation
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       type(ledger_t) :: ledger                       !! Sums of this thread
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
-      logical :: sound = .true.                      !! Are all numbers finite?
+      logical :: sound = .true.                      !! Are all particles in their bounds?
+      real(wp) :: steepest = 0.0_wp                  !! Square of steepest velocity gradient [1/s2]
+      integer(int64) :: steepest_identity = huge(1_int64) !! Its particle
    end type scratch_t
 
    !> What ranks ask of all; agreed at the end of each step.
@@ -124,6 +127,8 @@ module driver_simulation
       real(wp) :: dt = 0.0_wp                        !! Last time step [s]
       real(wp) :: kick = 0.0_wp                      !! Time that the forces act in this step [s]
       real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
+      type(guard_t) :: guard                         !! What limits steps and particles
+      type(text_t), allocatable :: body_names(:)     !! (body) For messages
       integer(int64) :: updates = 0                  !! Particle updates of this rank
       real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
       integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then

@@ -3,7 +3,9 @@
 module driver_step
    use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: int64, wp
+   use driver_bounds, only: rule_conduction, rule_growth, rule_signal, rule_strain
    use driver_control, only: find_star
+   use driver_culprit, only: name_bad
    use driver_difference, only: find_difference
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
@@ -76,12 +78,14 @@ contains
    subroutine close_step(simulation, error)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(error_t), allocatable, intent(out) :: error !! If numbers went bad
-      real(wp) :: fastest, diffusivity
+      real(wp) :: fastest, diffusivity, rate
+      character(len=:), allocatable :: text
       logical :: sound
       integer :: thread, n
 
       fastest = 0.0_wp
       sound = .true.
+      call find_rate(simulation, rate)
       do thread = 0, ubound(simulation%scratch, 1)
          associate (scratch => simulation%scratch(thread))
             fastest = max(fastest, scratch%fastest)
@@ -98,14 +102,38 @@ contains
       if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
       diffusivity = 0.0_wp
       if (allocated(simulation%conduction)) diffusivity = greatest_diffusivity(simulation)
-      call agree(simulation, fastest, diffusivity)
+      call agree(simulation, fastest, diffusivity, rate)
       if (fastest >= huge(fastest)) then
-         call fail(error, exit_physics, "a velocity or stress is not a number any more")
+         call name_bad(simulation, text)
+         call fail(error, exit_physics, text)
          return
       end if
-      simulation%dt_next = next_step(simulation, fastest)
+      call set_next_step(simulation, fastest, rate)
       if (allocated(simulation%conduction)) call limit_step(simulation, diffusivity)
    end subroutine close_step
+
+   !> Steepest velocity gradient that the threads saw, and whose it is.
+   subroutine find_rate(simulation, rate)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(out) :: rate                  !! On this rank [1/s]
+      integer :: thread
+      real(wp) :: most
+
+      most = 0.0_wp
+      associate (who => simulation%guard%steepest)
+         who = huge(who)
+         do thread = 0, ubound(simulation%scratch, 1)
+            associate (scratch => simulation%scratch(thread))
+               if (scratch%steepest > most) who = huge(who)
+               if (scratch%steepest >= most) who = min(who, scratch%steepest_identity)
+               most = max(most, scratch%steepest)
+               scratch%steepest = 0.0_wp
+               scratch%steepest_identity = huge(who)
+            end associate
+         end do
+      end associate
+      rate = sqrt(most)
+   end subroutine find_rate
 
    !> Let conduction of heat limit the next time step.
    subroutine limit_step(simulation, diffusivity)
@@ -114,21 +142,24 @@ contains
       real(wp) :: dt
 
       dt = conduction_step(simulation%grid%spacing, simulation%grid%dimensions, diffusivity)
-      simulation%conduction%rules = dt < simulation%dt_next
-      simulation%dt_next = min(simulation%dt_next, dt)
+      if (.not. dt < simulation%dt_next) return
+      simulation%guard%rule = rule_conduction
+      simulation%dt_next = dt
    end subroutine limit_step
 
    !> Agree with the other ranks on the fastest signal and on what they ask for: the only time in a
    !! step that all ranks wait for all.
-   subroutine agree(simulation, fastest, diffusivity)
+   subroutine agree(simulation, fastest, diffusivity, rate)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
       real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
-      real(wp) :: asked(5)
+      real(wp), intent(inout) :: rate                !! The same, of velocity gradients [1/s]
+      real(wp) :: asked(6)
 
       if (simulation%communicator%size == 1) return
       associate (requests => simulation%requests)
-         asked = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity]
+         asked = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity, &
+            rate]
          call simulation%timer%start(simulation%phase%wait)
          call simulation%communicator%maxima(asked)
          call simulation%timer%stop(simulation%phase%wait)
@@ -137,18 +168,32 @@ contains
          requests%line = asked(3)
          requests%checkpoint = asked(4)
          diffusivity = asked(5)
+         if (rate < asked(6)) simulation%guard%steepest = huge(1_int64)
+         rate = asked(6)
       end associate
    end subroutine agree
 
-   !> Stable time step for the fastest signal, not growing too fast.
-   pure real(wp) function next_step(simulation, fastest) result(dt)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   !> Stable time step for the fastest signal and the steepest gradient, not growing too fast.
+   pure subroutine set_next_step(simulation, fastest, rate)
+      type(simulation_t), intent(inout) :: simulation !! The run, gets the step and its rule
       real(wp), intent(in) :: fastest                !! Fastest signal and motion [m/s]
+      real(wp), intent(in) :: rate                   !! Steepest velocity gradient [1/s]
+      real(wp) :: dt, grown
 
-      dt = huge(dt)
-      if (fastest > 0.0_wp) dt = simulation%method%cfl*simulation%grid%spacing/fastest
-      dt = min(dt, simulation%method%step_growth*simulation%dt_next)
-   end function next_step
+      associate (guard => simulation%guard)
+         dt = huge(dt)
+         guard%rule = rule_signal
+         guard%rate = rate
+         if (fastest > 0.0_wp) dt = simulation%method%cfl*simulation%grid%spacing/fastest
+         if (rate*dt > guard%bounds%strain_max) then
+            dt = guard%bounds%strain_max/rate
+            guard%rule = rule_strain
+         end if
+         grown = simulation%method%step_growth*simulation%dt_next
+         if (grown < dt) guard%rule = rule_growth
+         simulation%dt_next = min(dt, grown)
+      end associate
+   end subroutine set_next_step
 
    !> Book particles that left the box, and bring the others into their tiles and in order.
    subroutine sort_particles(simulation)

@@ -5,6 +5,7 @@ module driver_summary
    use base_kinds, only: int64, wp
    use base_log, only: log_t
    use base_version, only: git_commit, version_text
+   use driver_bounds, only: guard_t, rule_names, rules
    use driver_exact_error, only: take_errors
    use driver_ledger, only: balance_t, entries, entry_names
    use driver_output, only: outputs_t
@@ -60,6 +61,7 @@ contains
       rate = step_rate(simulation, counts(2), greatest)
       bytes = bytes_per_particle(simulation, counts(1))
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
+      call log%info(rules_text(simulation%guard))
       call log%info(balance_text(now, rate, bytes))
       call count_traffic(simulation, traffic)
       if (simulation%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
@@ -81,6 +83,7 @@ contains
       call json%add("threads", omp_get_max_threads())
       call json%add("digest", digest)
       call add_extremes(json, range)
+      call add_rules(json, simulation%guard)
       call add_timers(json, simulation, least, mean, greatest)
       call add_ledger(json, simulation, now)
       if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
@@ -149,6 +152,36 @@ contains
       numbers = 0
       if (allocated(array)) numbers = size(array, kind=int64)
    end function length
+
+   !> What limited the steps of this call of the program, as a line of text.
+   function rules_text(guard) result(text)
+      type(guard_t), intent(in) :: guard             !! With the counts
+      character(len=:), allocatable :: text
+      character(len=40) :: part
+      integer :: rule
+
+      text = "steps     limited by"
+      do rule = 1, rules
+         if (guard%steps(rule) == 0) cycle
+         write (part, "(f6.2,a)") 100.0_wp*real(guard%steps(rule), wp) &
+            /real(sum(guard%steps), wp), " %"
+         if (text(len(text):) == "%") text = text//","
+         text = text//" "//trim(rule_names(rule))//trim(part)
+      end do
+   end function rules_text
+
+   !> The same for scripts: numbers of steps.
+   subroutine add_rules(json, guard)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(guard_t), intent(in) :: guard             !! With the counts
+      integer :: rule
+
+      call json%begin("steps_limited_by")
+      do rule = 1, rules
+         call json%add(trim(rule_names(rule)), guard%steps(rule))
+      end do
+      call json%end()
+   end subroutine add_rules
 
    !> The books as two lines of text.
    function balance_text(now, rate, bytes) result(text)
@@ -227,7 +260,8 @@ contains
       call json%end()
    end subroutine add_ranks
 
-   !> Greatest speed, and the ranges of pressure and density, over all particles and ranks.
+   !> Greatest speed, and the ranges of pressure and density, over all particles and ranks; zero
+   !! without particles.
    subroutine find_extremes(simulation, range)
       type(simulation_t), intent(in) :: simulation   !! The run
       real(wp), intent(out) :: range(extremes)       !! In the order of the names
@@ -253,6 +287,7 @@ contains
          range(p) = simulation%communicator%maximum(range(p))
       end do
       range([2, 4]) = -range([2, 4])
+      if (range(1) < 0.0_wp) range = 0.0_wp
    end subroutine find_extremes
 
    !> Extremes of the final state.

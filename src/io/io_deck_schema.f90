@@ -93,6 +93,16 @@ contains
       call schema%real("time", "dt_min", "a smaller step ends the run with exit code 4", unit="s", &
          range="> 0")
       call schema%real("time", "dt_fixed", "the step, whatever cfl says", unit="s", range="> 0")
+      call schema%real("time", "dt_collapse", "a stable step below this share of the longest "// &
+         "so far ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
+      call schema%real("time", "strain_max", "greatest strain and rotation of a particle in a "// &
+         "step; shorter steps where more would come", default="0.3", range="> 0 <= 1")
+      call schema%real("time", "speed_max", "a faster particle ends the run with exit code 4", &
+         unit="m/s", range="> 0")
+      call schema%real("time", "volume_ratio_min", "a particle of less than this share of its "// &
+         "volume at rest ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
+      call schema%real("time", "volume_ratio_max", "a particle of more ends it too", &
+         default="1e12", range="> 1")
       call schema%integer("time", "max_steps", "stop after so many steps", range=">= 0")
       call schema%text("time", "wall_limit", "hh:mm:ss of wall time, or slurm for the end of "// &
          "the job, then checkpoint and exit code 75", default="none")

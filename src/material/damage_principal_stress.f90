@@ -19,7 +19,8 @@ module damage_principal_stress
    !> Failure by principal stress.
    type, extends(damage_t) :: damage_principal_stress_t
       real(wp) :: strength = huge(1.0_wp)            !! Greatest principal stress [Pa]
-      real(wp) :: crushing = huge(1.0_wp)            !! Greatest shear stress [Pa]
+      !> Greatest shear stress; none still is a number when a particle is stronger by chance [Pa]
+      real(wp) :: crushing = sqrt(huge(1.0_wp))
       real(wp) :: delay = 0.0_wp                     !! Time from load to failure [s]
       type(weibull_t), allocatable :: weibull        !! Only if strength scatters
    contains

@@ -145,6 +145,7 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
       real(wp), contiguous, intent(in) :: pressure(:)        !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: wave_speed(:)   !! Its square (range) [m2/s2]
+      real(wp), parameter :: least = 1.0e-12_wp      ! of the shear modulus, for a divisor
       real(wp) :: share
       integer :: i, k
 
@@ -152,7 +153,7 @@ contains
          k = first - 1 + i
          share = 4.0_wp/3.0_wp*shear*volume(k)/mass(k)
          wave_speed(i) = wave_speed(i) + merge(share, &
-            min(share, 4.0_wp/3.0_wp*shear/max(bulk, tiny(1.0_wp))*wave_speed(i)), &
+            min(share, 4.0_wp/3.0_wp*shear/max(bulk, least*shear, tiny(least))*wave_speed(i)), &
             pressure(i) > apex)
       end do
    end subroutine stiffen_joined

@@ -105,7 +105,7 @@ contains
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) With the others [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
-      real(wp) :: along(3), side, taken
+      real(wp) :: along(3), side, taken, speed
       integer :: face, first, length(3), x, y, z, node, normal
       logical :: here
 
@@ -126,8 +126,14 @@ contains
                   velocity(normal, node) = 0.0_wp
                   acceleration(normal, node) = 0.0_wp
                   along = velocity(:, node) + dt*acceleration(:, node)
-                  taken = min(1.0_wp, self%friction(face)*taken/max(norm2(along), &
-                     tiny(1.0_wp)))
+                  if (.not. dt > 0.0_wp) cycle
+                  taken = self%friction(face)*taken
+                  speed = norm2(along)
+                  if (taken < speed) then
+                     taken = taken/speed
+                  else
+                     taken = 1.0_wp
+                  end if
                   acceleration(:, node) = acceleration(:, node) - taken/dt*along
                end do
             end do

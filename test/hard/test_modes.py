@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Modes that nodes do not see, and modes that the mean gradient does not see.
+
+Would catch: a filter of velocities that leaves the velocities of particles against each other in a cell, or
+that takes the motion of the body with it; a dual gradient without local part, to which nodes that move
+against each other are no strain.
+
+Particles in a cell against each other make no velocity of nodes, so only the way back can take it: with XPIC
+and FMPM the mode must fade by 99 % in 100 steps, while the energy of a free vibration of 25 cells keeps 99 % in
+a period. Nodes against each other: with alpha_0 of a quarter and more this is an oscillation.
+"""
+# timeout: 120
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import bodies  # noqa: E402
+import case    # noqa: E402
+import report  # noqa: E402
+
+BAR = """
+&run  dimension='1d' /
+&grid  lo=0,0,0  hi=16,1,1  dx=1 /
+&time  t_end=1e6  max_steps={steps} /
+&method  {words} /
+&effects  artificial_viscosity=.false. /
+&material  name='bar'  density=1  young=1  poisson=0 /
+{halves}
+&boundary  face='all'  type='periodic' /
+&output  name='p'  kind='particles'  every={every}  precision='double'  fields='identity','velocity' /
+&checkpoint  at_end=.false. /
+"""
+SPEED = 1.0e-4
+
+
+def halves(sign):
+    """Bodies of one particle, two a cell; `sign` tells their velocities from their number."""
+    text = ""
+    for n in range(32):
+        text += (f"&region  name='r{n}'  shape='box'  lo={n / 2},0,0  hi={(n + 1) / 2},1,1 /\n"
+                 f"&body  name='b{n}'  region='r{n}'  material='bar'  ppc=2,1,1  "
+                 f"velocity={SPEED * sign(n)},0,0 /\n")
+    return text
+
+
+def amplitude(run, sign):
+    """Share of a pattern in the velocities, of each snapshot."""
+    shares = []
+    for _, snap in run.snapshots():
+        velocity = snap.fields["velocity"][np.argsort(snap.points[:, 0]), 0]
+        shares.append((velocity * [sign(n) for n in range(32)]).mean() / SPEED)
+    return np.array(shares)
+
+
+def in_cells(options, sheet):
+    """Particles of a cell against each other."""
+    def sign(n):
+        return (-1) ** n
+    for name, words, limit in (("default", "", None), ("flip", "transfer='flip' flip=1", None),
+                               ("xpic", "transfer='xpic' order_k=2", 0.01),
+                               ("xpic5", "transfer='xpic' order_k=5", 0.01),
+                               ("fmpm", "transfer='fmpm' order_k=3", 0.01),
+                               ("apic", "transfer='apic'", None)):
+        run = case.Case(options, f"cells_{name}", BAR.format(
+            steps=100, every=100, words=words, halves=halves(sign))).run("-q")
+        shares = amplitude(run, sign)
+        sheet.require(abs(shares[0] - 1.0) < 1.0e-6 and run.summary["steps"] == 100, "modes: begins")
+        if limit is None:
+            sheet.note(f"in cells, {name}: what is left after 100 steps", float(shares[-1]))
+        else:
+            sheet.below(f"in cells, {name}: what is left after 100 steps", shares[-1], limit)
+    for name, words in (("xpic", "transfer='xpic' order_k=2"), ("xpic5", "transfer='xpic' order_k=5"),
+                        ("fmpm", "transfer='fmpm' order_k=3")):
+        result = bodies.free_bar(options, f"bar_{name}", words=words, spacing=1.0)
+        # 1.8 periods
+        sheet.below(f"free bar, {name}: energy lost in a period", result["energy"] / 1.8, 0.01)
+
+
+def of_nodes(options, sheet):
+    """Nodes against each other: particles on both sides of a node go with it."""
+    def sign(n):
+        return (-1) ** ((n + 1) // 2)
+    for alpha in (0.0, 0.25, 0.5, 1.0):
+        run = case.Case(options, f"nodes_{alpha}", BAR.format(
+            steps=200, every=1, words=f"alpha_0={alpha} flip=1", halves=halves(sign))).run("-q")
+        shares = amplitude(run, sign)
+        least = shares.min()
+        sheet.require(abs(shares[0] - 1.0) < 1.0e-6, "nodes: begins")
+        if alpha >= 0.25:
+            sheet.above(f"of nodes, alpha_0 = {alpha}: share that turns round", -least, 0.1)
+            sheet.below(f"of nodes, alpha_0 = {alpha}: greatest share", shares.max(), 1.05)
+        else:
+            sheet.note(f"of nodes, alpha_0 = {alpha}: least share", float(least))
+
+
+def main():
+    """Both kinds."""
+    options = case.arguments()
+    sheet = report.Report()
+    in_cells(options, sheet)
+    of_nodes(options, sheet)
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
