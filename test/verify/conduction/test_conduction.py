@@ -218,8 +218,8 @@ def longest_step(options, sheet):
         sheet.below(f"{name}: spread after over before", np.std(last) / np.std(first), 1.0e-3)
     run = case.Case(options, "step_short", text.replace("&time ", f"&time  dt_min={2.0 * step!r} ")).run(
         "-q", expect=None)
-    sheet.require(run.code != 0 and "s of heat conduction is below dt_min" in " ".join(run.output.split()),
-                  "the message names the cause")
+    sheet.require(run.code != 0 and "heat conduction limits it" in " ".join(run.output.split()),
+                  f"the message names the cause: {run.output}")
 
 
 DISCS = """
