@@ -321,7 +321,7 @@ contains
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), contiguous, intent(inout) :: strain(:, :) !! (3, node) Velocity that strains [m/s]
       real(wp), parameter :: light = 0.125_wp        !! Below this share of the volume around
-      real(wp), parameter :: small = 1.0e-3_wp       !! Share of a cell that is let pass
+      real(wp), parameter :: small = 3.0e-3_wp       !! Share of a cell that is let pass
       real(wp) :: around(size(volume)), share, gain
       integer :: node
 

@@ -7,7 +7,7 @@ that does not fit to it, particles that light nodes throw ahead of the fastest b
 
 A lone particle moves in one step from the middle of its cell to the distance s from a node, under a
 pressure of 0.05 % or 5 % of the modulus. Its strain of the next step may be 1 %, and twice that which it has
-in the middle of the cell where that is more, as the bound lets light nodes move by 1e-3 of a cell.
+in the middle of the cell where that is more, as the bound lets light nodes move by 3e-3 of a cell.
 Energy is kept to rounding down to 1e-3 of a cell from three faces at once; work and lost energy of the lightest node
 are as large as one over its mass and cancel, so beyond 1e-12 of the mass of the particle (1e-4 of
 a cell in 3-D) rounding

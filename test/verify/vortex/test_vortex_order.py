@@ -9,10 +9,10 @@ Greatest error in the run over the greatest displacement, 10 and 20 cells a unit
 are 5 and 10 in the width of the ring, 4 x 4 particles a cell, rims cut. Measured:
 
   twist 0.3, to and back, t = 1           10        20        order
-    ddmp, control, aflip                  0.0342    0.00823   2.06
+    ddmp, control, aflip                  0.0352    0.00826   2.09
     quadratic                             0.143     0.0322    2.15
   twist 1 to its greatest, t = 0.5
-    ddmp, control, apic                   0.0450    0.0110    2.03
+    ddmp, control, apic                   0.0449    0.0116    1.95
     quadratic                             0.0609    0.0351    0.80
 
 Half of the gain is that of the transfer: quadratic splines with aflip or apic have 0.0117 and 0.0179.
