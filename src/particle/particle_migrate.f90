@@ -17,6 +17,7 @@ module particle_migrate
    public :: migrate
 
    integer, parameter :: heading = 3                 !! Words before a row: store, key, cell
+   integer, parameter :: many = 1000                 !! Particles that are worth several threads
 
    !> Particles on their way to the tiles of this rank, all of one store.
    type :: newcomers_t
@@ -84,13 +85,18 @@ contains
             packer%word = 0
             if (n > 0) call stores(index)%walk(packer)
             allocate (come%key(n), come%cell(n), here(n))
+            !$omp parallel do default(none) private(row, position) schedule(static) &
+            !$omp shared(communicator, grid, boundary, tiles, stores, newcomers, packer, here) &
+            !$omp shared(index) if(n > many)
             do row = 1, n
                position = [stores(index)%position(packer%particle(row), 1), &
                   stores(index)%position(packer%particle(row), 2), &
                   stores(index)%position(packer%particle(row), 3)]
-               call destination(grid, boundary, position, come%key(row), come%cell(row))
-               here(row) = tiles%owner(come%key(row)) == communicator%rank
+               call destination(grid, boundary, position, newcomers(index)%key(row), &
+                  newcomers(index)%cell(row))
+               here(row) = tiles%owner(newcomers(index)%key(row)) == communicator%rank
             end do
+            !$omp end parallel do
             remote = count(.not. here)
             filled = size(messages, 2)
             allocate (more(words, filled + remote))

@@ -9,6 +9,8 @@ module particle_settle
 
    public :: settle_tile, settler_t, row_packer_t
 
+   integer, parameter :: many = 1000                  !! Rows that are worth several threads
+
    !> Packs listed particles into rows of whole numbers, reals bit by bit.
    type, extends(field_worker_t) :: row_packer_t
       integer, allocatable :: particle(:)             !! (row) Index in the store
@@ -232,9 +234,12 @@ contains
       integer :: row
 
       self%word = self%word + 1
+      !$omp parallel do default(none) shared(self, values) private(row) &
+      !$omp if(size(self%particle) > many)
       do row = 1, size(self%particle)
          self%rows(self%word, row) = transfer(values(self%particle(row)), 0_int64)
       end do
+      !$omp end parallel do
    end subroutine packer_scalar
 
    !> Pack a field of vectors or tensors, one word a component.
@@ -245,12 +250,16 @@ contains
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
       integer :: row, component
 
-      do component = 1, size(values, 2)
-         self%word = self%word + 1
-         do row = 1, size(self%particle)
-            self%rows(self%word, row) = transfer(values(self%particle(row), component), 0_int64)
+      !$omp parallel do default(none) shared(self, values) private(row, component) &
+      !$omp if(size(self%particle) > many)
+      do row = 1, size(self%particle)
+         do component = 1, size(values, 2)
+            self%rows(self%word + component, row) = &
+               transfer(values(self%particle(row), component), 0_int64)
          end do
       end do
+      !$omp end parallel do
+      self%word = self%word + size(values, 2)
    end subroutine packer_vector
 
    !> Pack a field of whole numbers, one word a row.
