@@ -70,7 +70,6 @@ contains
       logical, allocatable :: here(:)
       type(row_packer_t) :: packer
       integer :: index, words, row, remote, filled
-      real(wp) :: position(3)
 
       words = heading
       do index = 1, size(stores)
@@ -85,18 +84,10 @@ contains
             packer%word = 0
             if (n > 0) call stores(index)%walk(packer)
             allocate (come%key(n), come%cell(n), here(n))
-            !$omp parallel do default(none) private(row, position) schedule(static) &
-            !$omp shared(communicator, grid, boundary, tiles, stores, newcomers, packer, here) &
-            !$omp shared(index) if(n > many)
+            call find_destinations(grid, boundary, stores(index)%position, packer%particle, come)
             do row = 1, n
-               position = [stores(index)%position(packer%particle(row), 1), &
-                  stores(index)%position(packer%particle(row), 2), &
-                  stores(index)%position(packer%particle(row), 3)]
-               call destination(grid, boundary, position, newcomers(index)%key(row), &
-                  newcomers(index)%cell(row))
-               here(row) = tiles%owner(newcomers(index)%key(row)) == communicator%rank
+               here(row) = tiles%owner(come%key(row)) == communicator%rank
             end do
-            !$omp end parallel do
             remote = count(.not. here)
             filled = size(messages, 2)
             allocate (more(words, filled + remote))
@@ -121,6 +112,24 @@ contains
          end associate
       end do
    end subroutine collect
+
+   !> Tiles and cells of the particles that left theirs.
+   subroutine find_destinations(grid, boundary, position, particle, come)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! The faces
+      real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) [m]
+      integer, intent(in) :: particle(:)             !! (row) Indices
+      type(newcomers_t), intent(inout) :: come       !! Gets keys and cells
+      integer :: row
+
+      !$omp parallel do default(none) shared(grid, boundary, position, particle, come) &
+      !$omp private(row) schedule(static) if(size(particle) > many)
+      do row = 1, size(particle)
+         call destination(grid, boundary, [position(particle(row), 1), &
+            position(particle(row), 2), position(particle(row), 3)], come%key(row), come%cell(row))
+      end do
+      !$omp end parallel do
+   end subroutine find_destinations
 
    !> Columns of an array that a mask chooses.
    pure function pack_columns(rows, mask) result(chosen)
