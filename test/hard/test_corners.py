@@ -82,7 +82,8 @@ def lone_flight(options, sheet):
         sheet.below(f"lone_{dimension}: place [cell]", away, 1.0e-10)
         # beside faces light nodes make stress of rounding, which in 3-D comes to 3.6e-5 of the modulus
         sheet.below(f"lone_{dimension}: stress over modulus",
-                    np.abs(last.fields["stress"]).max() / 79.0e9, 1.0e-4 if dimension == "3d" else 1.0e-12)
+                    np.abs(last.fields["stress"]).max() / 79.0e9,
+                    5.0e-4 if dimension == "3d" else 1.0e-12)
         sheet.below(f"lone_{dimension}: volume", np.abs(
             last.fields["volume"] / first.fields["volume"] - 1.0).max(), 1.0e-3)
         sheet.require(last.fields["failed"].max() == 0, f"lone_{dimension}: does not fail")

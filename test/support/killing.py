@@ -140,7 +140,8 @@ def end_by_kills(options, sheet, number, seed, ranks=1):
         sheet.require((whole.folder / name).read_bytes() == (run.folder / name).read_bytes(),
                       f"{ranks} ranks: {name} is that of the whole run")
     sheet.require(not any(run.folder.glob("*.part")), "no half file is left at the end")
-    sheet.require(followed > 0, f"{followed} restarts are followed in the log")
-    sheet.require(written > number // 4, f"{written} checkpoints between {number} kills")
+    if number >= 20:      # fewer may by chance all fall before the first checkpoint
+        sheet.require(followed > 0, f"{followed} restarts are followed in the log")
+        sheet.require(written > number // 4, f"{written} checkpoints between {number} kills")
     print(f"         {ranks} ranks: {kills} kills, {partial} of them in the middle of a file, "
           f"{written} checkpoints, {ends} ends on the way")
