@@ -2,7 +2,7 @@
 !> What a run will cost, said before it starts.
 module driver_check
    use base_kinds, only: int64, wp
-   use base_text, only: size_text
+   use base_text, only: number, size_text
    use driver_heat, only: conduction_step
    use driver_output, only: snapshot_bytes
    use driver_run, only: limits_t
@@ -37,11 +37,11 @@ contains
       text = grid_line(simulation, survey)//new_line("a")//points_text(bodies, survey) &
          //fields_text(simulation, survey) &
          //"step       first dt "//short(dt)//" s"//cause//"; about "// &
-         whole(nint(steps, int64))//" steps"// &
+         number(nint(steps, int64))//" steps"// &
          new_line("a")// &
          "memory     "//size_text(bytes)//" for particle and node fields, on all ranks together"// &
          new_line("a")// &
-         "output     "//whole(snapshots)//" snapshots, about "//size_text(real(snapshots, wp) &
+         "output     "//number(snapshots)//" snapshots, about "//size_text(real(snapshots, wp) &
          *real(survey%particles, wp)*snapshot_bytes)//"; a checkpoint "// &
          size_text(real(survey%particles, wp)*carried(simulation, survey))//new_line("a")
    end function cost_text
@@ -81,11 +81,11 @@ contains
       character(len=:), allocatable :: text
 
       associate (grid => simulation%grid)
-         text = "grid       "//whole(int(grid%cells(1), int64))//" x " &
-            //whole(int(grid%cells(2), int64))//" x "//whole(int(grid%cells(3), int64))//" = " &
-            //whole(grid%cell_count())//" cells of "//short(grid%spacing)//" m; tiles of " &
-            //whole(int(grid%tile_cells, int64))//" cells, "//whole(size(survey%key, kind=int64)) &
-            //" of "//whole(product(int(grid%tiles, int64)))//" hold particles"
+         text = "grid       "//number(grid%cells(1))//" x " &
+            //number(grid%cells(2))//" x "//number(grid%cells(3))//" = " &
+            //number(grid%cell_count())//" cells of "//short(grid%spacing)//" m; tiles of " &
+            //number(grid%tile_cells)//" cells, "//number(size(survey%key, kind=int64)) &
+            //" of "//number(product(int(grid%tiles, int64)))//" hold particles"
       end associate
    end function grid_line
 
@@ -96,10 +96,10 @@ contains
       character(len=:), allocatable :: text
       integer :: n
 
-      text = "points     "//whole(survey%particles)//" in "//whole(int(size(bodies), int64)) &
+      text = "points     "//number(survey%particles)//" in "//number(size(bodies)) &
          //" bodies"
       do n = 1, size(bodies)
-         text = text//merge(": ", ", ", n == 1)//bodies(n)%name//" "//whole(survey%body(n))
+         text = text//merge(": ", ", ", n == 1)//bodies(n)%name//" "//number(survey%body(n))
       end do
       text = text//new_line("a")
    end function points_text
@@ -112,7 +112,7 @@ contains
       type(wishes_t) :: wishes
       integer :: n, first, last
 
-      text = "fields     "//whole(int(base_bytes(simulation), int64))// &
+      text = "fields     "//number(base_bytes(simulation))// &
          " bytes a particle for identity, position, velocity, cell"
       if (allocated(simulation%stores(1)%body)) text = text//", body (there are several)"
       if (allocated(simulation%exact)) text = text//", reference (exact solution)"
@@ -129,8 +129,8 @@ contains
             first = last + 1
          end do
       end do
-      text = text//"           "//whole(nint(carried(simulation, survey), int64))// &
-         " bytes a particle carried, "//whole(nint(memory(simulation, survey) &
+      text = text//"           "//number(nint(carried(simulation, survey), int64))// &
+         " bytes a particle carried, "//number(nint(memory(simulation, survey) &
          /real(max(survey%particles, 1_int64), wp), &
          int64))//" with node fields and room to move"// &
          new_line("a")
@@ -222,23 +222,13 @@ contains
       dt = min(dt, longest)
    end subroutine least_step
 
-   !> A whole number as text.
-   pure function whole(number) result(text)
-      integer(int64), intent(in) :: number           !! Any
-      character(len=:), allocatable :: text
-      character(len=24) :: line
-
-      write (line, "(i0)") number
-      text = trim(line)
-   end function whole
-
    !> A number as short text.
-   pure function short(number) result(text)
-      real(wp), intent(in) :: number                 !! Any
+   pure function short(value) result(text)
+      real(wp), intent(in) :: value                  !! Any
       character(len=:), allocatable :: text
       character(len=24) :: line
 
-      write (line, "(es10.3)") number
+      write (line, "(es10.3)") value
       text = trim(adjustl(line))
    end function short
 end module driver_check

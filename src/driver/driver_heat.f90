@@ -19,7 +19,7 @@ module driver_heat
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use material_voids, only: expanded
-   use mesh_patch, only: assemble, ensure_patch
+   use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use transfer_places, only: places_t
@@ -216,7 +216,7 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       integer :: index, p, q
 
-      patch = 0.0_wp
+      call clear_patch(patch)
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
          associate (store => simulation%stores(index), places => scratch%places, &
@@ -249,7 +249,7 @@ contains
          call grid%node_volume(coordinate, around)
          call simulation%dual%cell_weights(grid, heat%total(:, :, tile), filled, around, &
             heat%weight(:, tile))
-         heat%share(:, :, tile) = 0.0_wp
+         call clear_patch(heat%share(:, :, tile))
          call simulation%dual%add_volume(grid, coordinate, heat%weight(:, tile), &
             heat%share(:, :, tile))
       end associate
@@ -264,7 +264,7 @@ contains
       associate (heat => simulation%conduction)
          call assemble(simulation%grid, simulation%tiles, heat%share, tile, heat%volume(:, :, tile))
          call as_vector(heat%temperature(:, :, tile), values)
-         heat%slope(:, :, tile) = 0.0_wp
+         call clear_patch(heat%slope(:, :, tile))
          call simulation%dual%add_gradient(simulation%grid, simulation%tiles%coordinate(:, tile), &
             heat%weight(:, tile), values, heat%slope(:, :, tile))
       end associate
@@ -290,7 +290,7 @@ contains
       real(wp), allocatable :: slope(:, :), wide(:, :)
       integer :: index, p, k
 
-      patch = 0.0_wp
+      call clear_patch(patch)
       call as_vector(simulation%conduction%temperature(:, :, tile), values)
       if (simulation%method%dual) call node_slope(simulation, tile, slope)
       allocate (wide(merge(dual_columns, motion_columns, simulation%method%dual), &
@@ -414,7 +414,7 @@ contains
          end do
          call divide(heat%volume(:, :, tile), 1, flux)
          call simulation%boundary%insulate(simulation%grid, coordinate, flux)
-         heat%push(:, :, tile) = 0.0_wp
+         call clear_patch(heat%push(:, :, tile))
          call simulation%dual%add_force(simulation%grid, coordinate, heat%weight(:, tile), &
             flux, heat%push(:, :, tile))
       end associate

@@ -325,6 +325,9 @@ contains
       real(wp) :: around(size(volume)), share, gain
       integer :: node
 
+      ! most tiles have no node that gains so much, and need no volumes
+      if (.not. dt**2*sqrt(maxval(acceleration(1, :)**2 + acceleration(2, :)**2 &
+         + acceleration(3, :)**2)) > small*grid%spacing) return
       call grid%node_volume(coordinate, around)
       do node = 1, size(volume)
          if (.not. volume(node) < light*around(node)) cycle

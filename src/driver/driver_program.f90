@@ -178,8 +178,11 @@ contains
       if (allocated(error)) return
       if (session%command%restart) then
          ! lines before the last one tell of files that were passed over
-         if (index(note, new_line("a")) > 0) call session%log%warn(note)
-         if (index(note, new_line("a")) == 0) call session%log%info(note)
+         if (index(note, new_line("a")) > 0) then
+            call session%log%warn(note)
+         else
+            call session%log%info(note)
+         end if
       else
          call fill_bodies(session, error)
       end if

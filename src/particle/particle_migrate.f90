@@ -9,7 +9,7 @@ module particle_migrate
    use mesh_grid, only: grid_t
    use mesh_tiles, only: tiles_t
    use particle_place, only: find_place
-   use particle_settle, only: row_packer_t, settle_tile, settler_t
+   use particle_settle, only: many, row_packer_t, settle_tile, settler_t
    use particle_store, only: moved_away, store_t
    implicit none
    private
@@ -17,7 +17,6 @@ module particle_migrate
    public :: migrate
 
    integer, parameter :: heading = 3                 !! Words before a row: store, key, cell
-   integer, parameter :: many = 1000                 !! Particles that are worth several threads
 
    !> Particles on their way to the tiles of this rank, all of one store.
    type :: newcomers_t

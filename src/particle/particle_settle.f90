@@ -9,7 +9,7 @@ module particle_settle
 
    public :: settle_tile, settler_t, row_packer_t
 
-   integer, parameter :: many = 1000                  !! Rows that are worth several threads
+   integer, parameter, public :: many = 1000          !! Particles that are worth several threads
 
    !> Packs listed particles into rows of whole numbers, reals bit by bit.
    type, extends(field_worker_t) :: row_packer_t
