@@ -42,9 +42,7 @@ FLIGHT = """
 def peak_memory(run, *options):
     """Greatest resident size of the program alone [MB], and its wall time [s]."""
     begin = time.time()
-    child = os.posix_spawn(str(run.scree), [str(word) for word in (
-        run.scree, "-q", "--case", run.name, "--outdir", run.folder, *options, run.deck)],
-        {**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"})
+    child = os.posix_spawn(str(run.scree), run.command("-q", *options), run.environment)
     _, status, usage = os.wait4(child, 0)
     run.code = os.waitstatus_to_exitcode(status)
     return usage.ru_maxrss / 1024, time.time() - begin

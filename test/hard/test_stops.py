@@ -47,13 +47,8 @@ def signals(options, sheet, digest):
     for ranks, number in ((1, signal.SIGUSR1), (1, signal.SIGTERM), (2, signal.SIGUSR1)):
         name = f"signal_{number.name}_{ranks}"
         run = case.Case(options, name, deck(), ranks=ranks)
-        command = [run.scree, "-q", "--case", name, "--outdir", run.folder, run.deck]
-        if ranks > 1:
-            command = ["mpiexec", "-n", str(ranks), *command]
         table = run.path("_history.csv")
-        child = subprocess.Popen([str(word) for word in command], cwd=run.folder,
-                                 env={**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"},
-                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        child = run.start("-q")
         for _ in range(1000):      # until some steps are done
             time.sleep(0.01)
             if child.poll() is not None or table.is_file() and table.stat().st_size > 4000:

@@ -9,15 +9,15 @@ last bit.
 """
 # timeout: 400
 
-import re
 import sys
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case     # noqa: E402
+import layouts  # noqa: E402
+import report   # noqa: E402
 
 LAYOUTS = ((1, 1), (1, 2), (2, 1), (3, 1), (2, 2))      # ranks, threads
 
@@ -50,17 +50,6 @@ BAR = """
 &body  name='right'  region='right'  material='al'  ppc=3,1,1  velocity=-300,0,0 /
 &boundary  face='xlo'  type='symmetry' /
 """
-
-
-def coarse_cloud(steps=150):
-    """The debris cloud with cells of twice the size, few particles and few steps."""
-    text = (case.ROOT / "input/debris_cloud/scene.nml").read_text(encoding="utf-8")
-    for old, new in ((r"dx *= *0\.155", "dx = 0.31"), (r"ppc *= *3, *1, *3", "ppc = 2,1,2"),
-                     (r"t_end *= *20\.0", f"t_end = 20.0  max_steps = {steps}"),
-                     (r"dt *= *1\.0 *\n", "count = 1\n")):
-        text, count = re.subn(old, new, text)
-        assert count, old
-    return text
 
 
 def checkpoint(run):
@@ -112,9 +101,9 @@ def main():
     """Cloud, block, bar; then the methods, restarts, and what must change the digest."""
     options = case.arguments()
     sheet = report.Report()
-    cloud = coarse_cloud()
+    cloud = layouts.coarse_cloud(150)
     run, digest = compare(options, sheet, "cloud", cloud)
-    start = case.Case(options, "cloud_start", coarse_cloud(0)).run("-q")
+    start = case.Case(options, "cloud_start", layouts.coarse_cloud(0)).run("-q")
     sheet.require(start.summary["digest"] != digest, "the cloud moves")
     restart(options, sheet, "cloud", cloud, digest, (1, 2), (3, 1), 77)
     echo = run.path(".echo.nml").read_text(encoding="utf-8")

@@ -64,13 +64,26 @@ class Case:
         self.deck = self.folder / f"{name}.nml"
         self.deck.write_text(deck, encoding="utf-8")
 
+    def command(self, *options):
+        """The words that run the program with further options."""
+        words = [self.scree, "--case", self.name, "--outdir", self.folder, *options, self.deck]
+        if self.ranks > 1:
+            words = ["mpiexec", "-n", self.ranks, *words]
+        return [str(word) for word in words]
+
+    @property
+    def environment(self):
+        """What the program finds in its environment."""
+        return {**os.environ, **OPEN_MPI, "OMP_NUM_THREADS": str(self.threads)}
+
+    def start(self, *options, **how):
+        """Start the program and do not wait; `how` goes to Popen."""
+        return subprocess.Popen(self.command(*options), env=self.environment, cwd=self.folder,
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **how)
+
     def run(self, *options, expect=0, timeout=250):
         """Run the program with further options; `expect` is the exit code, None takes any."""
-        command = [self.scree, "--case", self.name, "--outdir", self.folder, *options, self.deck]
-        if self.ranks > 1:
-            command = ["mpiexec", "-n", str(self.ranks), *command]
-        environment = {**os.environ, **OPEN_MPI, "OMP_NUM_THREADS": str(self.threads)}
-        answer = subprocess.run([str(word) for word in command], env=environment, timeout=timeout,
+        answer = subprocess.run(self.command(*options), env=self.environment, timeout=timeout,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                 cwd=self.folder)
         self.code, self.output = answer.returncode, answer.stdout

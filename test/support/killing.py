@@ -5,7 +5,6 @@ import os
 import random
 import re
 import signal
-import subprocess
 import time
 from pathlib import Path
 
@@ -24,17 +23,6 @@ DECK = """
 &output  name='p'  kind='particles'  dt=0.1 /
 &checkpoint  dt=0.02  keep=2 /
 """
-
-
-def start(run, options):
-    """Start the program and do not wait."""
-    command = [run.scree, "-q", "--case", run.name, "--outdir", run.folder, *options, run.deck]
-    if run.ranks > 1:
-        command = ["mpiexec", "-n", str(run.ranks), *command]
-    return subprocess.Popen([str(word) for word in command], cwd=run.folder,
-                            env={**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"},
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                            start_new_session=True)
 
 
 def family(root):
@@ -99,7 +87,7 @@ def end_by_kills(options, sheet, number, seed, ranks=1):
         resume = any(run.folder.glob("*_chk_*.h5"))
         run.path(".log").unlink(missing_ok=True)
         begin = time.time()
-        child = start(run, ["--restart"] if resume else [])
+        child = run.start("-q", *(["--restart"] if resume else []), start_new_session=True)
         if chance.random() < 0.7:
             wait_for_steps(run, child)
             time.sleep(chance.uniform(0.0, 0.5) * length)
