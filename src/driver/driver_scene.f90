@@ -31,11 +31,11 @@ contains
    !> Build grid, faces, materials, method and bodies; particles come later. Faults go into the
    !! deck's
    !! list of problems.
-   subroutine build_scene(deck, simulation, bodies)
+   subroutine build_scene(deck, simulation, bodies, shapes)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
-      type(named_shape_t), allocatable :: shapes(:)
+      type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
       type(traits_t) :: traits
       integer :: n
 
