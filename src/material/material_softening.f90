@@ -57,8 +57,8 @@ contains
       call schema%real("material", "fracture_energy", "energy that a crack takes per area: "// &
          "tensile strength falls as it opens, at a rate that goes with dx; without it "// &
          "strength is lost at once", unit="J/m2", range="> 0", owner=owner)
-      call schema%text("material", "softening", "how strength falls with the opening of a crack "// &
-         "that has a fracture_energy", default="linear", words="linear exponential", owner=owner)
+      call schema%text("material", "softening", "how strength falls with the opening of a "// &
+         "crack that has a fracture_energy", default="linear", words="linear exponential", owner=owner)
    end subroutine declare_softening
 
    !> Read the keys.
@@ -82,8 +82,8 @@ contains
    end subroutine softening_read
 
    !> Width of the band in cells that opens across an edge of the grid. Where the gradient of a cell
-   !! is that of its own nodes it is a cell. Smoother gradients drag particles of the cells beside it
-   !! along; the numbers are those that a bar needs (test/verify/crack).
+   !! is that of its own nodes it is a cell. Smoother gradients drag particles of the cells beside
+   !! it along; the numbers are those that a bar needs (test/verify/crack).
    pure real(wp) function band_width(run, method) result(width)
       type(group_t), intent(in) :: run               !! &run
       type(group_t), intent(in) :: method            !! &method
@@ -122,9 +122,9 @@ contains
          "cracks take either an energy or a time"
    end function softening_fault
 
-   !> What is wrong with moduli and cell size; empty if nothing is. In too large a cell the stress falls
-   !! while the cell itself springs back, and it releases more energy than the crack takes. The
-   !! limit is that of uniaxial stress and cracks in any direction.
+   !> What is wrong with moduli and cell size; empty if nothing is. In too large a cell the stress
+   !! falls while the cell itself springs back, and it releases more energy than the crack takes.
+   !! The limit is that of uniaxial stress and cracks in any direction.
    pure function softening_band_fault(self, run, grid) result(text)
       class(softening_t), intent(in) :: self         !! How strength falls
       type(group_t), intent(in) :: run               !! &run

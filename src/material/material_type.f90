@@ -130,7 +130,7 @@ contains
    end subroutine declare_models
 
    !> Make a material from its group. What the single keys cannot tell is checked here; the material
-   !> is complete only if the deck has no errors at all.
+   !> is complete only if neither it nor what it depends on has errors.
    subroutine material_read(self, deck, place)
       class(material_t), intent(out) :: self         !! The material
       type(deck_t), intent(inout) :: deck            !! The deck, notes what is wrong
@@ -149,12 +149,13 @@ contains
       call choose_models(self, group, effects)
       call check_moduli(self, group, deck)
       call check_models(self, group, effects, deck)
-      if (deck%errors() > 0) return
+      if (.not. (deck%sound("material", place) .and. deck%sound("effects") .and. &
+         deck%sound("method") .and. deck%sound("run"))) return
       call group%get("density", self%density)
       call read_moduli(self, group)
       call read_models(self, group, effects, deck%group("method"))
       call read_failure(self, group, effects, deck%group("run"), deck%group("method"))
-      if (.not. allocated(self%softening)) return
+      if (.not. (allocated(self%softening) .and. deck%sound("grid"))) return
       fault = self%softening%band_fault(deck%group("run"), deck%group("grid"))
       if (len(fault) > 0) call deck%complain(group, fault, "fracture_energy")
    end subroutine material_read
