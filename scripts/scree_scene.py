@@ -103,7 +103,7 @@ class Study:
         if self.draw:
             picture = self.picture if options.write else options.out / self.picture.name
             plot = scree_post.pyplot()
-            scree_post.save(self.draw(runs, plot), str(picture), 110)
+            scree_post.save(self.draw(runs, plot), str(picture), 85)
             print(picture)
         if options.write:
             self.write(text)
