@@ -52,7 +52,7 @@ def tables(runs):
 
 def draw(runs, plot):
     """The bed at three times, and the way of the ball."""
-    figure, panels = plot.subplots(1, 4, figsize=(11.0, 3.4), width_ratios=(1, 1, 1, 1.3), layout="constrained")
+    figure, panels = plot.subplots(1, 4, figsize=(11.0, 3.8), width_ratios=(1, 1, 1, 1.3), layout="constrained")
     run = runs["plane_strain_2.0"]
     for panel, moment in zip(panels, (0.0, 0.012, 0.05)):
         snap = run.near(moment)
@@ -65,13 +65,15 @@ def draw(runs, plot):
             panel.scatter(sign * r[ball], z[ball], s=0.8, c="#d55e00", linewidths=0)
         panel.set(title=f"{1e3 * snap.time:.0f} ms", aspect="equal", xlim=(-75, 75), ylim=(-100, 35), xlabel="r [mm]")
     panels[0].set_ylabel("z [mm]")
-    figure.colorbar(shown, ax=panels[:3], label="speed of the beads [m/s]", shrink=0.7)
+    figure.colorbar(shown, ax=panels[:3], label="speed of the beads [m/s]",
+                    location="bottom", shrink=0.6)
     for speed, colour in zip(SPEEDS, ("#0072b2", "#009e73", "#e69f00")):
         time, low, _ = path(runs[f"plane_strain_{speed}"])
         panels[3].plot(1e3 * time, 1e3 * low, color=colour, label=f"{speed:.0f} m/s")
         panels[3].axhline(-1e3 * fit(speed), color=colour, ls=":")
     panels[3].set(xlabel="time [ms]", ylabel="lowest point of the ball [mm]")
-    panels[3].legend(title="dotted: fit of measurements")
+    panels[3].set_title("dotted: fit of measurements")
+    panels[3].legend(loc="upper right")
     return figure
 
 
