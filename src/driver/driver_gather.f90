@@ -119,8 +119,8 @@ contains
       if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
       if (.not. simulation%method%dual) return
       if (parts%motion .and. simulation%repacks) call excess_fill(simulation%grid, &
-         simulation%boundary, simulation%tiles%coordinate(:, tile), simulation%nodes%filled(:, :, tile), &
-         simulation%nodes%volume(:, :, tile), view%excess)
+         simulation%boundary, simulation%tiles%coordinate(:, tile), &
+         simulation%nodes%filled(:, :, tile), simulation%nodes%volume(:, :, tile), view%excess)
       if (parts%strain .or. (parts%motion .and. simulation%method%transfer%affine())) &
          call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
       if (parts%work .and. simulation%carries_energy) &

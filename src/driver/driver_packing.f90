@@ -1,21 +1,21 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Volumes of loose matter from what the nodes see (`packing = 'grid'` of a material).
+!> Volumes of loose matter from what the nodes see (`volume_from = 'grid'` of a material).
 !!
-!! The volume of a particle follows the velocity gradient. Where matter comes apart and together again
-!! the gradient jumps between particles, and what it adds to a volume while a gap opens is not what it
-!! takes away while it closes: gaps that bear pressure are left, beside particles that stay too large.
-!! The fill of a node, the volume of the particles around it over its own, knows of both. Where it is
-!! below 1 pressed particles grow, at most to their volume without pressure, and so let the gap close;
-!! where it is above 1 loose ones shrink, at most to that volume. No volume is lost for good, as grains
-!! are never pressed by this. At nodes at the surface of bodies a fill below 1 says nothing,
-!! unless the matter is at a closed face and thins out towards it.
+!! The volume of a particle follows the velocity gradient. Where matter comes apart and together
+!! again the gradient jumps between particles, and what it adds to a volume while a gap opens is not
+!! what it takes away while it closes: gaps that bear pressure are left, beside particles that stay
+!! too large. The fill of a node, the volume of the particles around it over its own, knows of both.
+!! Where it is below 1 pressed particles grow, at most to their volume without pressure, and so let
+!! the gap close; where it is above 1 loose ones shrink, at most to that volume. Grains are never
+!! pressed by this. At the surface of bodies a fill below 1 says nothing, unless matter thins out
+!! towards a closed face.
 !!
 !! Particles of a cell share one gradient, so a pressed one keeps voids of a loose one beside it
 !! open. They even out: what one grows the other shrinks.
 !!
-!! A volume that remembers where it comes from is the remedy of A. P. Tampubolon and others, ACM Trans.
-!! Graph. 36 (2017) 105 for particles that carry an elastic strain; here, where the density gives the
-!! pressure, it is the gaps that have to be found.
+!! A volume that remembers where it comes from is the remedy of A. P. Tampubolon and others, ACM
+!! Trans. Graph. 36 (2017) 105 for particles that carry an elastic strain; here, where the density
+!! gives the pressure, it is the gaps that have to be found.
 module driver_packing
    use base_kinds, only: wp
    use driver_ledger, only: dissipated, ledger_t
@@ -28,8 +28,8 @@ module driver_packing
 
    public :: excess_fill, repack
 
-   !> Particles that lie irregularly make the fill waver. What is this near to 1 counts as 1: with less,
-   !! grains would be packed until the lowest of all fills is 1, and the mean above it.
+   !> Particles that lie irregularly make the fill waver. What is this near to 1 counts as 1: with
+   !! less, grains would be packed until the lowest of all fills is 1, and the mean above it.
    real(wp), parameter :: noise = 5.0e-2_wp
 
 contains
@@ -75,6 +75,8 @@ contains
       associate (matter => store%matter)
          loose = matter%mass(first:last)/material%density
          if (allocated(matter%plastic_dilation)) then
+            ! Not with vectors: their exponentials differ in the last bits from those of the rest.
+            !GCC$ novector
             do p = 1, size(loose)
                loose(p) = loose(p)*exp(matter%plastic_dilation(first + p - 1))
             end do

@@ -44,6 +44,7 @@ contains
       call read_grid(deck, simulation)
       call read_materials(deck, simulation)
       if (deck%errors() > 0) return
+      call check_volumes(deck, simulation)
       call read_boundary(deck, simulation)
       simulation%grid%margin = simulation%method%margin()
       call simulation%grid%start(block_of(deck))
@@ -145,6 +146,19 @@ contains
          end do
       end associate
    end subroutine read_boundary
+
+   !> The fill of nodes, which corrects volumes, is found with the dual gradient.
+   subroutine check_volumes(deck, simulation)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
+      integer :: n
+
+      if (simulation%method%dual) return
+      do n = 1, size(simulation%materials)
+         if (simulation%materials(n)%repacks) call deck%complain("material", n, &
+            "volume_from = 'grid' needs method = 'ddmp' in &run; remove it", "volume_from")
+      end do
+   end subroutine check_volumes
 
    !> Node functions that reach beyond a cell must not meet themselves round a periodic box.
    subroutine check_periodic(deck, grid)

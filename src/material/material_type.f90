@@ -84,9 +84,9 @@ contains
       call schema%words("material", "damage_model", damage_names)
       call schema%real("material", "spall", "greatest tension; with &effects damage a particle "// &
          "that reaches it fails", unit="Pa", range="> 0")
-      call schema%text("material", "packing", "volume of loose matter: motion, that of its "// &
+      call schema%text("material", "volume_from", "volume of loose matter: motion, that of its "// &
          "motion; grid, corrected where nodes see gaps or too many particles", &
-         default="motion", words="motion grid", owner="run.method = ddmp & effects.eos & "// &
+         default="motion", words="motion grid", owner="effects.eos & "// &
          "effects.strength & strength_model = drucker_prager mohr_coulomb mu_i")
    end subroutine declare_elasticity
 
@@ -173,7 +173,7 @@ contains
       end if
       call group%get("eos_model", word)
       if (effects%eos .and. .not. gives_whole(material)) call choose_eos(word, material%eos)
-      call group%get("packing", word)
+      call group%get("volume_from", word)
       material%repacks = word == "grid"
       call group%get("damage_model", word)
       if (effects%damage) call choose_damage(word, material%damage)
@@ -296,11 +296,11 @@ contains
 
       if (.not. material%repacks) return
       if (effects%voids) call deck%complain(group, "&effects voids has volumes of its own; "// &
-         "remove packing = 'grid' or voids", "packing")
+         "remove volume_from = 'grid' or voids", "volume_from")
       if (.not. group%given("cohesion")) return
       call group%get("cohesion", cohesion)
-      if (cohesion > 0.0_wp) call deck%complain(group, "packing = 'grid' is for grains without "// &
-         "cohesion; remove one of both", "packing")
+      if (cohesion > 0.0_wp) call deck%complain(group, "volume_from = 'grid' is for grains "// &
+         "without cohesion; remove one of both", "volume_from")
    end subroutine check_packing
 
    !> Failure that fits the law and the effects.

@@ -121,11 +121,14 @@ ORPHANS = [
      "&boundary: friction must be given (coefficient of friction of the wall)"),
     ("plain", "&time", "&method basis = 'gimp' /\n&time", 3,
      "&method: basis = 'gimp' needs method = 'mpm' in &run; ddmp has linear functions"),
-    ("plain", "poisson = 0.3", "poisson = 0.3 packing = 'grid'", 5,
-     "&material 'metal': packing given but strength_model = 'elastic' does not use it"),
+    ("plain", "poisson = 0.3", "poisson = 0.3 volume_from = 'grid'", 5,
+     "&material 'metal': volume_from given but strength_model = 'elastic' does not use it"),
     ("plain", "poisson = 0.3", "poisson = 0.3 strength_model = 'drucker_prager' friction_angle = 30 "
-     "cohesion = 1 packing = 'grid'", 5,
-     "&material 'metal': packing = 'grid' is for grains without cohesion; remove one of both"),
+     "cohesion = 1 volume_from = 'grid'", 5,
+     "&material 'metal': volume_from = 'grid' is for grains without cohesion; remove one of both"),
+    ("plain", "poisson = 0.3", "poisson = 0.3 strength_model = 'mohr_coulomb' friction_angle = 30 "
+     "volume_from = 'grid' /\n&run method = 'mpm'", 5,
+     "&material 'metal': volume_from = 'grid' needs method = 'ddmp' in &run; remove it"),
     ("plain", "&time", "&method transfer = 'pic' flip = 0.9 /\n&time", 3,
      "&method: flip given but transfer = 'pic' does not use it"),
     ("plain", "&time", "&method order_k = 3 /\n&time", 3,

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A clamped beam of nearly incompressible matter bends under its weight.
 
-Would catch: cells that lock (without the cure the tip falls 40 % too little at nu = 0.49 with four cells across), a cure
-that takes the stiffness of bending, pressure that jumps from cell to cell.
+Would catch: cells that lock (without the cure the tip falls 40 % too little at nu = 0.49 with four cells across), a
+cure that takes the stiffness of bending, pressure that jumps from cell to cell.
 
 5 x 1 m, E = 1 MPa, 1000 kg/m3, plane strain, small deflection. The reference is in beams.py: finite elements that
 do not lock for the deflection at rest, the modes of a beam for the first swing. With antilock = 'bbar' the tip falls
-further than that by 6.1, 5.7, 5.7 % at nu = 0.3, 0.49, 0.499 with four cells across and by 1.9, 1.7 % with eight; method =
-'mpm' by 1.9 % with four. Limits: 7 % and 2 %; jumps of pressure 8 % and 5 %. test_bending_study.py goes to 0.4999.
+further than that by 6.1, 5.7, 5.6 % at nu = 0.3, 0.49, 0.499 with four cells across and by 1.9, 1.7, 1.6 % with eight;
+with method = 'mpm' by 1.9 % with four. Limits: 7 % and 2 %; jumps of pressure 8 % and 5 %. test_bending_study.py goes
+to 0.4999.
 """
 # timeout: 120
 
