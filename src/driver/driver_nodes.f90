@@ -17,8 +17,9 @@ module driver_nodes
 
    public :: node_gradient, book_push, divide, dual_fields, ensure_weights, move_nodes, remap_nodes
 
-   !> Nodes with less mass than this are empty; far below any mass, far above underflow.
-   real(wp), parameter, public :: empty_mass = 1.0e-200_wp
+   !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
+   !! divides stays finite.
+   real(wp), parameter, public :: empty_mass = 1.0e-290_wp
 
 contains
 
