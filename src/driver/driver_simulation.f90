@@ -53,7 +53,7 @@ module driver_simulation
       !> Patch (9): node gradient of strain [m3/s]; before the nodes move, sums of the stresses [J]
       real(wp), allocatable :: gradient(:, :, :)
       real(wp), allocatable :: middle(:, :, :) !! Patch (9): that of the mid-step velocity [m3/s]
-      !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): sum of the first
+      !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): first sum
       real(wp), allocatable :: heat(:, :, :), flux(:, :, :), warmth(:, :, :)
    end type nodes_t
 
