@@ -121,6 +121,20 @@ ORPHANS = [
      "&boundary: friction must be given (coefficient of friction of the wall)"),
     ("plain", "&time", "&method basis = 'gimp' /\n&time", 3,
      "&method: basis = 'gimp' needs method = 'mpm' in &run; ddmp has linear functions"),
+    ("plain", "poisson = 0.3", "poisson = 0.3 volume_from = 'grid'", 5,
+     "&material 'metal': volume_from given but strength_model = 'elastic' does not use it"),
+    ("plain", "poisson = 0.3", "poisson = 0.3 strength_model = 'drucker_prager' friction_angle = 30 "
+     "cohesion = 1 volume_from = 'grid'", 5,
+     "&material 'metal': volume_from = 'grid' is for grains without cohesion; remove one of both"),
+    ("plain", "'plane_strain' /\n&grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /\n&time t_end = 1e-5 /\n"
+     "&material", "'plane_strain' method = 'mpm' /\n&grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /\n"
+     "&time t_end = 1e-5 /\n&material strength_model = 'mohr_coulomb' friction_angle = 30 "
+     "volume_from = 'grid'", 4,
+     "&material 'metal': volume_from = 'grid' needs method = 'ddmp' in &run; remove it"),
+    ("plain", "&time", "&effects artificial_viscosity = F /\n&method heat_flux = 2 /\n&time", 4,
+     "&method: heat_flux needs &effects artificial_viscosity = .true."),
+    ("plain", "&time", "&method heat_flux = 2 /\n&time", 3,
+     "&method: no material carries an internal energy; remove heat_flux"),
     ("plain", "&time", "&method transfer = 'pic' flip = 0.9 /\n&time", 3,
      "&method: flip given but transfer = 'pic' does not use it"),
     ("plain", "&time", "&method order_k = 3 /\n&time", 3,
