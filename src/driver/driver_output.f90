@@ -153,21 +153,25 @@ contains
    end subroutine plan_snapshots
 
    !> Open the streams; after a restart what was written later than the checkpoint is cut away.
-   subroutine outputs_open(self, simulation, restarted, error)
+   subroutine outputs_open(self, simulation, restarted, note, error)
       class(outputs_t), intent(inout) :: self        !! The streams
       type(simulation_t), intent(inout) :: simulation !! The run
       logical, intent(in) :: restarted               !! Does the run go on from a checkpoint?
+      character(len=:), allocatable, intent(out) :: note !! Snapshots left out, or empty
       type(error_t), allocatable, intent(out) :: error !! A file cannot be written
       character(len=column_width) :: columns(entries + 8 &
          + merge(size(error_columns), 0, allocated(simulation%exact)))
+      character(len=:), allocatable :: left_out
       integer :: n
 
+      note = ""
       columns(:entries + 8) = column_names()
       if (allocated(simulation%exact)) columns(entries + 9:) = error_columns
       do n = 1, size(self%snapshots)
          call self%snapshots(n)%series%open(simulation%communicator, self%folder, &
-            self%snapshots(n)%prefix, self%snapshots(n)%next, error)
+            self%snapshots(n)%prefix, self%snapshots(n)%next, left_out, error)
          if (allocated(error)) return
+         note = note//left_out
       end do
       do n = 1, size(self%histories)
          call self%histories(n)%file%open(simulation%communicator, self%histories(n)%path, &
