@@ -50,7 +50,8 @@ def main():
             ("empty", lambda path, whole: path.write_bytes(b"")),
             ("another kind of file", lambda path, whole: path.write_bytes(b"x" * len(whole)))):
         code, told, listed, count = restart(options, sheet, label, damage)
-        sheet.require(code == 0 and told and not listed, f"{label}: exit code {code}, the snapshot is named and left out")
+        sheet.require(code == 0 and told and not listed,
+                      f"{label}: exit code {code}, the snapshot is named and left out")
         sheet.require(count == 8, f"{label}: the other snapshots stay, {count} of 9")
     code, told, listed, count = restart(options, sheet, "whole", lambda path, whole: None)
     sheet.require(code == 0 and not told and listed and count == 9, "without damage all are listed")
