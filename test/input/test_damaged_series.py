@@ -2,7 +2,7 @@
 """Snapshots with damage do not keep a run from going on: they are named, left out of the series, and a later restart
 that finds them whole again has them back.
 
-Would catch: a restart that a truncated, empty or scribbled snapshot stops or kills, one that is left out without a word,
+Would catch: a restart that a truncated, empty or scribbled snapshot stops or kills, one left out without a word,
 and a series that still names it.
 """
 
