@@ -1,0 +1,525 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Contact between bodies that have velocity fields of their own, on the nodes that several of them
+!! share. See doc/theory/contact.md.
+!!
+!! Particles give the nodes their outward areas, A_i = sum V_p grad S_i, which vanish inside of a
+!! body, and with the normals that follow how far they reach; both travel between ranks as patches.
+!! The rest is done node by node, on ghosts as well, so ranks do not matter.
+module driver_contact
+   use base_kinds, only: wp
+   use driver_cost, only: book_cost, cost_clock
+   use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use driver_nodes, only: empty_mass
+   use driver_scatter, only: find_places
+   use driver_simulation, only: contact_t, scratch_t, simulation_t
+   use mesh_patch, only: assemble, assemble_greatest, clear_patch, ensure_patch
+   use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
+   use transfer_contact, only: bond_traction, contact_bonded, pair_law_t, particle_widths, &
+      push_apart, spread_reach, state_bonded, state_closed, state_open
+   use transfer_scatter, only: motion_columns
+   implicit none
+   private
+
+   public :: break_bonds, find_surfaces, touch_bodies
+
+   real(wp), parameter :: slack = 1.0e-3_wp          !! Gap that counts as none, in cells
+   real(wp), parameter :: bond_reach = 0.5_wp        !! Widest gap of a bond, in cells
+   real(wp), parameter :: held = 0.5_wp              !! Share of the mass that must hold in a bond
+   real(wp), parameter :: faint = 1.0e-9_wp          !! Areas below this have no direction, in faces
+
+contains
+
+   !> Outward areas of the bodies on the nodes, and how far they reach there.
+   subroutine find_surfaces(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run; fields have their masses
+      integer :: fields, rows
+
+      fields = size(simulation%contact%field)
+      rows = area_rows(simulation%contact)*fields
+      call simulation%timer%start(simulation%phase%contact)
+      call find_meetings(simulation)
+      associate (contact => simulation%contact, number => simulation%grid%tile_nodes)
+         call ensure_patch(contact%outward, rows, number, simulation%tiles%own)
+         call spread(simulation, spread_area, contact%outward)
+         call ensure_patch(contact%area, rows, number, simulation%tiles%all)
+         call sum_areas(simulation)
+         call ensure_patch(contact%reach, fields*fields, number, simulation%tiles%own)
+         call spread(simulation, spread_places, contact%reach)
+      end associate
+      call simulation%timer%stop(simulation%phase%contact)
+   end subroutine find_surfaces
+
+   !> Rows of the patch of areas, for one field.
+   pure integer function area_rows(contact) result(rows)
+      type(contact_t), intent(in) :: contact         !! With bonds or without
+
+      rows = merge(4, 3, contact%bonded)
+   end function area_rows
+
+   !> Own tiles with nodes that several fields share.
+   subroutine find_meetings(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: tile, field
+      integer :: here(simulation%grid%tile_nodes)
+
+      if (allocated(simulation%contact%meets)) then
+         if (size(simulation%contact%meets) < simulation%tiles%all) &
+            deallocate (simulation%contact%meets)
+      end if
+      if (.not. allocated(simulation%contact%meets)) allocate (simulation%contact%meets( &
+         simulation%tiles%all + simulation%tiles%all/16))
+      !$omp parallel do default(none) shared(simulation) private(tile, field, here) schedule(static)
+      do tile = 1, simulation%tiles%all
+         here = 0
+         do field = 1, size(simulation%contact%field)
+            where (simulation%contact%field(field)%nodes%mass(1, :, tile) > empty_mass) &
+               here = here + 1
+         end do
+         simulation%contact%meets(tile) = any(here > 1)
+      end do
+      !$omp end parallel do
+   end subroutine find_meetings
+
+   !> Something of the particles to patches, and the patches of other ranks.
+   subroutine spread(simulation, work, patch)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      interface
+         subroutine work(simulation, scratch, tile, patch)
+            import :: scratch_t, simulation_t, wp
+            implicit none
+            type(simulation_t), intent(in) :: simulation
+            type(scratch_t), intent(inout) :: scratch
+            integer, intent(in) :: tile
+            real(wp), contiguous, intent(inout) :: patch(:, :)
+         end subroutine work
+      end interface
+      real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (row, node, tile)
+      integer, allocatable :: tiles(:)
+      real(wp) :: began
+      integer :: part, n
+
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, tiles, patch) private(n, began) &
+         !$omp schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            began = cost_clock(simulation)
+            call work(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+               patch(:, :, tiles(n)))
+            call book_cost(simulation, tiles(n), began)
+         end do
+         !$omp end parallel do
+         call pass_patches(simulation, part, patch)
+      end do
+   end subroutine spread
+
+   !> Outward areas of the particles of a tile: what they would push the nodes with under unit
+   !! pressure. With bonds also the mass of those that hold.
+   subroutine spread_area(simulation, scratch, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
+      real(wp) :: wide(motion_columns, simulation%grid%tile_nodes)
+      integer :: field, index, rows, before
+
+      call clear_patch(patch)
+      if (.not. simulation%contact%meets(tile)) return
+      rows = area_rows(simulation%contact)
+      do field = 1, size(simulation%contact%field)
+         before = rows*(field - 1)
+         call clear_patch(wide)
+         do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+            if (simulation%stores(index)%count(tile) == 0) cycle
+            associate (store => simulation%stores(index), grid => simulation%grid, &
+               basis => simulation%method%basis, pushed => scratch%pushed, &
+               start => simulation%stores(index)%cell_start(:, tile))
+               call find_places(simulation, scratch, store, tile)
+               call pushed%copy(store%first(tile), store%count(tile), store%position, &
+                  store%matter%volume, store%matter%stress)
+               call pushed%make_unit(store%count(tile))
+               call basis%spread_stress(grid, start, 1, scratch%places, pushed%volume, &
+                  pushed%stress, wide)
+               if (grid%axisymmetric) call basis%scatter_hoop(grid, start, 1, scratch%places, &
+                  pushed%position, pushed%volume, pushed%stress, wide)
+               if (allocated(store%bond)) then
+                  call hold(store, tile, scratch%places%values)
+                  call basis%spread(grid, start, scratch%places, 1, scratch%places%values, &
+                     before + 3, patch)
+               end if
+            end associate
+         end do
+         patch(before + 1:before + 3, :) = -wide(5:7, :)
+      end do
+   end subroutine spread_area
+
+   !> Mass of the particles of a tile whose bonds hold, in the first column.
+   pure subroutine hold(store, tile, values)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(inout) :: values(:, :)        !! (particle of the tile, column) [kg]
+      integer :: p, q
+
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         values(p, 1) = store%matter%mass(q)*store%bond(q)
+      end do
+   end subroutine hold
+
+   !> Areas of the nodes of all tiles; faces of the box are no surfaces.
+   subroutine sum_areas(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: tile
+
+      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+      do tile = 1, simulation%tiles%all
+         call sum_tile(simulation, tile)
+      end do
+      !$omp end parallel do
+   end subroutine sum_areas
+
+   !> One tile.
+   subroutine sum_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: tensor(9, simulation%grid%tile_nodes)
+      integer :: field, before, k
+
+      if (.not. simulation%contact%meets(tile)) return
+      associate (contact => simulation%contact)
+         call assemble(simulation%grid, simulation%tiles, contact%outward, tile, &
+            contact%area(:, :, tile))
+         do field = 1, size(contact%field)
+            before = area_rows(contact)*(field - 1)
+            tensor = 0.0_wp
+            do k = 1, 3
+               tensor(3*k - 2, :) = contact%area(before + k, :, tile)
+            end do
+            call simulation%boundary%insulate(simulation%grid, &
+               simulation%tiles%coordinate(:, tile), tensor)
+            do k = 1, 3
+               contact%area(before + k, :, tile) = tensor(3*k - 2, :)
+            end do
+         end do
+      end associate
+   end subroutine sum_tile
+
+   !> Mean outward area of one field against another, at the nodes where both are: half of the
+   !! difference, so that it changes its sign with the fields [m2].
+   pure function mean_area(contact, tile, node, a, b) result(area)
+      type(contact_t), intent(in) :: contact         !! The fields
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: node                    !! Which node
+      integer, intent(in) :: a, b                    !! From which field to which
+      real(wp) :: area(3)
+      integer :: rows
+
+      rows = area_rows(contact)
+      area = 0.5_wp*(contact%area(rows*(a - 1) + 1:rows*(a - 1) + 3, node, tile) &
+         - contact%area(rows*(b - 1) + 1:rows*(b - 1) + 3, node, tile))
+   end function mean_area
+
+   !> Its direction; nothing where it is too small to have one.
+   pure function direction_of(simulation, area) result(normal)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      real(wp), intent(in) :: area(3)                !! [m2]
+      real(wp) :: normal(3), length
+
+      normal = 0.0_wp
+      length = norm2(area)
+      if (length > faint*simulation%grid%depth &
+         *simulation%grid%spacing**(simulation%grid%dimensions - 1)) normal = area/length
+   end function direction_of
+
+   !> How far the particles of a tile reach towards each other field.
+   subroutine spread_places(simulation, scratch, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (pair, node)
+      real(wp) :: normal(3, simulation%grid%tile_nodes), reach(simulation%grid%tile_nodes)
+      integer :: a, b, fields
+
+      patch = -huge(1.0_wp)
+      if (.not. simulation%contact%meets(tile)) return
+      fields = size(simulation%contact%field)
+      do a = 1, fields
+         do b = 1, fields
+            if (a == b) cycle
+            call find_normals(simulation, tile, a, b, normal)
+            if (.not. any(abs(normal) > 0.0_wp)) cycle
+            reach = -huge(1.0_wp)
+            call reach_of_field(simulation, scratch, tile, a, normal, reach)
+            patch(fields*(a - 1) + b, :) = reach
+         end do
+      end do
+   end subroutine spread_places
+
+   !> Normals from one field to another at the nodes of a tile where both have mass.
+   subroutine find_normals(simulation, tile, a, b, normal)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: a, b                    !! From which field to which
+      real(wp), intent(out) :: normal(:, :)          !! (3, node) 0 where they do not meet [1]
+      integer :: node
+
+      normal = 0.0_wp
+      associate (contact => simulation%contact)
+         do node = 1, size(normal, 2)
+            if (.not. contact%field(a)%nodes%mass(1, node, tile) > empty_mass) cycle
+            if (.not. contact%field(b)%nodes%mass(1, node, tile) > empty_mass) cycle
+            normal(:, node) = direction_of(simulation, mean_area(contact, tile, node, a, b))
+         end do
+      end associate
+   end subroutine find_normals
+
+   !> How far the particles of one field in a tile reach along the normals.
+   subroutine reach_of_field(simulation, scratch, tile, field, normal, reach)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: field                   !! Which field
+      real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
+      real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
+      integer :: index
+
+      do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         associate (store => simulation%stores(index), grid => simulation%grid, &
+            start => simulation%stores(index)%cell_start(:, tile), &
+            coordinate => simulation%tiles%coordinate(:, tile))
+            call scratch%places%reserve(store%count(tile))
+            call particle_widths(grid, store%first(tile), store%count(tile), store%position, &
+               store%matter%volume, scratch%places%values(:, 1))
+            call spread_reach(grid, grid%tile_corner(coordinate), start, store%first(tile), &
+               store%position, scratch%places%values(:, 1), normal, reach)
+         end associate
+      end do
+   end subroutine reach_of_field
+
+   !> Let the bodies push each other at all nodes that they share: that changes their accelerations
+   !! and the velocities that strain.
+   subroutine touch_bodies(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run; surfaces are known
+      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      real(wp) :: began
+      integer :: tile, field
+
+      call simulation%timer%start(simulation%phase%contact)
+      do field = 1, size(simulation%contact%field)
+         call ensure_patch(simulation%contact%field(field)%nodes%rubbed, 1, &
+            simulation%grid%tile_nodes, simulation%tiles%all)
+      end do
+      if (simulation%contact%bonded) call ensure_broken(simulation)
+      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) &
+      !$omp schedule(dynamic, 1)
+      do tile = 1, simulation%tiles%all
+         began = cost_clock(simulation)
+         call touch_tile(simulation, tile, dt)
+         call book_cost(simulation, tile, began)
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%contact)
+   end subroutine touch_bodies
+
+   !> Make room for the bonds that break.
+   subroutine ensure_broken(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      associate (contact => simulation%contact, all => simulation%tiles%all)
+         if (allocated(contact%broken)) then
+            if (size(contact%broken, 3) < all) deallocate (contact%broken)
+         end if
+         if (.not. allocated(contact%broken)) allocate (contact%broken(size(contact%field), &
+            simulation%grid%tile_nodes, all + all/16))
+      end associate
+   end subroutine ensure_broken
+
+   !> One tile.
+   subroutine touch_tile(simulation, tile, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      real(wp) :: greatest(size(simulation%contact%field)**2, simulation%grid%tile_nodes)
+      integer :: who(size(simulation%contact%field)), node, field, here
+
+      do field = 1, size(simulation%contact%field)
+         simulation%contact%field(field)%nodes%rubbed(:, :, tile) = 0.0_wp
+      end do
+      if (simulation%contact%bonded) simulation%contact%broken(:, :, tile) = .false.
+      if (.not. simulation%contact%meets(tile)) return
+      call assemble_greatest(simulation%grid, simulation%tiles, simulation%contact%reach, tile, &
+         greatest)
+      do node = 1, simulation%grid%tile_nodes
+         here = 0
+         do field = 1, size(who)
+            if (.not. simulation%contact%field(field)%nodes%mass(1, node, tile) > empty_mass) cycle
+            here = here + 1
+            who(here) = field
+         end do
+         if (here > 1) call touch_node(simulation, tile, node, who(:here), greatest(:, node), dt)
+      end do
+   end subroutine touch_tile
+
+   !> One node where several fields have mass.
+   subroutine touch_node(simulation, tile, node, who, reach, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: node                    !! Which node
+      integer, intent(in) :: who(:)                  !! The fields, ascending
+      real(wp), intent(in) :: reach(:)               !! (pair) How far they reach [m]
+      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      real(wp) :: mass(size(who)), velocity(3, size(who)), push(3, size(who), size(who))
+      real(wp) :: area(3, size(who), size(who)), normal(3, size(who), size(who))
+      integer :: state(size(who), size(who)), a, b
+      logical :: again
+
+      call survey_node(simulation, tile, node, who, reach, area, normal, state)
+      if (all(state == state_open)) return
+      associate (field => simulation%contact%field, law => simulation%contact%law(who, who))
+         do a = 1, size(who)
+            mass(a) = field(who(a))%nodes%mass(1, node, tile)
+            velocity(:, a) = field(who(a))%nodes%strain(:, node, tile)
+         end do
+         call push_apart(mass, velocity, normal, state, law, push)
+         again = .false.
+         do b = 2, size(who)
+            do a = 1, b - 1
+               if (state(a, b) /= state_bonded) cycle
+               if (.not. bond_traction(push(:, a, b), normal(:, a, b), area(:, a, b), dt) &
+                  > law(a, b)%strength) cycle
+               state(a, b) = state_closed
+               simulation%contact%broken(who(a), node, tile) = .true.
+               simulation%contact%broken(who(b), node, tile) = .true.
+               again = .true.
+            end do
+         end do
+         if (again) call push_apart(mass, velocity, normal, state, law, push)
+      end associate
+      call give_push(simulation%contact, tile, node, who, mass, push, dt)
+   end subroutine touch_node
+
+   !> How the fields at a node lie to each other.
+   subroutine survey_node(simulation, tile, node, who, reach, area, normal, state)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: node                    !! Which node
+      integer, intent(in) :: who(:)                  !! The fields, ascending
+      real(wp), intent(in) :: reach(:)               !! (pair) How far they reach [m]
+      real(wp), intent(out) :: area(:, :, :)         !! (3, a, b) Between two, for a < b [m2]
+      real(wp), intent(out) :: normal(:, :, :)       !! (3, a, b) Its direction [1]
+      integer, intent(out) :: state(:, :)            !! (a, b) How near they are, for a < b
+      real(wp) :: gap
+      integer :: a, b, fields
+
+      state = state_open
+      area = 0.0_wp
+      normal = 0.0_wp
+      associate (contact => simulation%contact)
+         fields = size(contact%field)
+         do b = 2, size(who)
+            do a = 1, b - 1
+               area(:, a, b) = mean_area(contact, tile, node, who(a), who(b))
+               normal(:, a, b) = direction_of(simulation, area(:, a, b))
+               if (all(abs(normal(:, a, b)) <= 0.0_wp)) cycle
+               if (min(reach(fields*(who(a) - 1) + who(b)), reach(fields*(who(b) - 1) + who(a))) &
+                  <= -huge(gap)) cycle
+               gap = -(reach(fields*(who(a) - 1) + who(b)) + reach(fields*(who(b) - 1) + who(a))) &
+                  /simulation%grid%spacing
+               if (gap <= slack) state(a, b) = state_closed
+               if (contact%law(who(a), who(b))%kind /= contact_bonded) cycle
+               if (gap <= bond_reach .and. holds(contact, tile, node, who(a)) .and. &
+                  holds(contact, tile, node, who(b))) state(a, b) = state_bonded
+            end do
+         end do
+      end associate
+   end subroutine survey_node
+
+   !> Do the bonds of most of the mass of a field at a node hold?
+   pure logical function holds(contact, tile, node, field) result(most)
+      type(contact_t), intent(in) :: contact         !! The fields
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: node                    !! Which node
+      integer, intent(in) :: field                   !! Which field
+
+      most = contact%area(4*field, node, tile) > &
+         held*contact%field(field)%nodes%mass(1, node, tile)
+   end function holds
+
+   !> Give the fields at a node what pushes them. The work that the pushes take from all of them
+   !! together becomes heat, the same for each mass.
+   subroutine give_push(contact, tile, node, who, mass, push, dt)
+      type(contact_t), intent(inout) :: contact      !! The fields
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: node                    !! Which node
+      integer, intent(in) :: who(:)                  !! The fields
+      real(wp), intent(in) :: mass(:)                !! (field of who) [kg]
+      real(wp), intent(in) :: push(:, :, :)          !! (3, a, b) On b, for a < b [kg m/s]
+      real(wp), intent(in) :: dt                     !! Time that it takes [s]
+      real(wp) :: total(3), lost
+      integer :: a, b
+
+      lost = 0.0_wp
+      do a = 1, size(who)
+         total = 0.0_wp
+         do b = 1, size(who)
+            if (b < a) total = total + push(:, b, a)
+            if (b > a) total = total - push(:, a, b)
+         end do
+         associate (nodes => contact%field(who(a))%nodes)
+            nodes%strain(:, node, tile) = nodes%strain(:, node, tile) + total/mass(a)
+            nodes%acceleration(:, node, tile) = nodes%acceleration(:, node, tile) &
+               + total/(dt*mass(a))
+            lost = lost - dot_product(total, nodes%velocity(:, node, tile) &
+               + 0.5_wp*dt*nodes%acceleration(:, node, tile))
+         end associate
+      end do
+      do a = 1, size(who)
+         contact%field(who(a))%nodes%rubbed(1, node, tile) = lost/sum(mass)
+      end do
+   end subroutine give_push
+
+   !> Let the bonds of particles break whose nearest node broke in this step. The particles are
+   !! where they were when they gave their masses.
+   subroutine break_bonds(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run, bonds can break
+      integer :: tile, field, index
+
+      !$omp parallel do default(none) shared(simulation) private(tile, field, index) &
+      !$omp schedule(dynamic, 1)
+      do tile = 1, simulation%tiles%own
+         do field = 1, size(simulation%contact%field)
+            if (.not. any(simulation%contact%broken(field, :, tile))) cycle
+            do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+               if (.not. allocated(simulation%stores(index)%bond)) cycle
+               call break_tile(simulation, simulation%scratch(omp_get_thread_num()), &
+                  simulation%contact%broken(field, :, tile), tile, simulation%stores(index))
+            end do
+         end do
+      end do
+      !$omp end parallel do
+   end subroutine break_bonds
+
+   !> One store in one tile.
+   subroutine break_tile(simulation, scratch, broken, tile, store)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      logical, intent(in) :: broken(:)               !! (node)
+      integer, intent(in) :: tile                    !! Which tile
+      type(store_t), intent(inout) :: store          !! The particles
+      integer :: cell, p, q, node, upper(3)
+
+      call find_places(simulation, scratch, store, tile)
+      associate (grid => simulation%grid, start => store%cell_start(:, tile))
+         do cell = 0, grid%tile_cells - 1
+            do p = start(cell) + 1, start(cell + 1)
+               q = store%first(tile) + p - 1
+               upper = merge(1, 0, grid%active .and. scratch%places%local(p, :) > 0.5_wp)
+               node = grid%first_node(cell) + dot_product(upper, grid%stride)
+               if (broken(node)) store%bond(q) = 0.0_wp
+            end do
+         end do
+      end associate
+   end subroutine break_tile
+end module driver_contact
