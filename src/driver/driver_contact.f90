@@ -11,7 +11,7 @@ module driver_contact
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_nodes, only: empty_mass
    use driver_scatter, only: find_places
-   use driver_simulation, only: contact_t, scratch_t, simulation_t
+   use driver_simulation, only: contact_t, guesses, scratch_t, simulation_t
    use mesh_patch, only: assemble, assemble_greatest, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
@@ -44,7 +44,7 @@ contains
          call spread(simulation, spread_area, contact%outward)
          call ensure_patch(contact%area, rows, number, simulation%tiles%all)
          call sum_areas(simulation)
-         call ensure_patch(contact%reach, fields*fields, number, simulation%tiles%own)
+         call ensure_patch(contact%reach, guesses*fields**2, number, simulation%tiles%own)
          call spread(simulation, spread_places, contact%reach)
       end associate
       call simulation%timer%stop(simulation%phase%contact)
@@ -205,20 +205,39 @@ contains
       end associate
    end subroutine sum_tile
 
-   !> Mean outward area of one field against another, at the nodes where both are: half of the
-   !! difference, so that it changes its sign with the fields [m2].
-   pure function mean_area(contact, tile, node, a, b) result(area)
+   !> A guess of the common area of two fields at a node, outward from the first [m2]: the area of
+   !! one, of the other, or the mean of both. It changes its sign with the fields.
+   pure function guess_area(contact, tile, node, a, b, guess) result(area)
       type(contact_t), intent(in) :: contact         !! The fields
       integer, intent(in) :: tile                    !! Which tile
       integer, intent(in) :: node                    !! Which node
-      integer, intent(in) :: a, b                    !! From which field to which
+      integer, intent(in) :: a, b                    !! The fields, a < b
+      integer, intent(in) :: guess                   !! 1 to 3
       real(wp) :: area(3)
       integer :: rows
 
       rows = area_rows(contact)
-      area = 0.5_wp*(contact%area(rows*(a - 1) + 1:rows*(a - 1) + 3, node, tile) &
-         - contact%area(rows*(b - 1) + 1:rows*(b - 1) + 3, node, tile))
-   end function mean_area
+      associate (one => contact%area(rows*(a - 1) + 1:rows*(a - 1) + 3, node, tile), &
+         other => contact%area(rows*(b - 1) + 1:rows*(b - 1) + 3, node, tile))
+         select case (guess)
+         case (1)
+            area = one
+         case (2)
+            area = -other
+         case default
+            area = 0.5_wp*(one - other)
+         end select
+      end associate
+   end function guess_area
+
+   !> Row of the reach of field a towards b along the normal of a guess.
+   pure integer function reach_row(contact, a, b, guess) result(row)
+      type(contact_t), intent(in) :: contact         !! The fields
+      integer, intent(in) :: a, b                    !! The fields
+      integer, intent(in) :: guess                   !! 1 to 3
+
+      row = guesses*(size(contact%field)*(a - 1) + b - 1) + guess
+   end function reach_row
 
    !> Its direction; nothing where it is too small to have one.
    pure function direction_of(simulation, area) result(normal)
@@ -237,30 +256,35 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), contiguous, intent(inout) :: patch(:, :) !! (pair, node)
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       real(wp) :: normal(3, simulation%grid%tile_nodes), reach(simulation%grid%tile_nodes)
-      integer :: a, b, fields
+      integer :: a, b, guess
 
       patch = -huge(1.0_wp)
       if (.not. simulation%contact%meets(tile)) return
-      fields = size(simulation%contact%field)
-      do a = 1, fields
-         do b = 1, fields
-            if (a == b) cycle
-            call find_normals(simulation, tile, a, b, normal)
-            if (.not. any(abs(normal) > 0.0_wp)) cycle
-            reach = -huge(1.0_wp)
-            call reach_of_field(simulation, scratch, tile, a, normal, reach)
-            patch(fields*(a - 1) + b, :) = reach
+      do b = 2, size(simulation%contact%field)
+         do a = 1, b - 1
+            do guess = 1, guesses
+               call find_normals(simulation, tile, a, b, guess, normal)
+               if (.not. any(abs(normal) > 0.0_wp)) cycle
+               reach = -huge(1.0_wp)
+               call reach_of_field(simulation, scratch, tile, a, normal, reach)
+               patch(reach_row(simulation%contact, a, b, guess), :) = reach
+               normal = -normal
+               reach = -huge(1.0_wp)
+               call reach_of_field(simulation, scratch, tile, b, normal, reach)
+               patch(reach_row(simulation%contact, b, a, guess), :) = reach
+            end do
          end do
       end do
    end subroutine spread_places
 
-   !> Normals from one field to another at the nodes of a tile where both have mass.
-   subroutine find_normals(simulation, tile, a, b, normal)
+   !> Guessed normals from one field to another at the nodes of a tile where both have mass.
+   subroutine find_normals(simulation, tile, a, b, guess, normal)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
-      integer, intent(in) :: a, b                    !! From which field to which
+      integer, intent(in) :: a, b                    !! From which field to which, a < b
+      integer, intent(in) :: guess                   !! 1 to 3
       real(wp), intent(out) :: normal(:, :)          !! (3, node) 0 where they do not meet [1]
       integer :: node
 
@@ -269,7 +293,8 @@ contains
          do node = 1, size(normal, 2)
             if (.not. contact%field(a)%nodes%mass(1, node, tile) > empty_mass) cycle
             if (.not. contact%field(b)%nodes%mass(1, node, tile) > empty_mass) cycle
-            normal(:, node) = direction_of(simulation, mean_area(contact, tile, node, a, b))
+            normal(:, node) = direction_of(simulation, &
+               guess_area(contact, tile, node, a, b, guess))
          end do
       end associate
    end subroutine find_normals
@@ -341,7 +366,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time that the forces act [s]
-      real(wp) :: greatest(size(simulation%contact%field)**2, simulation%grid%tile_nodes)
+      real(wp), allocatable :: greatest(:, :)
       integer :: who(size(simulation%contact%field)), node, field, here
 
       do field = 1, size(simulation%contact%field)
@@ -349,6 +374,7 @@ contains
       end do
       if (simulation%contact%bonded) simulation%contact%broken(:, :, tile) = .false.
       if (.not. simulation%contact%meets(tile)) return
+      allocate (greatest(guesses*size(who)**2, simulation%grid%tile_nodes))
       call assemble_greatest(simulation%grid, simulation%tiles, simulation%contact%reach, tile, &
          greatest)
       do node = 1, simulation%grid%tile_nodes
@@ -400,41 +426,68 @@ contains
       call give_push(simulation%contact, tile, node, who, mass, push, dt)
    end subroutine touch_node
 
-   !> How the fields at a node lie to each other.
+   !> How the fields at a node lie to each other. Of the guessed normals the one counts along which
+   !! two bodies are farthest apart: that of a plane between them, if there is one. At an edge the
+   !! area of a body is askew, and along it the bodies would overlap.
    subroutine survey_node(simulation, tile, node, who, reach, area, normal, state)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: who(:)                  !! The fields, ascending
-      real(wp), intent(in) :: reach(:)               !! (pair) How far they reach [m]
+      real(wp), intent(in) :: reach(:)               !! (row) How far they reach [m]
       real(wp), intent(out) :: area(:, :, :)         !! (3, a, b) Between two, for a < b [m2]
       real(wp), intent(out) :: normal(:, :, :)       !! (3, a, b) Its direction [1]
       integer, intent(out) :: state(:, :)            !! (a, b) How near they are, for a < b
       real(wp) :: gap
-      integer :: a, b, fields
+      integer :: a, b
 
       state = state_open
       area = 0.0_wp
       normal = 0.0_wp
-      associate (contact => simulation%contact)
-         fields = size(contact%field)
+      associate (contact => simulation%contact, spacing => simulation%grid%spacing)
          do b = 2, size(who)
             do a = 1, b - 1
-               area(:, a, b) = mean_area(contact, tile, node, who(a), who(b))
-               normal(:, a, b) = direction_of(simulation, area(:, a, b))
-               if (all(abs(normal(:, a, b)) <= 0.0_wp)) cycle
-               if (min(reach(fields*(who(a) - 1) + who(b)), reach(fields*(who(b) - 1) + who(a))) &
-                  <= -huge(gap)) cycle
-               gap = -(reach(fields*(who(a) - 1) + who(b)) + reach(fields*(who(b) - 1) + who(a))) &
-                  /simulation%grid%spacing
-               if (gap <= slack) state(a, b) = state_closed
+               call choose_normal(simulation, tile, node, [who(a), who(b)], reach, area(:, a, b), &
+                  normal(:, a, b), gap)
+               if (gap <= slack*spacing) state(a, b) = state_closed
                if (contact%law(who(a), who(b))%kind /= contact_bonded) cycle
-               if (gap <= bond_reach .and. holds(contact, tile, node, who(a)) .and. &
+               if (gap <= bond_reach*spacing .and. holds(contact, tile, node, who(a)) .and. &
                   holds(contact, tile, node, who(b))) state(a, b) = state_bonded
             end do
          end do
       end associate
    end subroutine survey_node
+
+   !> The normal along which two fields are farthest apart at a node.
+   subroutine choose_normal(simulation, tile, node, pair, reach, area, normal, gap)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: node                    !! Which node
+      integer, intent(in) :: pair(2)                 !! The fields, ascending
+      real(wp), intent(in) :: reach(:)               !! (row) How far they reach [m]
+      real(wp), intent(out) :: area(3)               !! Between them [m2]
+      real(wp), intent(out) :: normal(3)             !! Its direction [1]
+      real(wp), intent(out) :: gap                   !! Between them; endless if none is seen [m]
+      real(wp) :: trial(3), direction(3), wide, one, other
+      integer :: guess
+
+      area = 0.0_wp
+      normal = 0.0_wp
+      gap = huge(gap)
+      wide = -huge(wide)
+      do guess = 1, guesses
+         trial = guess_area(simulation%contact, tile, node, pair(1), pair(2), guess)
+         direction = direction_of(simulation, trial)
+         if (all(abs(direction) <= 0.0_wp)) cycle
+         one = reach(reach_row(simulation%contact, pair(1), pair(2), guess))
+         other = reach(reach_row(simulation%contact, pair(2), pair(1), guess))
+         if (min(one, other) <= -huge(gap) .or. -(one + other) <= wide) cycle
+         wide = -(one + other)
+         gap = wide
+         area = trial
+         normal = direction
+      end do
+   end subroutine choose_normal
 
    !> Do the bonds of most of the mass of a field at a node hold?
    pure logical function holds(contact, tile, node, field) result(most)

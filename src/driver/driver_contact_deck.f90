@@ -5,7 +5,7 @@ module driver_contact_deck
    use base_kinds, only: wp
    use base_text, only: brief, number, text_t
    use driver_method, only: position_of
-   use driver_simulation, only: contact_t, simulation_t
+   use driver_simulation, only: contact_t, guesses, simulation_t
    use material_type, only: material_t
    use particle_fill, only: body_t
    use particle_store, only: store_t
@@ -15,7 +15,7 @@ module driver_contact_deck
 
    public :: bond_stores, contact_columns, contact_text, read_contact, store_name
 
-   integer, parameter, public :: most_fields = 16    !! Pairs and their places grow as the square
+   integer, parameter, public :: most_fields = 8     !! Their pairs grow as the square
    character(len=1), parameter :: any_body = "*"     !! Stands for every body
 
 contains
@@ -272,7 +272,7 @@ contains
       type(contact_t), intent(in) :: contact         !! The fields
 
       associate (fields => size(contact%field))
-         columns = fields*(3 + 1 + 2*merge(4, 3, contact%bonded) + fields)
+         columns = fields*(3 + 1 + 2*merge(4, 3, contact%bonded) + guesses*fields)
       end associate
    end function contact_columns
 

@@ -60,6 +60,8 @@ module driver_simulation
       procedure :: move_to => nodes_move_to          !! Hand all fields over to another
    end type nodes_t
 
+   integer, parameter, public :: guesses = 3         !! Of the normal between two bodies
+
    !> Bodies that move with one velocity where they meet.
    type :: velocity_field_t
       integer :: first = 1                           !! First of its stores
@@ -77,7 +79,8 @@ module driver_simulation
       !! hold [kg]
       real(wp), allocatable :: outward(:, :, :)
       real(wp), allocatable :: area(:, :, :)         !! The sums of these
-      real(wp), allocatable :: reach(:, :, :)        !! Patch (pair of fields) Farthest place [m]
+      !> Patch (guess, field, field): farthest place towards another field [m]
+      real(wp), allocatable :: reach(:, :, :)
       logical, allocatable :: meets(:)               !! (tile) Are there nodes of several fields?
       logical, allocatable :: broken(:, :, :)        !! (field, node, tile) Does a bond break now?
    end type contact_t
