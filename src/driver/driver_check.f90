@@ -186,8 +186,8 @@ contains
       if (simulation%method%dual .and. simulation%carries_energy) columns = columns + 9.0_wp
       if (simulation%method%controlled()) columns = columns + real(7 + 6, wp)
       if (simulation%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 + 3, wp)
-      if (allocated(simulation%contact)) columns = real(size(simulation%contact%field), wp)*columns &
-         + real(contact_columns(simulation%contact), wp)
+      if (allocated(simulation%contact)) columns = real(contact_columns(simulation%contact), wp) &
+         + real(size(simulation%contact%field), wp)*columns
       if (allocated(simulation%conduction)) columns = columns &
          + merge(26.0_wp, 7.0_wp, simulation%method%dual)
       bytes = room*real(survey%particles, wp)*carried(simulation, survey) &

@@ -167,8 +167,8 @@ contains
             earlier = deck%group("contact", owner(a, b))
             call names_of(earlier, before)
             if (wild_cards(before) == wild) then
-               call deck%complain(group, "bodies of velocity fields "//number(min(a, b))//" and "// &
-                  number(max(a, b))//" have a law already, in line "// &
+               call deck%complain(group, "bodies of velocity fields "//number(min(a, b))// &
+                  " and "//number(max(a, b))//" have a law already, in line "// &
                   number(earlier%line("bodies"))//"; remove one of the two", "bodies")
                return
             end if
@@ -234,8 +234,8 @@ contains
       if (one == other) then
          call deck%complain(group, "a body has no contact with itself; name two bodies", "bodies")
       else if (field_of_body(one) == field_of_body(other)) then
-         call deck%complain(group, "the two bodies share a velocity field, so they move as one; "// &
-            "give them different values of field in &body", "bodies")
+         call deck%complain(group, "the two bodies share a velocity field, so they move as "// &
+            "one; give them different values of field in &body", "bodies")
       end if
    end subroutine check_pair
 

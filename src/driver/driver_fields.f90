@@ -3,7 +3,7 @@
 !! field with contact, whose bodies push each other in between.
 module driver_fields
    use base_kinds, only: wp
-   use driver_contact, only: break_bonds, find_surfaces, touch_bodies
+   use driver_contact, only: break_bonds, touch_bodies
    use driver_control, only: find_star
    use driver_difference, only: find_difference
    use driver_exact_force, only: book_body_force
@@ -13,6 +13,7 @@ module driver_fields
       strain_nodes
    use driver_scatter, only: scatter_particles
    use driver_simulation, only: simulation_t
+   use driver_surface, only: find_surfaces
    use driver_sweep, only: filter_nodes, scatter_again
    implicit none
    private

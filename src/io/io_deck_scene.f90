@@ -105,8 +105,8 @@ contains
          words="friction stick frictionless bonded", owner="effects.contact")
       call schema%real("contact", "friction", "coefficient of friction", default="0.0", &
          range=">= 0", owner="effects.contact & law = friction bonded")
-      call schema%real("contact", "bond_strength", "stress that breaks the bond, by tension and "// &
-         "shear together; without it the bond holds for ever", unit="Pa", range="> 0", &
+      call schema%real("contact", "bond_strength", "stress that breaks the bond, by tension "// &
+         "and shear together; without it the bond holds for ever", unit="Pa", range="> 0", &
          owner="effects.contact & law = bonded")
       call schema%refer("contact", "bodies", "body")
    end subroutine declare_contact

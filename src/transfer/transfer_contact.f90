@@ -2,11 +2,11 @@
 !> Contact of bodies that have velocities of their own: what they do to each other at one node, and
 !! how far they are apart there.
 !!
-!! At a node where two bodies a and b touch, with the normal n from a to b, a push p on b and -p on a
-!! is found such that b does not approach a at the end of the step. Its normal part only pushes. Its
-!! part along the surface brings the slip to rest, but is not above mu times the normal one (S. G.
-!! Bardenhagen, J. U. Brackbill, D. Sulsky, Comput. Methods Appl. Mech. Eng. 187 (2000) 529; S. G.
-!! Bardenhagen et al., CMES 2 (2001) 509). Where more than two meet, pairs take turns in a fixed
+!! At a node where two bodies a and b touch, with the normal n from a to b, a push p on b and -p on
+!! a is found such that b does not approach a at the end of the step. Its normal part only pushes.
+!! Its part along the surface brings the slip to rest, but is not above mu times the normal one (S.
+!! G. Bardenhagen, J. U. Brackbill, D. Sulsky, Comput. Methods Appl. Mech. Eng. 187 (2000) 529; S.
+!! G. Bardenhagen et al., CMES 2 (2001) 509). Where more than two meet, pairs take turns in a fixed
 !! order until none gains any more. A node sees how far bodies are apart by their particles, not by
 !! its functions, which reach across a cell: the greatest place along n of the particles of a in the
 !! cells around, with half their width, and the least of b (compare J. A. Nairn, C. C. Hammerquist,
@@ -104,7 +104,7 @@ contains
 
    !> Stress [Pa] with which a push pulls at a bond and shears it; pressure does not harm it.
    pure real(wp) function bond_traction(push, normal, area, dt) result(stress)
-      real(wp), intent(in) :: push(3)                !! On the body that the normal leads to [kg m/s]
+      real(wp), intent(in) :: push(3)                !! On the body that n leads to [kg m/s]
       real(wp), intent(in) :: normal(3)              !! [1]
       real(wp), intent(in) :: area(3)                !! Of the surface at the node, a vector [m2]
       real(wp), intent(in) :: dt                     !! Time that it takes [s]

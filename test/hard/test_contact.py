@@ -145,9 +145,11 @@ def slides(options, sheet):
 def bars(options, name, densities=(1000, 1000), moduli=(1e6, 1e6), speed=0.1, end=0.1, **words):
     """Velocities of two bars after an impact, and their history."""
     keys = {"method": "ddmp", "words": "", "effects": CONTACT, "more": "", "fields": FIELDS, **words}
-    run = case.Case(options, name, BARS.format(densities=densities, moduli=moduli, speed=speed, end=end, **keys)).run("-q")
+    deck = BARS.format(densities=densities, moduli=moduli, speed=speed, end=end, **keys)
+    run = case.Case(options, name, deck).run("-q")
     snap = run.snapshots()[-1][1]
-    return [np.average(snap.fields["velocity"][snap.fields["body"] == number, 0]) / speed for number in (1, 2)], run.history
+    means = [np.average(snap.fields["velocity"][snap.fields["body"] == number, 0]) / speed for number in (1, 2)]
+    return means, run.history
 
 
 def impacts(options, sheet):

@@ -64,7 +64,8 @@ CONTRADICTIONS = [
      "&boundary face = 'all' type = 'slip' /\n&boundary face = 'all' type = 'stick' /\n&output", 18,
      "&boundary: face = 'all' is given twice"),
     ("plain", "&body", "&effects contact = T /\n&region name = 'two' shape = 'box' lo = 0 0 0 hi = 0.3 1 0.2 /\n"
-     "&body name = 'two' region = 'two' material = 'metal' /\n&contact bodies = 'one' 'two' /\n&contact bodies = 'two' 'one' law = 'stick' /\n&body", 11,
+     "&body name = 'two' region = 'two' material = 'metal' /\n&contact bodies = 'one' 'two' /\n"
+     "&contact bodies = 'two' 'one' law = 'stick' /\n&body", 11,
      "&contact: bodies of velocity fields 1 and 2 have a law already, in line 10; remove one"),
     ("plain", "&body", "&effects contact = T /\n&region name = 'two' shape = 'box' lo = 0 0 0 hi = 0.3 1 0.2 /\n"
      "&body name = 'two' region = 'two' material = 'metal' /\n&contact bodies = 'one' 'one' /\n&body", 10,
