@@ -82,8 +82,11 @@ contains
       type(view_t) :: view
       integer :: index
 
+      if (allocated(simulation%contact)) then
+         if (all(counts(simulation, tile) == 0)) return
+      end if
       call look(simulation, tile, parts, view)
-      do index = 1, size(simulation%stores)
+      do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
             call find_places(simulation, scratch, store, tile)
@@ -95,6 +98,8 @@ contains
                call add_heat(simulation, scratch, store, tile, view)
             if (parts%motion .and. simulation%materials(index)%repacks) &
                call repack_particles(simulation, scratch, index, tile, view)
+            if (parts%motion .and. allocated(simulation%contact)) &
+               call add_rubbed(simulation, scratch, store, tile)
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
             if (parts%motion) then
                call move_particles(simulation, scratch, store, tile, view, dt)
@@ -106,6 +111,44 @@ contains
          end associate
       end do
    end subroutine gather_tile
+
+   !> Particles of the velocity field at hand in a tile, by store.
+   pure function counts(simulation, tile) result(particles)
+      type(simulation_t), intent(in) :: simulation   !! The run with contact
+      integer, intent(in) :: tile                    !! Which tile
+      integer :: particles(simulation%first_store:simulation%last_store)
+      integer :: index
+
+      do index = simulation%first_store, simulation%last_store
+         particles(index) = simulation%stores(index)%count(tile)
+      end do
+   end function counts
+
+   !> Heat of contact to the particles of a tile; matter that carries no internal energy books it.
+   subroutine add_rubbed(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! The run with contact
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: lost
+      integer :: p, q
+
+      associate (rubbed => simulation%nodes%rubbed(:, :, tile), places => scratch%places)
+         if (.not. any(abs(rubbed) > 0.0_wp)) return
+         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), places, &
+            rubbed, places%values)
+      end associate
+      lost = 0.0_wp
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         if (allocated(store%matter%energy)) then
+            store%matter%energy(q) = store%matter%energy(q) + scratch%places%values(p, 1)
+         else
+            lost = lost + store%matter%mass(q)*scratch%places%values(p, 1)
+         end if
+      end do
+      call scratch%ledger%sums(dissipated)%add(lost)
+   end subroutine add_rubbed
 
    !> The node fields of a tile as the particles see them.
    subroutine look(simulation, tile, parts, view)

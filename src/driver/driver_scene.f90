@@ -5,6 +5,7 @@ module driver_scene
    use base_kinds, only: int64, wp
    use base_text, only: text_t
    use driver_bounds, only: read_bounds
+   use driver_contact_deck, only: read_contact
    use driver_exact_deck, only: read_exact
    use driver_method, only: position_of
    use driver_output, only: outputs_t
@@ -59,6 +60,8 @@ contains
       call read_shapes(deck, simulation%grid, shapes)
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
+      if (deck%errors() > 0) return
+      call read_contact(deck, simulation, bodies)
       if (deck%errors() > 0) return
       call read_exact(deck, simulation, bodies)
       if (deck%errors() > 0) return
