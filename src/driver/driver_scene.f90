@@ -32,11 +32,11 @@ contains
    !! deck's list of problems. Where there are some, what does not depend on them is built and
    !! checked all the same, so that one look at the deck tells as much as can be known; bodies are
    !! then there if their places are sound.
-   subroutine build_scene(deck, simulation, bodies)
+   subroutine build_scene(deck, simulation, bodies, shapes)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
-      type(named_shape_t), allocatable :: shapes(:)
+      type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
       type(traits_t) :: traits
       integer :: n
 
