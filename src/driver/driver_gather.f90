@@ -3,7 +3,7 @@
 !! cache from the first to the last of these.
 module driver_gather
    use base_kinds, only: int64, wp
-   use driver_bounds, only: count_bad, find_steepest
+   use driver_bounds, only: count_bad, find_steepest, slow_nodes, steep_enough
    use driver_cost, only: book_cost, cost_clock
    use driver_culprit, only: tile_bounds
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
@@ -46,6 +46,8 @@ module driver_gather
       real(wp), allocatable :: scalar(:, :)          !! (1, node) The same [J/kg]
       real(wp), allocatable :: turn(:, :) !! (3, node) The same for linear velocity fields [m/s]
       real(wp), allocatable :: moments(:, :)         !! (9, node) Its moments [m2/s]
+      real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
+      logical :: slow = .false.                      !! Is no gradient that steep?
    end type view_t
 
 contains
@@ -113,12 +115,30 @@ contains
       if (parts%work) view%centre = simulation%nodes%velocity(:, :, tile) &
          + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, :, tile)
       if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
+      if (parts%strain) call look_steep(simulation, tile, view)
       if (.not. simulation%method%dual) return
       if (parts%strain .or. (parts%motion .and. simulation%method%transfer%affine())) &
          call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
       if (parts%work .and. simulation%carries_energy) &
          call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
    end subroutine look
+
+   !> Which velocity gradients matter for the next step, and whether the nodes can have such. Only
+   !! where gradients are those of functions between nodes their velocities alone tell.
+   subroutine look_steep(simulation, tile, view)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(inout) :: view            !! What the particles see
+
+      associate (method => simulation%method, grid => simulation%grid)
+         view%matters = steep_enough(simulation%guard%bounds, method%step_growth, &
+            simulation%dt_next)
+         if (method%dual .or. grid%axisymmetric .or. allocated(simulation%stores(1)%domain)) return
+         ! nine components, each at most twice the greatest velocity over the edge of a cell
+         view%slow = slow_nodes(3*grid%tile_nodes, simulation%nodes%strain(:, :, tile), &
+            0.9_wp/6.0_wp*grid%spacing*view%matters)
+      end associate
+   end subroutine look_steep
 
    !> The node fields that move the particles of a tile, and those of the kinetic energy that the
    !! way to the nodes and back loses.
@@ -282,8 +302,9 @@ contains
          n = store%count(tile)
          call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
             view%gradient, dt)
-         call find_steepest(deformation%gradient, store%identity(first:first + n - 1), dt, &
-            scratch%steepest, scratch%steepest_identity)
+         if (.not. view%slow) call find_steepest(deformation%gradient, &
+            store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
+            scratch%steepest_identity)
          call stretch_tile(store, tile, deformation%gradient)
          if (method%transfer%affine() .and. strained(method)) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
