@@ -8,7 +8,7 @@ module driver_culprit
    implicit none
    private
 
-   public :: name_bad, name_limiting, replay_text, tile_bounds
+   public :: name_bad, name_limiting, replay_text, spread, step_text, tile_bounds
 
    !> A particle of this rank, or none.
    type :: found_t

@@ -12,6 +12,7 @@ module driver_step
    use driver_heat, only: conduct_heat, conduction_step, greatest_diffusivity
    use driver_method, only: stress_before, stress_remapped
    use driver_nodes, only: dual_fields, move_nodes, remap_nodes
+   use driver_retry, only: judge_nodes
    use driver_scatter, only: scatter_particles
    use driver_simulation, only: simulation_t
    use driver_sweep, only: filter_nodes, scatter_again
@@ -24,16 +25,17 @@ module driver_step
 contains
 
    !> Advance the run by one time step. The particles are sorted before and after.
-   subroutine advance(simulation, dt, error)
+   subroutine advance(simulation, wish, error)
       type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: wish                   !! Time step, unless nodes go too far in it [s]
       type(error_t), allocatable, intent(out) :: error !! If numbers went bad
       type(gather_parts_t) :: parts
-      real(wp) :: moved
+      real(wp) :: moved, dt
+      logical :: again
 
+      dt = wish
       parts%work = simulation%carries_energy
       if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time
-      simulation%kick = simulation%method%kick(simulation%dt, dt)
       associate (method => simulation%method)
          ! time for which positions have moved already with the velocity before the step
          moved = merge(simulation%dt, dt, method%leapfrog)
@@ -43,13 +45,14 @@ contains
             call gather_particles(simulation, gather_parts_t(strain=.true.), moved)
          end if
          call find_force(simulation)
-         call move_nodes(simulation, simulation%kick)
+         do
+            simulation%kick = method%kick(simulation%dt, dt)
+            call move_all(simulation)
+            call judge_nodes(simulation, dt, again, error)
+            if (allocated(error)) return
+            if (.not. again) exit
+         end do
          if (allocated(simulation%exact)) call book_body_force(simulation, simulation%kick)
-         if (method%transfer%sweeps() > 0) call filter_nodes(simulation, simulation%kick)
-         if (method%stress == stress_remapped) then
-            call scatter_again(simulation, simulation%kick)
-            call remap_nodes(simulation)
-         end if
          if (allocated(simulation%conduction)) call conduct_heat(simulation, dt)
          parts%strain = method%stress /= stress_before
          parts%motion = .true.
@@ -63,6 +66,19 @@ contains
       if (allocated(error)) return
       call sort_particles(simulation)
    end subroutine advance
+
+   !> Motion of the nodes, and the velocities of them that particles will see.
+   subroutine move_all(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      associate (method => simulation%method)
+         call move_nodes(simulation, simulation%kick)
+         if (method%transfer%sweeps() > 0) call filter_nodes(simulation, simulation%kick)
+         if (method%stress /= stress_remapped) return
+         call scatter_again(simulation, simulation%kick)
+         call remap_nodes(simulation)
+      end associate
+   end subroutine move_all
 
    !> Mass, momentum and force of the nodes from the particles.
    subroutine find_force(simulation)
