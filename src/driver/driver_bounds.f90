@@ -41,6 +41,8 @@ module driver_bounds
       real(wp) :: collapse = 1.0e-3_wp               !! Least step over the longest so far [1]
       real(wp) :: dt_min = 0.0_wp                    !! Least step [s]
       logical :: dt_free = .true.                    !! May a step be shorter than was chosen?
+      logical :: retire = .false.                    !! Do bad particles go, and the run on?
+      real(wp) :: retire_max = 0.0_wp                !! Greatest share of the mass that may [1]
    end type bounds_t
 
    !> What a run knows about the length of its steps.
@@ -61,6 +63,7 @@ contains
       type(deck_t), intent(in) :: deck               !! The deck
       type(bounds_t), intent(out) :: bounds          !! What it says
       type(group_t) :: group
+      character(len=:), allocatable :: word
       real(wp) :: number
 
       group = deck%group("time", 1)
@@ -75,6 +78,9 @@ contains
       call group%get("dt_fixed", number)
       call group%get("retry", bounds%dt_free)
       if (number > unset) bounds%dt_free = .false.
+      call group%get("on_bad", word)
+      bounds%retire = word == "retire"
+      call group%get("retire_max", bounds%retire_max)
    end subroutine read_bounds
 
    !> Particles of a tile that are not as they should be. A number that is none fails every

@@ -5,6 +5,7 @@ module driver_culprit
    use driver_bounds, only: bounds_t, fault_fast, fault_inverted, fault_large, fault_none, &
       fault_of, fault_small, fault_stress, fault_velocity, rule_conduction, rule_strain
    use driver_simulation, only: simulation_t
+   use particle_store, only: moved_off
    implicit none
    private
 
@@ -116,7 +117,7 @@ contains
             density => simulation%materials(index)%density)
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  if (store%identity(p) > found%identity) cycle
+                  if (store%identity(p) > found%identity .or. store%home(p) == moved_off) cycle
                   call fault_of(store, p, density, bounds, fault, value)
                   if (fault /= fault_none) found = found_t(store%identity(p), index, tile, p)
                end do

@@ -9,6 +9,7 @@ module driver_gather
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
    use driver_method, only: method_t, stress_before
    use driver_nodes, only: node_gradient
+   use driver_retire, only: erode_tile, fastest_left, retire_tile
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use driver_sweep, only: find_filtered, find_slopes
@@ -17,7 +18,7 @@ module driver_gather
    use material_type, only: material_t
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
-   use particle_store, only: store_t
+   use particle_store, only: moved_off, store_t
    use particle_stretch, only: stretch_tile
    use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
    use transfer_basis, only: expand_spin
@@ -80,6 +81,7 @@ contains
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t) :: view
+      real(wp) :: fastest, steepest
       integer :: index
 
       call look(simulation, tile, parts, view)
@@ -93,17 +95,49 @@ contains
             ! before the strain, which may renew the linear velocity fields
             if (parts%motion .and. allocated(store%matter%energy)) &
                call add_heat(simulation, scratch, store, tile, view)
-            if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
+            fastest = 0.0_wp
+            steepest = scratch%steepest
+            if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt, &
+               fastest)
             if (parts%motion) then
                call move_particles(simulation, scratch, store, tile, view, dt)
                call place_tile(simulation%grid, simulation%boundary, &
                   simulation%tiles%coordinate(:, tile), store, tile)
-               scratch%sound = scratch%sound .and. count_bad(store, tile, &
-                  simulation%materials(index)%density, tile_bounds(simulation, index)) < 0.5_wp
+               call judge_particles(simulation, scratch, index, tile, fastest, steepest)
             end if
+            scratch%fastest = max(scratch%fastest, fastest)
          end associate
       end do
    end subroutine gather_tile
+
+   !> Look for particles that have left their bounds or are to go since they failed, and take them
+   !! out if the deck says so. What is left limits the next step.
+   subroutine judge_particles(simulation, scratch, index, tile, fastest, steepest)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(inout) :: fastest             !! Fastest signal and motion in it [m/s]
+      real(wp), intent(in) :: steepest               !! Square of |grad v| without it [1/s2]
+      logical :: sound
+
+      associate (store => simulation%stores(index))
+         sound = count_bad(store, tile, simulation%materials(index)%density, &
+            tile_bounds(simulation, index)) < 0.5_wp
+         if (.not. sound .and. simulation%guard%bounds%retire) then
+            call retire_tile(simulation, scratch, index, tile, sound)
+            scratch%retired = .true.
+         end if
+         scratch%sound = scratch%sound .and. sound
+         if (simulation%erosion .and. allocated(store%matter%failed)) &
+            call erode_tile(simulation, scratch, index, tile)
+         if (.not. (simulation%erosion .or. simulation%guard%bounds%retire)) return
+         if (.not. any(store%home(store%first(tile):store%first(tile) + store%count(tile) - 1) &
+            == moved_off)) return
+         if (fastest > 0.0_wp) fastest = fastest_left(store, tile, scratch%deformation%wave_speed)
+         scratch%steepest = steepest
+      end associate
+   end subroutine judge_particles
 
    !> The node fields of a tile as the particles see them.
    subroutine look(simulation, tile, parts, view)
@@ -286,14 +320,14 @@ contains
    end subroutine find_gradient
 
    !> Strain the particles of a tile and let their material answer.
-   subroutine strain_particles(simulation, scratch, index, tile, view, dt)
+   subroutine strain_particles(simulation, scratch, index, tile, view, dt, fastest)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: fastest
+      real(wp), intent(out) :: fastest               !! Fastest signal and motion [m/s]
       integer :: p, first, n
 
       associate (store => simulation%stores(index), deformation => scratch%deformation, &
@@ -321,7 +355,6 @@ contains
             deformation%wave_speed(p) + sqrt(store%velocity(first + p - 1, 1)**2 &
                + store%velocity(first + p - 1, 2)**2 + store%velocity(first + p - 1, 3)**2))
          end do
-         scratch%fastest = max(scratch%fastest, fastest)
          call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
       end associate
    end subroutine strain_particles

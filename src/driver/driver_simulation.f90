@@ -76,6 +76,7 @@ module driver_simulation
       type(ledger_t) :: ledger                       !! Sums of this thread
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
       logical :: sound = .true.                      !! Are all particles in their bounds?
+      logical :: retired = .false.                   !! Has one been taken out for leaving them?
       real(wp) :: steepest = 0.0_wp                  !! Square of steepest velocity gradient [1/s2]
       integer(int64) :: steepest_identity = huge(1_int64) !! Its particle
    end type scratch_t
@@ -121,6 +122,7 @@ module driver_simulation
       real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       type(conduction_t), allocatable :: conduction  !! If some material conducts heat
+      logical :: erosion = .false.                   !! Are failed particles taken out?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
       integer(int64) :: step = 0                     !! Steps done
       real(wp) :: time = 0.0_wp                      !! [s]

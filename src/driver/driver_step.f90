@@ -12,6 +12,7 @@ module driver_step
    use driver_heat, only: conduct_heat, conduction_step, greatest_diffusivity
    use driver_method, only: stress_before, stress_remapped
    use driver_nodes, only: dual_fields, move_nodes, remap_nodes
+   use driver_retire, only: check_retired
    use driver_retry, only: judge_nodes
    use driver_scatter, only: scatter_particles
    use driver_simulation, only: simulation_t
@@ -96,34 +97,39 @@ contains
       type(error_t), allocatable, intent(out) :: error !! If numbers went bad
       real(wp) :: fastest, diffusivity, rate
       character(len=:), allocatable :: text
-      logical :: sound
+      logical :: sound, retired
       integer :: thread, n
 
       fastest = 0.0_wp
       sound = .true.
+      retired = .false.
       call find_rate(simulation, rate)
       do thread = 0, ubound(simulation%scratch, 1)
          associate (scratch => simulation%scratch(thread))
             fastest = max(fastest, scratch%fastest)
             sound = sound .and. scratch%sound
+            retired = retired .or. scratch%retired
             call simulation%ledger%merge(scratch%ledger)
             do n = 1, size(scratch%ledger%sums)
                call scratch%ledger%sums(n)%clear()
             end do
             scratch%fastest = 0.0_wp
             scratch%sound = .true.
+            scratch%retired = .false.
          end associate
       end do
       ! a number gone bad on one rank must stop all: it travels as an infinite speed
       if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
       diffusivity = 0.0_wp
       if (allocated(simulation%conduction)) diffusivity = greatest_diffusivity(simulation)
-      call agree(simulation, fastest, diffusivity, rate)
+      call agree(simulation, fastest, diffusivity, rate, retired)
       if (fastest >= huge(fastest)) then
          call name_bad(simulation, text)
          call fail(error, exit_physics, text)
          return
       end if
+      if (retired) call check_retired(simulation, error)
+      if (allocated(error)) return
       call set_next_step(simulation, fastest, rate)
       if (allocated(simulation%conduction)) call limit_step(simulation, diffusivity)
    end subroutine close_step
@@ -165,17 +171,18 @@ contains
 
    !> Agree with the other ranks on the fastest signal and on what they ask for: the only time in a
    !! step that all ranks wait for all.
-   subroutine agree(simulation, fastest, diffusivity, rate)
+   subroutine agree(simulation, fastest, diffusivity, rate, retired)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
       real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
       real(wp), intent(inout) :: rate                !! The same, of velocity gradients [1/s]
-      real(wp) :: asked(6)
+      logical, intent(inout) :: retired              !! The same: have particles been taken out?
+      real(wp) :: asked(7)
 
       if (simulation%communicator%size == 1) return
       associate (requests => simulation%requests)
          asked = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity, &
-            rate]
+            rate, merge(1.0_wp, 0.0_wp, retired)]
          call simulation%timer%start(simulation%phase%wait)
          call simulation%communicator%maxima(asked)
          call simulation%timer%stop(simulation%phase%wait)
@@ -186,6 +193,7 @@ contains
          diffusivity = asked(5)
          if (rate < asked(6)) simulation%guard%steepest = huge(1_int64)
          rate = asked(6)
+         retired = asked(7) > 0.0_wp
       end associate
    end subroutine agree
 

@@ -7,7 +7,8 @@ module driver_summary
    use base_version, only: git_commit, version_text
    use driver_bounds, only: guard_t, rule_names, rules
    use driver_exact_error, only: take_errors
-   use driver_ledger, only: balance_t, entries, entry_names
+   use driver_ledger, only: balance_t, entries, entry_names, removed_mass, &
+      removed_particles
    use driver_output, only: outputs_t
    use driver_restart, only: describe_state
    use driver_simulation, only: simulation_t
@@ -194,6 +195,11 @@ contains
       write (line, "(4(a,es10.2))") "balance   error of mass", now%mass_error, ", momentum", &
          now%momentum_error, ", angular momentum", now%angular_error, ", energy", now%energy_error
       text = trim(line)//new_line("a")
+      if (now%entry(removed_particles) > 0.0_wp) then
+         write (line, "(a,i0,a,es10.3,a)") "removed   ", nint(now%entry(removed_particles), int64), &
+            " particles that had failed or left their bounds, with", now%entry(removed_mass), " kg"
+         text = text//trim(line)//new_line("a")
+      end if
       write (line, "(a,f8.2,a,i0,a)") "speed     ", 1.0e-6_wp*rate, &
          " million particle updates/s in the steps, ", nint(bytes, int64), " bytes/particle"
       text = text//trim(line)

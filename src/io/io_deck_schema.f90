@@ -106,6 +106,11 @@ contains
          "volume at rest ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
       call schema%real("time", "volume_ratio_max", "a particle of more ends it too", &
          default="1e12", range="> 1")
+      call schema%text("time", "on_bad", "what becomes of a particle that leaves these bounds: "// &
+         "it ends the run, or is taken out and booked", default="stop", words="stop retire")
+      call schema%real("time", "retire_max", "share of the mass at the start that may be taken "// &
+         "out so before the run ends with exit code 4", default="0.01", range=">= 0 <= 1", &
+         owner="on_bad = retire")
       call schema%integer("time", "max_steps", "stop after so many steps", range=">= 0")
       call schema%text("time", "wall_limit", "hh:mm:ss of wall time, or slurm for the end of "// &
          "the job, then checkpoint and exit code 75", default="none")
@@ -127,5 +132,7 @@ contains
       call schema%logical("effects", "gravity", "constant acceleration", default=".false.")
       call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &
          default="0 0 -9.80665", owner="gravity")
+      call schema%logical("effects", "erosion", "failed particles are taken out and booked", &
+         default=".false.", owner="effects.damage")
    end subroutine declare_effects
 end module io_deck_schema

@@ -16,6 +16,7 @@ module particle_store
 
    integer, parameter, public :: moved_away = -1      !! Home of a particle that left its tile
    integer, parameter, public :: moved_out = -2       !! Home of a particle that left the box
+   integer, parameter, public :: moved_off = -3       !! Home of a particle that is taken out
 
    !> Fields that a method or a scene asks of all particles.
    type :: traits_t
