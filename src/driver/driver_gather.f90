@@ -18,6 +18,7 @@ module driver_gather
    use material_type, only: material_t
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
+   use particle_split, only: find_opening
    use particle_store, only: moved_off, store_t
    use particle_stretch, only: stretch_tile
    use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
@@ -62,6 +63,8 @@ contains
       real(wp) :: began
 
       call simulation%timer%start(simulation%phase%gather)
+      if (allocated(simulation%method%splitting) .and. parts%strain) &
+         call ensure_opening(simulation%stores)
       !$omp parallel do default(none) shared(simulation, parts, dt) private(tile, began) &
       !$omp schedule(dynamic, 1)
       do tile = 1, simulation%tiles%own
@@ -72,6 +75,17 @@ contains
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%gather)
    end subroutine gather_particles
+
+   !> Make room for the rates at which particles grow.
+   pure subroutine ensure_opening(stores)
+      type(store_t), intent(inout) :: stores(:)      !! The particles
+      integer :: index
+
+      do index = 1, size(stores)
+         if (allocated(stores(index)%opening)) deallocate (stores(index)%opening)
+         allocate (stores(index)%opening(size(stores(index)%home)))
+      end do
+   end subroutine ensure_opening
 
    !> One tile.
    subroutine gather_tile(simulation, scratch, tile, parts, dt)
@@ -340,6 +354,8 @@ contains
             store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
             scratch%steepest_identity)
          call stretch_tile(store, tile, deformation%gradient)
+         if (allocated(method%splitting)) call find_opening(method%splitting, &
+            simulation%grid%spacing, store, tile, deformation%gradient, dt)
          if (method%transfer%affine() .and. strained(method)) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          if (method%stress == stress_before .and. method%leapfrog) then

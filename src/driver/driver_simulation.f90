@@ -131,6 +131,7 @@ module driver_simulation
       real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
       type(guard_t) :: guard                         !! What limits steps and particles
       type(text_t), allocatable :: body_names(:)     !! (body) For messages
+      integer(int64) :: halved = 0                   !! Particles halved on this rank
       integer(int64) :: updates = 0                  !! Particle updates of this rank
       real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
       integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then

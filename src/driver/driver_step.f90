@@ -10,6 +10,7 @@ module driver_step
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
    use driver_heat, only: conduct_heat, conduction_step, greatest_diffusivity
+   use driver_ledger, only: dissipated
    use driver_method, only: stress_before, stress_remapped
    use driver_nodes, only: dual_fields, move_nodes, remap_nodes
    use driver_retire, only: check_retired
@@ -18,6 +19,7 @@ module driver_step
    use driver_simulation, only: simulation_t
    use driver_sweep, only: filter_nodes, scatter_again
    use particle_migrate, only: migrate
+   use particle_split, only: split_store
    implicit none
    private
 
@@ -65,8 +67,27 @@ contains
       simulation%dt = dt
       call close_step(simulation, error)
       if (allocated(error)) return
+      if (allocated(simulation%method%splitting)) call halve_particles(simulation)
       call sort_particles(simulation)
    end subroutine advance
+
+   !> Halve the particles that have become long.
+   subroutine halve_particles(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), allocatable :: gain(:)
+      integer :: index, n
+
+      call simulation%timer%start(simulation%phase%sort)
+      do index = 1, size(simulation%stores)
+         call split_store(simulation%method%splitting, simulation%grid, simulation%boundary, &
+            simulation%tiles, simulation%stores(index), gain)
+         simulation%halved = simulation%halved + size(gain)
+         do n = 1, size(gain)
+            call simulation%ledger%sums(dissipated)%add(-gain(n))
+         end do
+      end do
+      call simulation%timer%stop(simulation%phase%sort)
+   end subroutine halve_particles
 
    !> Motion of the nodes, and the velocities of them that particles will see.
    subroutine move_all(simulation)

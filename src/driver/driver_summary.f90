@@ -45,7 +45,7 @@ contains
       type(balance_t) :: now
       type(state_t) :: state
       character(len=16) :: digest
-      integer(int64) :: counts(2), traffic(kinds)
+      integer(int64) :: counts(3), traffic(kinds)
       real(wp) :: rate, bytes
       real(wp), allocatable :: least(:), mean(:), greatest(:)
       real(wp) :: range(extremes)
@@ -54,7 +54,7 @@ contains
          simulation%materials, now)
       call describe_state(simulation, state)
       digest = state_digest(simulation%communicator, simulation%stores, state)
-      counts = [count_particles(simulation), simulation%updates]
+      counts = [count_particles(simulation), simulation%updates, simulation%halved]
       call simulation%communicator%total(counts)
       allocate (least(simulation%timer%count()), mean(simulation%timer%count()), &
          greatest(simulation%timer%count()))
@@ -77,6 +77,7 @@ contains
       call json%add("steps", simulation%step)
       call json%add("time", simulation%time)
       call json%add("particles", counts(1))
+      if (allocated(simulation%method%splitting)) call json%add("particles_halved", counts(3))
       call json%add("wall_s", wall)
       call json%add("particle_updates_per_s", rate)
       call json%add("bytes_per_particle", bytes)

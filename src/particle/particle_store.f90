@@ -43,6 +43,8 @@ module particle_store
       real(wp), allocatable :: affine(:, :)
       real(wp), allocatable :: spin(:, :)             !! (particle, 3) Rotation round it [1/s]
       real(wp), allocatable :: reference(:, :) !! (particle, 3) Position at rest (if asked for) [m]
+      !> Rate at which the longest edge grows, from the strain of a step to its end only [1/s]
+      real(wp), allocatable :: opening(:)
       type(matter_t) :: matter                        !! State that the laws see
       integer, allocatable :: home(:)                 !! Cell after the move, < 0 = left the tile
       integer, allocatable :: first(:)                !! (tile) First particle of the range
