@@ -46,9 +46,8 @@ contains
       type(state_t) :: state
       character(len=16) :: digest
       integer(int64) :: counts(3), traffic(kinds)
-      real(wp) :: rate, bytes
+      real(wp) :: rate, bytes, range(extremes)
       real(wp), allocatable :: least(:), mean(:), greatest(:)
-      real(wp) :: range(extremes)
 
       call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
          simulation%materials, now)
@@ -77,7 +76,6 @@ contains
       call json%add("steps", simulation%step)
       call json%add("time", simulation%time)
       call json%add("particles", counts(1))
-      if (allocated(simulation%method%splitting)) call json%add("particles_halved", counts(3))
       call json%add("wall_s", wall)
       call json%add("particle_updates_per_s", rate)
       call json%add("bytes_per_particle", bytes)
@@ -86,6 +84,7 @@ contains
       call json%add("digest", digest)
       call add_extremes(json, range)
       call add_rules(json, simulation%guard)
+      call json%add("particles_halved", counts(3))
       call add_timers(json, simulation, least, mean, greatest)
       call add_ledger(json, simulation, now)
       if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
@@ -198,7 +197,8 @@ contains
       text = trim(line)//new_line("a")
       if (now%entry(removed_particles) > 0.0_wp) then
          write (line, "(a,i0,a,es10.3,a)") "removed   ", nint(now%entry(removed_particles), int64), &
-            " particles that had failed or left their bounds, with", now%entry(removed_mass), " kg"
+            " particles that had failed or left their bounds, with", now%entry(removed_mass), &
+            " kg"
          text = text//trim(line)//new_line("a")
       end if
       write (line, "(a,f8.2,a,i0,a)") "speed     ", 1.0e-6_wp*rate, &
