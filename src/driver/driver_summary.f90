@@ -196,9 +196,9 @@ contains
          now%momentum_error, ", angular momentum", now%angular_error, ", energy", now%energy_error
       text = trim(line)//new_line("a")
       if (now%entry(removed_particles) > 0.0_wp) then
-         write (line, "(a,i0,a,es10.3,a)") "removed   ", nint(now%entry(removed_particles), int64), &
-            " particles that had failed or left their bounds, with", now%entry(removed_mass), &
-            " kg"
+         write (line, "(a,i0,a,es10.3,a)") "removed   ", &
+            nint(now%entry(removed_particles), int64), &
+            " particles that had failed or left their bounds, with", now%entry(removed_mass), " kg"
          text = text//trim(line)//new_line("a")
       end if
       write (line, "(a,f8.2,a,i0,a)") "speed     ", 1.0e-6_wp*rate, &
@@ -389,11 +389,9 @@ contains
          write (number, "(i0)") n
          call json%add("particles_"//trim(number), outputs%snapshots(n)%prefix//".hdf.series")
       end do
-      do n = 1, size(outputs%histories)
+      do n = 1, size(outputs%tables)
          write (number, "(i0)") n
-         associate (path => outputs%histories(n)%path)
-            call json%add("history_"//trim(number), path(index(path, "/", back=.true.) + 1:))
-         end associate
+         call json%add("history_"//trim(number), outputs%tables(n)%name)
       end do
       call json%end()
    end subroutine add_files

@@ -98,7 +98,8 @@ contains
       call schema%real("time", "strain_max", "greatest strain and rotation of a particle in a "// &
          "step; shorter steps where more would come", default="0.3", range="> 0 <= 1")
       call schema%logical("time", "retry", "a step in which nodes would move by more than half "// &
-         "a cell, or part by more than twice strain_max of one, is done again with a shorter time", &
+         "a cell, or part by more than twice strain_max of one, is done again with a shorter "// &
+         "time", &
          default=".true.")
       call schema%real("time", "speed_max", "a faster particle ends the run with exit code 4", &
          unit="m/s", range="> 0")

@@ -32,20 +32,29 @@ module io_hdf5_index
 contains
 
    !> Learn what a snapshot holds.
-   subroutine read_snapshot(path, info, error)
+   subroutine read_snapshot(path, info, error, of_grid)
       character(len=*), intent(in) :: path               !! The file
       type(snapshot_info_t), intent(out) :: info         !! What it holds
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      logical, intent(in) :: of_grid                     !! It holds no particles, only the time
       type(hdf5_source_t) :: source
       real(wp) :: times(1)
       integer(int64) :: counts(1)
 
+      counts = 0
       info%path = path
       call source%open(path, error)
-      if (.not. allocated(error)) &
-         call source%read(root//"/FieldData/TimeValue", 0_int64, times, error)
-      if (.not. allocated(error)) call source%read(root//"/NumberOfPoints", 0_int64, counts, error)
-      if (.not. allocated(error)) call source%members(root//"/PointData", info%fields, error)
+      if (.not. allocated(error)) then
+         if (of_grid) then
+            call source%attribute("/provenance", "time", times(1), error)
+         else
+            call source%read(root//"/FieldData/TimeValue", 0_int64, times, error)
+         end if
+      end if
+      if (.not. (allocated(error) .or. of_grid)) &
+         call source%read(root//"/NumberOfPoints", 0_int64, counts, error)
+      if (.not. (allocated(error) .or. of_grid)) &
+         call source%members(root//"/PointData", info%fields, error)
       call source%close()
       if (allocated(error)) return
       info%time = times(1)

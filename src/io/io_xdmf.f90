@@ -21,6 +21,7 @@ module io_xdmf
    type :: series_t
       character(len=:), allocatable :: folder            !! Where the files are
       character(len=:), allocatable :: prefix            !! As "CASE_p"
+      logical :: of_grids = .false.                      !! No particles: a list is all there is
       type(snapshot_info_t), allocatable, private :: steps(:) !! On rank 0 only
    contains
       procedure :: open => series_open                   !! Find the snapshots of an earlier run
@@ -52,7 +53,7 @@ contains
          if (.not. allocated(error)) then
             do index = 1, size(names)
                if (.not. is_before(names(index), self%path(next_number))) cycle
-               call read_snapshot(join_path(folder, trim(names(index))), info, error)
+               call read_snapshot(join_path(folder, trim(names(index))), info, error, self%of_grids)
                if (allocated(error)) exit
                call append(self%steps, info)
             end do
@@ -97,15 +98,16 @@ contains
       integer :: count
 
       if (communicator%rank == 0) then
-         call read_snapshot(path, info, error)
+         call read_snapshot(path, info, error, self%of_grids)
          if (.not. allocated(error)) then
             call append(self%steps, info)
             count = size(self%steps)
             base = join_path(self%folder, self%prefix)
             call write_file(base//".hdf.series", series_text(self%steps), error)
-            if (.not. allocated(error)) &
+            if (.not. (allocated(error) .or. self%of_grids)) &
                call write_file(base//".xdmf", xdmf_text(self%steps), error)
-            if (.not. allocated(error) .and. (count <= often .or. mod(count, often) == 0)) &
+            if (.not. (allocated(error) .or. self%of_grids) .and. &
+               (count <= often .or. mod(count, often) == 0)) &
                call write_index(base//".vtkhdf", self%steps, error)
          end if
       end if
@@ -119,7 +121,7 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! The index cannot be written
 
       if (communicator%rank == 0 .and. allocated(self%steps)) then
-         if (size(self%steps) > 0) &
+         if (size(self%steps) > 0 .and. .not. self%of_grids) &
             call write_index(join_path(self%folder, self%prefix//".vtkhdf"), self%steps, error)
       end if
       call agree(communicator, error)

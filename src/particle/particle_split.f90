@@ -89,7 +89,7 @@ contains
       end do
    end subroutine split_store
 
-   !> Rates at which the longest edges of the particles of a tile grow, for those that may be halved.
+   !> Rates at which the longest edges of particles of a tile grow, for those that may be halved.
    pure subroutine find_opening(splitting, spacing, store, tile, gradient, dt)
       type(splitting_t), intent(in) :: splitting     !! What is too long
       real(wp), intent(in) :: spacing                !! Edge of a cell [m]
