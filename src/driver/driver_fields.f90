@@ -2,6 +2,7 @@
 !> The way of a step from particles to nodes and back: once without contact, and for each velocity
 !! field with contact, whose bodies push each other in between.
 module driver_fields
+   use base_error, only: error_t
    use base_kinds, only: wp
    use driver_contact, only: break_bonds, touch_bodies
    use driver_control, only: find_star
@@ -11,6 +12,7 @@ module driver_fields
    use driver_method, only: stress_before, stress_remapped
    use driver_nodes, only: dual_fields, finish_nodes, move_nodes, remap_nodes, start_nodes, &
       strain_nodes
+   use driver_retry, only: judge_nodes
    use driver_scatter, only: scatter_particles
    use driver_simulation, only: simulation_t
    use driver_surface, only: find_surfaces
@@ -50,35 +52,58 @@ contains
       call gather_particles(simulation, gather_parts_t(strain=.true.), moved)
    end subroutine strain_field
 
-   !> Forces, accelerations of the nodes, and what strains and moves the particles.
-   subroutine push_nodes(simulation)
+   !> Forces, accelerations of the nodes, and what strains and moves the particles. Where nodes would
+   !! go too far the step becomes shorter; with contact it does not, as bonds may have broken.
+   subroutine push_nodes(simulation, dt, error)
       type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(inout) :: dt                  !! Time step [s]
+      type(error_t), allocatable, intent(out) :: error !! No step is short enough
+      logical :: again
+
+      if (allocated(simulation%contact)) then
+         simulation%kick = simulation%method%kick(simulation%dt, dt)
+         call push_fields(simulation, simulation%kick)
+         return
+      end if
+      call find_force(simulation)
+      do
+         simulation%kick = simulation%method%kick(simulation%dt, dt)
+         call move_nodes(simulation, simulation%kick)
+         if (simulation%method%transfer%sweeps() > 0) &
+            call filter_nodes(simulation, simulation%kick)
+         if (simulation%method%stress == stress_remapped) call map_again(simulation)
+         call judge_nodes(simulation, dt, again, error)
+         if (allocated(error)) return
+         if (.not. again) exit
+      end do
+      if (allocated(simulation%exact)) call book_body_force(simulation, simulation%kick)
+   end subroutine push_nodes
+
+   !> The same for all velocity fields, whose bodies push each other.
+   subroutine push_fields(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run with contact
+      real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       integer :: field
 
-      associate (method => simulation%method, kick => simulation%kick)
-         if (.not. allocated(simulation%contact)) then
-            call find_force(simulation)
-            call move_nodes(simulation, kick)
-            if (allocated(simulation%exact)) call book_body_force(simulation, kick)
-            if (method%transfer%sweeps() > 0) call filter_nodes(simulation, kick)
-            if (method%stress /= stress_remapped) return
-            call scatter_again(simulation, kick)
-            call remap_nodes(simulation)
-            return
-         end if
-         call find_velocities(simulation, kick)
-         call touch_bodies(simulation, kick)
-         if (simulation%contact%bonded) call break_bonds(simulation)
-         call finish_velocities(simulation, kick)
-         if (method%stress /= stress_remapped) return
-         do field = 1, size(simulation%contact%field)
-            call simulation%take_field(field)
-            call scatter_again(simulation, kick)
-            call remap_nodes(simulation)
-            call simulation%return_field(field)
-         end do
-      end associate
-   end subroutine push_nodes
+      call find_velocities(simulation, dt)
+      call touch_bodies(simulation, dt)
+      if (simulation%contact%bonded) call break_bonds(simulation)
+      call finish_velocities(simulation, dt)
+      if (simulation%method%stress /= stress_remapped) return
+      do field = 1, size(simulation%contact%field)
+         call simulation%take_field(field)
+         call map_again(simulation)
+         call simulation%return_field(field)
+      end do
+   end subroutine push_fields
+
+   !> Velocities of the nodes from the new ones of the particles.
+   subroutine map_again(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run, perhaps one velocity field of it
+
+      call scatter_again(simulation, simulation%kick)
+      call remap_nodes(simulation)
+   end subroutine map_again
 
    !> Velocities and accelerations of all fields as if they did not touch, and where they do.
    subroutine find_velocities(simulation, dt)

@@ -16,7 +16,7 @@ module driver_nodes
    private
 
    public :: node_gradient, book_push, divide, dual_fields, ensure_weights, finish_nodes, &
-      move_nodes, remap_nodes, start_nodes, strain_nodes
+      move_nodes, remap_nodes, renew_sums, start_nodes, strain_nodes
 
    !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
    !! divides stays finite.
@@ -81,6 +81,20 @@ contains
       nodes%velocity(:, :, tile) = sums(2:4, :)
       nodes%acceleration(:, :, tile) = sums(5:7, :)
    end subroutine keep_sums
+
+   !> Sums over the particles around the nodes as before the nodes were moved.
+   subroutine renew_sums(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp) :: sums(size(simulation%nodes%motion, 1), simulation%grid%tile_nodes)
+      integer :: tile
+
+      !$omp parallel do default(none) shared(simulation) private(tile, sums) schedule(static)
+      do tile = 1, simulation%tiles%all
+         call assemble(simulation%grid, simulation%tiles, simulation%nodes%motion, tile, sums)
+         call keep_sums(simulation%nodes, tile, sums)
+      end do
+      !$omp end parallel do
+   end subroutine renew_sums
 
    !> Make room for the weights of the cells of all tiles.
    pure subroutine ensure_weights(weight, cells, tiles)

@@ -110,6 +110,7 @@ module driver_simulation
       type(ledger_t) :: ledger                       !! Sums of this thread
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
       logical :: sound = .true.                      !! Are all particles in their bounds?
+      logical :: retired = .false.                   !! Has one been taken out for leaving them?
       real(wp) :: steepest = 0.0_wp                  !! Square of steepest velocity gradient [1/s2]
       integer(int64) :: steepest_identity = huge(1_int64) !! Its particle
    end type scratch_t
@@ -159,6 +160,7 @@ module driver_simulation
       type(contact_t), allocatable :: contact        !! If bodies have velocities of their own
       integer :: first_store = 1                     !! First store of the velocity field at hand
       integer :: last_store = huge(1)                !! Its last one, if there are so many
+      logical :: erosion = .false.                   !! Are failed particles taken out?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
       integer(int64) :: step = 0                     !! Steps done
       real(wp) :: time = 0.0_wp                      !! [s]
@@ -167,6 +169,7 @@ module driver_simulation
       real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
       type(guard_t) :: guard                         !! What limits steps and particles
       type(text_t), allocatable :: body_names(:)     !! (body) For messages
+      integer(int64) :: halved = 0                   !! Particles halved on this rank
       integer(int64) :: updates = 0                  !! Particle updates of this rank
       real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
       integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then

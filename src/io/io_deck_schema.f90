@@ -99,12 +99,21 @@ contains
          "so far ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
       call schema%real("time", "strain_max", "greatest strain and rotation of a particle in a "// &
          "step; shorter steps where more would come", default="0.3", range="> 0 <= 1")
+      call schema%logical("time", "retry", "a step in which nodes would move by more than half "// &
+         "a cell, or part by more than twice strain_max of one, is done again with a shorter "// &
+         "time", &
+         default=".true.")
       call schema%real("time", "speed_max", "a faster particle ends the run with exit code 4", &
          unit="m/s", range="> 0")
       call schema%real("time", "volume_ratio_min", "a particle of less than this share of its "// &
          "volume at rest ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
       call schema%real("time", "volume_ratio_max", "a particle of more ends it too", &
          default="1e12", range="> 1")
+      call schema%text("time", "on_bad", "what becomes of a particle that leaves these bounds: "// &
+         "it ends the run, or is taken out and booked", default="stop", words="stop retire")
+      call schema%real("time", "retire_max", "share of the mass at the start that may be taken "// &
+         "out so before the run ends with exit code 4", default="0.01", range=">= 0 <= 1", &
+         owner="on_bad = retire")
       call schema%integer("time", "max_steps", "stop after so many steps", range=">= 0")
       call schema%text("time", "wall_limit", "hh:mm:ss of wall time, or slurm for the end of "// &
          "the job, then checkpoint and exit code 75", default="none")
@@ -128,5 +137,7 @@ contains
          default="0 0 -9.80665", owner="gravity")
       call schema%logical("effects", "contact", "bodies have velocities of their own, and touch", &
          default=".false.")
+      call schema%logical("effects", "erosion", "failed particles are taken out and booked", &
+         default=".false.", owner="effects.damage")
    end subroutine declare_effects
 end module io_deck_schema

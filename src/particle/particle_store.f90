@@ -16,6 +16,7 @@ module particle_store
 
    integer, parameter, public :: moved_away = -1      !! Home of a particle that left its tile
    integer, parameter, public :: moved_out = -2       !! Home of a particle that left the box
+   integer, parameter, public :: moved_off = -3       !! Home of a particle that is taken out
 
    !> Fields that a method or a scene asks of all particles.
    type :: traits_t
@@ -43,6 +44,8 @@ module particle_store
       real(wp), allocatable :: spin(:, :)             !! (particle, 3) Rotation round it [1/s]
       real(wp), allocatable :: bond(:)                !! 1 = bonds to other bodies hold, 0 = broken
       real(wp), allocatable :: reference(:, :) !! (particle, 3) Position at rest (if asked for) [m]
+      !> Rate at which the longest edge grows, from the strain of a step to its end only [1/s]
+      real(wp), allocatable :: opening(:)
       type(matter_t) :: matter                        !! State that the laws see
       integer, allocatable :: home(:)                 !! Cell after the move, < 0 = left the tile
       integer, allocatable :: first(:)                !! (tile) First particle of the range
