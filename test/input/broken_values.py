@@ -187,7 +187,7 @@ NUMBERS = [
     ("plain", "t_end = 1e-5", "t_end = 1e-5 / &method split = T  split_at = 0", 3,
      "&method: split_at = 0  <- must be > 0 and <= 2"),
     ("plain", "t_end = 1e-5", "t_end = 1e-5 / &method split_max = 3", 3,
-     "&method: split_max given but split = .false. does not use it"),
+     "&method: split_max given but split = .false."),
     ("sand", "cfl = 0.3", "on_bad = 'forget'", 4,
      "&time: on_bad = 'forget' is none of: stop retire"),
     ("sand", "cfl = 0.3", "retire_max = 0.1", 4,
