@@ -57,8 +57,7 @@ contains
       integer, intent(out) :: leaving                !! Particles that left the tile
       integer, intent(out) :: changed                !! Particles that changed their cell
       real(wp) :: shift(3), scale(3), limit(3), lower(3), x, y, z
-      integer :: p, cell, width, layer
-      logical :: inside
+      integer :: p, cell, width, layer, inside
 
       lower = grid%lower
       limit = real(grid%tile_extent(coordinate), wp)
@@ -74,13 +73,14 @@ contains
          x = (position(p, 1) - lower(1))*scale(1) - shift(1)
          y = (position(p, 2) - lower(2))*scale(2) - shift(2)
          z = (position(p, 3) - lower(3))*scale(3) - shift(3)
-         ! the product of differences would not tell a place beyond two faces
-         inside = min(min(x, y), z) >= 0.0_wp .and. &
-            max(max(x - limit(1), y - limit(2)), z - limit(3)) < 0.0_wp
+         ! each comparison counts for itself, which makes vectors of it and fails what is no number
+         inside = merge(1, 0, x >= 0.0_wp)*merge(1, 0, x < limit(1)) &
+            *merge(1, 0, y >= 0.0_wp)*merge(1, 0, y < limit(2)) &
+            *merge(1, 0, z >= 0.0_wp)*merge(1, 0, z < limit(3))
          cell = int(min(max(x, 0.0_wp), limit(1))) + width*int(min(max(y, 0.0_wp), limit(2))) &
             + layer*int(min(max(z, 0.0_wp), limit(3)))
-         cell = merge(cell, moved_away, inside)
-         leaving = leaving + merge(0, 1, inside)
+         cell = inside*cell + (1 - inside)*moved_away
+         leaving = leaving + (1 - inside)
          changed = changed + merge(0, 1, cell == home(p))
          home(p) = cell
       end do
