@@ -36,7 +36,7 @@ contains
    subroutine lattice_start(self, grid)
       class(lattice_t), intent(inout) :: self        !! The functions
       type(grid_t), intent(in) :: grid               !! The grid
-      integer :: direction, cell, tile, tiles, at, along
+      integer :: direction, node, tile, tiles, at, along, place(3)
       real(wp) :: weight(0:1), products(0:1, 0:1)
 
       tiles = merge(grid%tiles(1), 1, grid%axisymmetric)
@@ -48,10 +48,13 @@ contains
       self%line = 0.0_wp
       self%mass = 0.0_wp
       do tile = 1, tiles
-         do cell = 0, grid%tile_cells - 1
-            at = parts*(grid%first_node(cell) - 1)
+         do node = 1, grid%tile_nodes
+            at = parts*(node - 1)
+            place = grid%node_position(node)
             do direction = 1, 3
-               along = grid%cell_position(direction, cell)
+               ! nothing of the tile lies after the last node of a line, or before the first
+               if (place(direction) < 0 .or. place(direction) >= grid%width(direction)) cycle
+               along = place(direction)
                if (direction == 1) along = along + (tile - 1)*grid%width(1)
                weight = grid%line_weight(direction, along)
                products = grid%mass_weight(direction, along)
