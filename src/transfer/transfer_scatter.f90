@@ -239,13 +239,13 @@ contains
    end subroutine scatter_force
 
    !> Add the load of a particle to the edges of its cell, which are the lanes. Edges along x are
-   !! counted along z and y, those along y along x and z, those along z along x and y; upper edges of
-   !! a missing direction get nothing.
+   !! counted along z and y, those along y along x and z, those along z along x and y; upper edges
+   !! of a missing direction get nothing.
    pure subroutine add_edges(x, y, z, load, kept)
       real(wp), intent(in) :: x, y, z                        !! Place in the cell [1]
       real(wp), intent(in) :: load(6)                        !! Stress times volume over spacing [N]
       real(wp), intent(inout) :: kept(edges, 9) !! (edge, component k + 3 (direction - 1)) [N]
-      ! function of an edge: constant and slope along the first of its two directions, and the second
+      ! function of an edge: constant and slope along the first of its two directions, then second
       real(wp), parameter :: a1(edges) = [1.0_wp, 0.0_wp, 1.0_wp, 0.0_wp]
       real(wp), parameter :: b1(edges) = [-1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp]
       real(wp), parameter :: a2(edges) = [1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp]
