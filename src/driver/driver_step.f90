@@ -4,17 +4,13 @@ module driver_step
    use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: int64, wp
    use driver_bounds, only: rule_conduction, rule_growth, rule_signal, rule_strain
-   use driver_control, only: find_star
    use driver_culprit, only: name_bad
-   use driver_difference, only: find_difference
-   use driver_exact_force, only: book_body_force
-   use driver_gather, only: gather_particles, gather_parts_t
+   use driver_fields, only: gather_all, push_nodes, strain_before
+   use driver_gather, only: gather_parts_t
    use driver_heat, only: conduct_heat, conduction_step, greatest_diffusivity
-   use driver_method, only: stress_before, stress_remapped
-   use driver_nodes, only: dual_fields, move_nodes, remap_nodes
-   use driver_scatter, only: scatter_particles
+   use driver_heat_flux, only: smear_heat
+   use driver_method, only: stress_before
    use driver_simulation, only: simulation_t
-   use driver_sweep, only: filter_nodes, scatter_again
    use particle_migrate, only: migrate
    implicit none
    private
@@ -37,23 +33,14 @@ contains
       associate (method => simulation%method)
          ! time for which positions have moved already with the velocity before the step
          moved = merge(simulation%dt, dt, method%leapfrog)
-         if (method%stress == stress_before .and. moved > 0.0_wp) then
-            call find_force(simulation)
-            call move_nodes(simulation, 0.0_wp)
-            call gather_particles(simulation, gather_parts_t(strain=.true.), moved)
-         end if
-         call find_force(simulation)
-         call move_nodes(simulation, simulation%kick)
-         if (allocated(simulation%exact)) call book_body_force(simulation, simulation%kick)
-         if (method%transfer%sweeps() > 0) call filter_nodes(simulation, simulation%kick)
-         if (method%stress == stress_remapped) then
-            call scatter_again(simulation, simulation%kick)
-            call remap_nodes(simulation)
-         end if
+         if (method%stress == stress_before .and. moved > 0.0_wp) &
+            call strain_before(simulation, moved)
+         call push_nodes(simulation)
          if (allocated(simulation%conduction)) call conduct_heat(simulation, dt)
+         if (method%heat_flux > 0.0_wp) call smear_heat(simulation, dt)
          parts%strain = method%stress /= stress_before
          parts%motion = .true.
-         call gather_particles(simulation, parts, dt)
+         call gather_all(simulation, parts, dt)
       end associate
       simulation%updates = simulation%updates + count_particles(simulation)
       simulation%time = simulation%time + dt
@@ -63,16 +50,6 @@ contains
       if (allocated(error)) return
       call sort_particles(simulation)
    end subroutine advance
-
-   !> Mass, momentum and force of the nodes from the particles.
-   subroutine find_force(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
-
-      if (simulation%method%controlled()) call find_star(simulation)
-      call scatter_particles(simulation)
-      if (simulation%method%dual) call dual_fields(simulation)
-      if (simulation%method%differing()) call find_difference(simulation)
-   end subroutine find_force
 
    !> Collect what the threads saw: the books, the next time step, bad numbers.
    subroutine close_step(simulation, error)

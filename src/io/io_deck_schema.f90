@@ -4,7 +4,8 @@ module io_deck_schema
    use base_schema, only: schema_t
    use base_units, only: system_names
    use io_deck_output, only: declare_checkpoint, declare_log, declare_output, declare_parallel
-   use io_deck_scene, only: declare_body, declare_boundary, declare_region
+   use io_deck_scene, only: declare_body, declare_boundary, declare_contact, &
+      declare_region
    implicit none
    private
 
@@ -31,6 +32,7 @@ contains
       call declare_region(schema)
       call declare_body(schema)
       call declare_boundary(schema)
+      call declare_contact(schema)
       call schema%group("exact", "a solution that is known: it gives the first state and, if "// &
          "it was made up, a body force; histories get its errors")
       call declare_output(schema)
@@ -124,5 +126,7 @@ contains
       call schema%logical("effects", "gravity", "constant acceleration", default=".false.")
       call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &
          default="0 0 -9.80665", owner="gravity")
+      call schema%logical("effects", "contact", "bodies have velocities of their own, and touch", &
+         default=".false.")
    end subroutine declare_effects
 end module io_deck_schema

@@ -41,6 +41,7 @@ module particle_store
       !> (particle, 9) Slope (k, l) of the velocity round it in column k + 3 (l - 1) [1/s]
       real(wp), allocatable :: affine(:, :)
       real(wp), allocatable :: spin(:, :)             !! (particle, 3) Rotation round it [1/s]
+      real(wp), allocatable :: bond(:)                !! 1 = bonds to other bodies hold, 0 = broken
       real(wp), allocatable :: reference(:, :) !! (particle, 3) Position at rest (if asked for) [m]
       type(matter_t) :: matter                        !! State that the laws see
       integer, allocatable :: home(:)                 !! Cell after the move, < 0 = left the tile
@@ -147,6 +148,7 @@ contains
       if (allocated(self%domain)) call worker%vector("domain", "m", self%domain)
       if (allocated(self%affine)) call worker%vector("affine", "1/s", self%affine)
       if (allocated(self%spin)) call worker%vector("spin", "1/s", self%spin)
+      if (allocated(self%bond)) call worker%scalar("bond", "1", self%bond)
       if (allocated(self%reference)) call worker%vector("reference", "m", self%reference)
       call self%matter%walk(worker)
    end subroutine store_walk
