@@ -192,8 +192,7 @@ def check_grid(report, vtk, file, time):
         origin, spacing = group.attrs["Origin"][...], group.attrs["Spacing"][...]
         fields = {key: data[...] for key, data in group["PointData"].items()}
         units = all("units" in data.attrs for data in group["PointData"].values())
-        report.check(abs(handle["provenance"].attrs["time"] - time) <= 1.0e-12 * abs(time),
-                     f"{name}: the time of the series")
+        report.check(abs(group.attrs["Time"] - time) <= 1.0e-12 * abs(time), f"{name}: the time of the series")
     report.check(units, f"{name}: all fields have units")
     report.check(all(extent[2 * k + 1] > extent[2 * k] for k in range(3)), f"{name}: has a thickness")
     for key, values in fields.items():

@@ -8,7 +8,7 @@
     table = scree_post.history("out/case/case_history.csv")
     table["kinetic"], table.units["kinetic"]
 
-All values are in SI units, as in the files. Only h5py and numpy are needed.
+All values of snapshots are in SI units, whatever units the files are in. Only h5py and numpy are needed.
 """
 import csv
 import json
@@ -206,17 +206,24 @@ def _bodies(handle):
     return table, int(group.attrs.get("first_index", 1))
 
 
+def _in_si(data):
+    """Numbers of a data set in SI, whatever `output_units` of the run was."""
+    factor = float(data.attrs.get("unitSI", 1.0))
+    return data[...] if factor == 1.0 else data[...] * factor
+
+
 def snapshot(file, names=None):
     """Read a snapshot: points, fields (all, or those named), units, bodies, provenance."""
     with _open(file) as handle:
         try:
             data = handle.get("VTKHDF/PointData", {})
-            points = handle["VTKHDF/Points"][...].astype("f8")
+            points = _in_si(handle["VTKHDF/Points"]).astype("f8")
             snap = Snapshot(file=file, time=_time(handle, file), points=points)
             for name in data:
                 if names is None or name in names:
-                    snap.fields[name] = data[name][...]
-                    snap.units[name] = str(text(data[name].attrs.get("units", "1")))
+                    snap.fields[name] = _in_si(data[name])
+                    unit = data[name].attrs.get("unitNameSI", data[name].attrs.get("units", "1"))
+                    snap.units[name] = str(text(unit))
             snap.bodies, snap.first_body = _bodies(handle)
             if "provenance" in handle:
                 snap.provenance = {k: text(v) for k, v in handle["provenance"].attrs.items()}
