@@ -30,6 +30,7 @@ class Colour:
     high: float = 1.0
     map: str = "viridis"
     names: tuple = ()                                    # of whole numbers, such as bodies
+    beyond: tuple = (False, False)                       # whether numbers lie below, above
 
 
 def field_of(name):
@@ -93,19 +94,21 @@ def colour_for(name, snaps, wanted=None, chosen_map=None):
             snap.body_name(row) if field == "body" else f"material {row}" for row in range(count))
         return Colour(name, label_of(snap, name), names=names)
     unit = "m" if name in ("x", "y", "z") else snap.units.get(field, "1")
+    found = np.concatenate([values_of(one, name) for one in snaps])
+    found = found[np.isfinite(found)]
     if wanted:
         low, high = wanted
     else:
-        found = np.concatenate([values_of(one, name) for one in snaps])
-        found = found[np.isfinite(found)]
         low, high = sensible(found)
         if low < 0.0 < high and min(-low, high) > 0.1 * max(-low, high):
             high = max(-low, high)
             low = -high
     signed = low < 0.0 < high and abs(low + high) < 1.0e-9 * high
     factor, unit = look.label_unit(max(abs(low), abs(high)), unit)
+    slack = 1.0e-6 * (high - low)
+    beyond = (bool((found < low - slack).any()), bool((found > high + slack).any()))
     return Colour(name, label_of(snap, name), unit, factor, factor * low, factor * high,
-                  chosen_map or ("coolwarm" if signed else "viridis"))
+                  chosen_map or ("coolwarm" if signed else "viridis"), beyond=beyond)
 
 
 def sensible(values):
@@ -142,7 +145,7 @@ def tints_of(colour):
     return ("#0072b2", "#e69f00") if colour.names == FAILED else look.COLOURS
 
 
-def legend(figure, axes, colour, snaps=(), slot=None):
+def legend(figure, axes, colour, slot=None):
     """Colour bar (into the axes `slot`), or names with their colours, right of the axes."""
     plot = look.pyplot()
     if colour.names:
@@ -152,16 +155,11 @@ def legend(figure, axes, colour, snaps=(), slot=None):
         axes.legend(handles=patches, loc="upper left", bbox_to_anchor=(1.01, 1.0),
                     borderaxespad=0.0, handlelength=1.0, handleheight=1.0)
         return
-    found = np.concatenate([values_of(snap, colour.name) for snap in snaps] or [np.zeros(0)])
-    found = colour.factor * found[np.isfinite(found)]
-    slack = 1.0e-6 * (colour.high - colour.low)
-    below = len(found) and found.min() < colour.low - slack
-    above = len(found) and found.max() > colour.high + slack
     scale = plot.matplotlib.cm.ScalarMappable(
         plot.matplotlib.colors.Normalize(colour.low, colour.high), colour.map)
     where = {"cax": slot} if slot is not None else {
         "ax": axes, "fraction": 0.05, "pad": 0.02, "aspect": 30}
     bar = figure.colorbar(scale, **where,
-                          extend={(0, 0): "neither", (1, 0): "min", (0, 1): "max",
-                                  (1, 1): "both"}[bool(below), bool(above)])
+                          extend={(False, False): "neither", (True, False): "min",
+                                  (False, True): "max", (True, True): "both"}[colour.beyond])
     bar.set_label(look.with_unit(colour.label, colour.unit))

@@ -17,7 +17,7 @@ class Parser(argparse.ArgumentParser):
     """A parser that says what is wrong in one line, and takes -10mm for a number."""
 
     def __init__(self, *words, **options):
-        super().__init__(*words, **options)
+        super().__init__(*words, allow_abbrev=False, **options)
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message):

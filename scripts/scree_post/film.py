@@ -56,7 +56,8 @@ def encode(pages, path, rate):
             return numbered(pages, stem)
         if ending.lower() == ".gif":
             (image,) = modules("PIL.Image")
-            stills = [image.fromarray(even(page)).quantize(256) for page in pages]
+            cover = image.Quantize.MAXCOVERAGE            # rare colours, as on the bar, too
+            stills = [image.fromarray(even(page)).quantize(256, cover) for page in pages]
             stills[0].save(part, save_all=True, append_images=stills[1:],
                            duration=int(1000 / rate), loop=0)
         else:

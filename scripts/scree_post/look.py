@@ -93,3 +93,5 @@ def save(figure, path, dpi):
         if os.path.exists(part):
             os.remove(part)
         raise PostError(f"cannot write {path}: {error.strerror or error}") from error
+    finally:
+        pyplot().close(figure)

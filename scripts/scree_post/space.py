@@ -132,7 +132,7 @@ class SpacePage:
         slot = figure.add_axes(((wide + 0.2) / page[0], 0.2 / page[1], 1.6 / page[0],
                                 high / page[1]))
         slot.set_axis_off()
-        self.colour_bar(figure, slot, snap, page, wide, high)
+        self.colour_bar(figure, slot, page, wide, high)
         figure.text(0.15 / page[0], 1.0 - 0.1 / page[1], self.heading(part.time), va="top",
                     ha="left", fontsize=11, linespacing=1.4)
         return figure
@@ -143,7 +143,7 @@ class SpacePage:
         head = f"{self.options.title}\n" if self.options.title else ""
         return f"{head}t = {factor * time:.4g} {unit}"
 
-    def colour_bar(self, figure, slot, snap, page, wide, high):
+    def colour_bar(self, figure, slot, page, wide, high):
         """Colour bar, or the names of bodies."""
         if self.options.colour.names:
             colours.legend(figure, slot, self.options.colour)
@@ -152,7 +152,7 @@ class SpacePage:
         tall = min(high, 4.0)
         bar = figure.add_axes(((wide + 0.3) / page[0], (0.2 + 0.5 * (high - tall)) / page[1],
                                0.16 / page[0], tall / page[1]))
-        colours.legend(figure, None, self.options.colour, [snap], bar)
+        colours.legend(figure, None, self.options.colour, bar)
 
     def scale(self, axes):
         """Scale bar below to the left."""

@@ -137,7 +137,7 @@ class PlanePage:
             self.line(axes, part)
         else:
             self.dots(figure, axes, part)
-            colours.legend(figure, axes, self.options.colour, [snap])
+            colours.legend(figure, axes, self.options.colour)
         factor, unit = self.options.clock
         head = f"{self.options.title}\n" if self.options.title else ""
         axes.set_title(f"{head}t = {factor * part.time:.4g} {unit}", fontsize=11)

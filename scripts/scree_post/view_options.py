@@ -82,7 +82,8 @@ def options_of(arguments, snaps):
         hide_failed=arguments.hide_failed,
         view=tuple(arguments.view) if arguments.view else (),
         title=title, dpi=arguments.dpi, camera=camera(arguments.camera), zoom=arguments.zoom,
-        turn=getattr(arguments, "turn", 0.0), clock=look.scaled(latest, "s"),
+        turn=getattr(arguments, "turn", 0.0),
+        clock=look.scaled(latest, "s") if latest > 0.0 else (1.0, "s"),
         keep=side(arguments.keep) if arguments.keep else ())
 
 

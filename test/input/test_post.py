@@ -260,7 +260,8 @@ def test_errors(work):
         run = call(command, *words)
         assert run.returncode == code, f"{command} {words}: exit {run.returncode}, {run.stderr}"
         said = run.stderr.strip().splitlines()
-        assert said and part in said[-1] and len(said) == 1, f"{command} {words}: '{part}' not in: {run.stderr}"
+        assert len(said) == 1, f"{command} {words}: not one line: {run.stderr}"
+        assert part in said[0], f"{command} {words}: '{part}' not in: {run.stderr}"
         assert "Traceback" not in run.stderr, run.stderr
     assert not [
         name for name in os.listdir(work) if name.startswith("never")

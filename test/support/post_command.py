@@ -24,9 +24,10 @@ sys.path.insert(0, str(SCRIPTS))
 INPUT = case.ROOT / "input"
 # Small runs: options of the program by the folder of their results.
 RUNS = {
-    "two_discs": ("two_discs/scene.nml", ("grid.dx=0.05",)),
+    "two_discs": ("two_discs/scene.nml", ("grid.dx=0.05", "output[discs].dt=0.5")),
     "coarse": ("two_discs/scene.nml", ("grid.dx=0.1",)),
-    "debris_cloud": ("debris_cloud/scene.nml", ("grid.dx=0.775", "time.t_end=11")),
+    "debris_cloud": ("debris_cloud/scene.nml", ("grid.dx=0.775", "time.t_end=10.5",
+                                                "output[cloud].dt=1.5")),
     "debris_cloud_3d": ("debris_cloud/quarter_3d.nml", (
         "grid.dx=1.55", "time.t_end=4", "body[sphere].velocity=0,0,3",
         "region[plate].hi=12.4,12.4,3.1")),
@@ -80,3 +81,18 @@ def run_cases(options, *names):
 def series(work, name):
     """The series of a small case."""
     return str(Path(work) / "out" / name / f"{name}_p.hdf.series")
+
+
+def run_tests(tests, options):
+    """Call every function test_NAME(options) of a module; the result is the exit code."""
+    chosen = [(name, test) for name, test in tests.items() if name.startswith("test_")]
+    failures = 0
+    for name, test in chosen:
+        try:
+            test(options)
+            print(f"passed {name}", flush=True)
+        except Exception as error:  # every test is to run, whatever the others do
+            failures += 1
+            print(f"FAILED {name}: {type(error).__name__}: {error}", flush=True)
+    print(f"{len(chosen) - failures} of {len(chosen)} tests passed")
+    return 1 if failures or not chosen else 0

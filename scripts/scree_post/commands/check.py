@@ -13,7 +13,7 @@ from ..errors import EXIT_DIFFERENT, modules
 from ..files import series, series_file, snapshot
 
 SUMMARY = "whether VTK, and so ParaView, reads the files as they were written"
-EXAMPLES = ("check out/two_discs", "check out/two_discs --verbose")
+EXAMPLES = ("check out/two_discs",)
 EXIT_NO_VTK = 77         # what CTest takes for "skipped"
 MEAN = 1.0e-5            # single precision in the file, summed in double
 EDGE = 1.0e-6            # single precision of positions in a reader

@@ -16,10 +16,10 @@ from ..files import history, history_file, series, series_file, snapshot
 from ..progress import Progress
 
 SUMMARY = "differences of two runs, particle by particle"
-EXAMPLES = ("compare out/two_discs out/coarse",
-            "compare out/a/a_p.hdf.series out/b/b_p.hdf.series --fields velocity,pressure "
-            "--tolerance 1e-6",
-            "compare out/a/a_history.csv out/b/b_history.csv --interpolate --tolerance 0.05")
+EXAMPLES = ("compare out/two_discs out/again",
+            "compare out/two_discs out/again --fields velocity,pressure --tolerance 1e-6",
+            "compare out/two_discs/two_discs_history.csv out/coarse/coarse_history.csv "
+            "--interpolate")
 MOST_LINES = 12          # on what one side lacks
 
 

@@ -15,7 +15,7 @@ from ..view import to_pixels
 
 SUMMARY = "a film of all times, .mp4 or .gif"
 EXAMPLES = ("movie out/two_discs --colour pressure --out discs.mp4",
-            "movie out/debris_cloud --colour velocity.z --from 2us --rate 5 --out cloud.gif",
+            "movie out/debris_cloud --colour velocity.z --range 0 7km/s --from 2us --out cloud.gif",
             "movie out/debris_cloud_3d --turn 90 --hide-failed --out turning.mp4")
 
 

@@ -15,8 +15,8 @@ from ..quantity import quantity
 
 SUMMARY = "the particles of one time, coloured by a field"
 EXAMPLES = ("picture out/two_discs --colour pressure --time 2",
-            "picture out/debris_cloud --colour body --time 10us --out cloud.png",
-            "picture out/debris_cloud_3d --keep 'y>0' --camera -70,15 --hide-failed")
+            "picture out/debris_cloud --colour body --time 3us --view -15mm 15mm -10mm 25mm",
+            "picture out/debris_cloud_3d --colour damage --keep 'y>0' --camera -70,15")
 
 
 def add_arguments(parser):

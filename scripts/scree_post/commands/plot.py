@@ -14,7 +14,7 @@ from ..files import history, history_file
 
 SUMMARY = "columns of histories against time or each other"
 EXAMPLES = ("plot out/two_discs/two_discs_history.csv",
-            "plot out/two_discs --y kinetic,internal --x time",
+            "plot out/two_discs --y kinetic,internal",
             "plot out/two_discs out/coarse --y energy_error --log --out errors.png")
 QUANTITY = {"J": "energy", "kg": "mass", "s": "time", "m": "length", "m/s": "velocity",
             "kg m/s": "momentum", "N s": "impulse", "kg m2/s": "angular momentum"}

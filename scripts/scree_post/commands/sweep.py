@@ -19,8 +19,8 @@ from ..study import Study, combinations, find_program, settings, short
 
 SUMMARY = "a deck for many values: table and plot of what came out"
 EXAMPLES = ("sweep input/two_discs/scene.nml --set grid.dx=0.05,0.025 --take energy_error,steps",
-            "sweep scene.nml --set material.mu_s=0.3,0.4,0.5 --set grid.dx=0.1,0.05 --jobs 3",
-            "sweep scene.nml --set 'body[ball].velocity=0,0,1;0,0,2' --take kinetic.max --list")
+            "sweep input/column_collapse/scene.nml --set material.friction_angle=30,45 --jobs 2",
+            "sweep input/debris_cloud/scene.nml --set 'body[sphere].velocity=0,0,6;0,0,7' --list")
 OVER = {"max": np.max, "min": np.min, "mean": np.mean}
 DEFAULT = "time,steps,wall_s,kinetic,energy_error"
 
@@ -129,8 +129,8 @@ def picture(rows, keys, names, units, title):
                       for row in part]
             order = np.argsort(across)
             up = factor * np.array([row[name] for row in part])
-            axes.plot(np.array(across)[order], up[order], "o-", color=look.COLOURS[tint % len(look.COLOURS)],
-                      label=label, linewidth=1.6, markersize=5)
+            axes.plot(np.array(across)[order], up[order], "o-", label=label, linewidth=1.6,
+                      color=look.COLOURS[tint % len(look.COLOURS)], markersize=5)
         if not numeric:
             axes.set_xticks(range(len(places)), keys[first])
         elif min(places) > 0.0 and max(places) / min(places) > 20.0:
