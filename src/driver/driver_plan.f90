@@ -84,14 +84,15 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The deck is wrong
 
       call build_scene(plan%deck, plan%simulation, plan%bodies)
+      ! Errors elsewhere do not hide those of places; the deck is refused after them.
+      if (allocated(plan%bodies) .and. plan%deck%sound("body")) call check_size(plan%deck, &
+         plan%simulation%grid, plan%bodies, plan%most_points, plan%command%force)
+      if (allocated(plan%bodies) .and. plan%deck%sound("body")) then
+         call take_survey(plan%simulation, plan%bodies, plan%survey)
+         call check_places(plan%deck, plan%simulation, plan%bodies, plan%survey)
+      end if
       call plan%deck%verdict(error)
       if (allocated(error)) return
-      call check_size(plan%deck, plan%simulation%grid, plan%bodies, plan%most_points, &
-         plan%command%force)
-      call plan%deck%verdict(error)
-      if (allocated(error)) return
-      call take_survey(plan%simulation, plan%bodies, plan%survey)
-      call check_places(plan%deck, plan%simulation, plan%bodies, plan%survey)
       call read_limits(plan%deck, plan%limits)
       call describe_run(plan%deck, plan%simulation, plan%bodies, plan%deck_text, &
          plan%command%output_folder, plan%outputs, plan%place)

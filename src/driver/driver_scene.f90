@@ -29,8 +29,9 @@ module driver_scene
 contains
 
    !> Build grid, faces, materials, method and bodies; particles come later. Faults go into the
-   !! deck's
-   !! list of problems.
+   !! deck's list of problems. Where there are some, what does not depend on them is built and
+   !! checked all the same, so that one look at the deck tells as much as can be known; bodies are
+   !! then there if their places are sound.
    subroutine build_scene(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! The run
@@ -43,13 +44,16 @@ contains
       call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
       call read_materials(deck, simulation)
-      if (deck%errors() > 0) return
+      if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
+         deck%sound("effects") .and. deck%sound("boundary"))) return
       call read_boundary(deck, simulation)
       simulation%grid%margin = simulation%method%margin()
       call simulation%grid%start(block_of(deck))
       call check_periodic(deck, simulation%grid)
       call read_gravity(deck, simulation)
+      if (.not. deck%sound("region")) return
       call read_shapes(deck, simulation%grid, shapes)
+      if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
       if (deck%errors() > 0) return
       call read_exact(deck, simulation, bodies)
@@ -224,7 +228,8 @@ contains
             call group%get("velocity", body%velocity)
             call group%get("spin", body%spin)
             call group%get("temperature", body%temperature)
-            call read_energy(deck, group, simulation%materials(body%store), body)
+            if (deck%sound("material", body%store)) &
+               call read_energy(deck, group, simulation%materials(body%store), body)
             body%density = simulation%materials(body%store)%density
             where (.not. simulation%grid%active)
                body%per_cell = 1

@@ -65,6 +65,8 @@ contains
       type(effects_t), intent(in) :: effects              !! What is asked for
 
       call group%get("failure_strain", self%limit)
+      ! Then cracks open, and nothing fails at once.
+      if (group%given("fracture_energy")) self%limit = sqrt(huge(1.0_wp))
       call group%get("failure_delay", self%delay)
       if (.not. effects%size_scatter) return
       allocate (self%weibull)

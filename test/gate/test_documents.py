@@ -22,6 +22,7 @@ LINK = re.compile(r"\]\(([^)\s]+)\)")
 NAMED = re.compile(r"`((?:src|scripts|test|cmake|doc|input)/[a-z0-9_./]+)`")
 FIRST_STEPS = ROOT / "doc" / "guide" / "first_steps.md"
 DECK = ROOT / "doc" / "guide" / "deck.md"
+RUNNING = ROOT / "doc" / "guide" / "running.md"
 OUTPUT = ROOT / "doc" / "guide" / "output.md"
 SCENE = "input/two_discs/scene.nml"
 
@@ -124,6 +125,24 @@ class DocumentGate(unittest.TestCase):
             code, text = scree("--check", "bad.nml", folder=folder)
         self.assertEqual(code, 2, text)
         self.assertIn("$ build/bin/scree --check bad.nml\n" + text, blocks(DECK, "console"))
+
+    def test_printed_job(self):
+        shown = next(block for block in blocks(RUNNING, "console") if "--job slurm" in block)
+        command, script = shown.split("\n", 1)
+        code, text = scree(*command.split()[2:])
+        self.assertEqual(code, 0, text)
+        # the program is named by its whole path, wherever that is here
+        self.assertEqual(text.replace(f"srun {SCREE} ", "srun build/bin/scree "), script)
+
+    def test_printed_examples(self):
+        shown = next(block for block in blocks(RUNNING, "console") if "--list examples" in block)
+        first, *said, last = shown.strip().split("\n")
+        code, text = scree(*first.split()[2:])
+        self.assertEqual((code, text.strip()), (0, "\n".join(said)))
+        with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
+            code, text = scree(*last.split()[2:], folder=folder)
+            self.assertEqual(code, 0, text)
+            self.assertTrue((Path(folder) / "my_discs/two_discs.nml").is_file())
 
     def test_shown_deck(self):
         scene = (ROOT / SCENE).read_text(encoding="utf-8")
