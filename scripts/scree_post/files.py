@@ -186,6 +186,17 @@ def snapshot(file, names=None):
     return snap
 
 
+def is_grid(file):
+    """True for a file of fields on the grid."""
+    (h5py,) = modules("h5py")
+    try:
+        with h5py.File(readable(file), "r") as handle:
+            kind = handle["VTKHDF"].attrs.get("Type", b"") if "VTKHDF" in handle else b""
+    except OSError as error:
+        raise PostError(f"cannot open {file}: not HDF5, or cut short") from error
+    return (kind if isinstance(kind, bytes) else kind.encode()).rstrip(b"\0 ") == b"ImageData"
+
+
 class History(dict):
     """Columns of a history by name; `units` holds the units, `order` the names."""
 

@@ -11,8 +11,9 @@ from .pieces import find_pieces
 from .shape import images, mirror_faces, particle_size
 from .view import failed_of
 
-COLUMNS = ("time [s]", "fragment", "particles", "mass [kg]", "volume [m3]", "size [m]", "x [m]",
-           "y [m]", "z [m]", "velocity_x [m/s]", "velocity_y [m/s]", "velocity_z [m/s]", "body")
+COLUMNS = ("time [s]", "fragment", "particles", "mass [kg]", "volume [m3]", "size [m]",
+           "centre_x [m]", "centre_y [m]", "centre_z [m]", "velocity_x [m/s]", "velocity_y [m/s]",
+           "velocity_z [m/s]", "body")
 
 
 @dataclass
@@ -34,7 +35,7 @@ class Fragments:
 def note_of(snap, mirror, periodic):
     """What a fragment is, in a sentence for people."""
     text = {"axisymmetric": "axisymmetric: a fragment is a ring around the axis; its mass is that "
-            "of the whole ring, x its radius, size the diameter of its cross-section",
+            "of the whole ring, centre_x its radius, size the diameter of its cross-section",
             "plane_strain": "plane strain: a fragment is a prism as thick as the box; size is the "
             "diameter of its cross-section"}.get(
                 snap.dimension, "a fragment is a piece in space; size is the diameter of a sphere "

@@ -184,6 +184,8 @@ contains
       if (simulation%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 + 3, wp)
       if (allocated(simulation%conduction)) columns = columns &
          + merge(26.0_wp, 7.0_wp, simulation%method%dual)
+      if (simulation%repacks) columns = columns + 1.0_wp
+      if (simulation%method%heat_flux > 0.0_wp) columns = columns + 5.0_wp
       bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
          + real(size(survey%key), wp)*(17.0_wp/16.0_wp*8.0_wp*columns &
          *real(simulation%grid%tile_nodes, wp) &

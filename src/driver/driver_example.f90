@@ -80,7 +80,8 @@ contains
       end do
    end subroutine examples_text
 
-   !> Copy an example into a folder that is not there yet, or empty.
+   !> Copy an example into a folder that is not there yet, or empty. Scripts that measure it stay
+   !! with the sources, whose tools they need.
    subroutine copy_example(name, target_folder, copied, error)
       character(len=*), intent(in) :: name           !! Which example
       character(len=*), intent(in) :: target_folder  !! Where to
@@ -108,7 +109,7 @@ contains
       call list_folder(join_path(folder, name), "", "", entries, error)
       if (allocated(error)) return
       do n = 1, size(entries)
-         if (entries(n)(1:1) == ".") cycle
+         if (entries(n)(1:1) == "." .or. index(entries(n), ".py ") > 0) cycle
          call copy_file(join_path(folder, name), trim(entries(n)), name, copied, error)
          if (allocated(error)) return
       end do
@@ -157,21 +158,28 @@ contains
       character(len=*), intent(in) :: readme         !! Text in the sources
       character(len=*), intent(in) :: example        !! Name of the example
       character(len=:), allocatable :: text
-      character(len=*), parameter :: outside = "](../../"
-      integer :: bracket, first, last
+      character(len=*), parameter :: outside = "](../"
+      character(len=*), parameter :: measuring = newline//"build/venv/bin/python "
+      integer :: bracket, first, last, path
 
       text = readme
+      do
+         first = index(text, measuring)
+         if (first == 0) exit
+         text = text(:first - 1)//text(first + index(text(first + 1:)//newline, newline):)
+      end do
       do
          first = index(text, outside)
          if (first == 0) exit
          last = first + index(text(first:), ")") - 1
+         path = first + 2 + verify(text(first + 2:), "./") - 1
          bracket = index(text(:first), "[", back=.true.)
          if (text(bracket - 1:bracket - 1) == "!") then
             ! pictures stay with the sources, so does their line
             text = text(:bracket - 2)//text(last + 1:)
          else
             text = text(:bracket - 1)//text(bracket + 1:first - 1)//" (in the sources, "// &
-               text(first + len(outside):last)//text(last + 1:)
+               text(path:last)//text(last + 1:)
          end if
       end do
       text = replaced(text, "input/"//example//"/", "")

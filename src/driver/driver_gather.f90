@@ -9,6 +9,7 @@ module driver_gather
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
    use driver_method, only: method_t, stress_before
    use driver_nodes, only: node_gradient
+   use driver_packing, only: excess_fill, repack
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use driver_sweep, only: find_filtered, find_slopes
@@ -46,6 +47,7 @@ module driver_gather
       real(wp), allocatable :: scalar(:, :)          !! (1, node) The same [J/kg]
       real(wp), allocatable :: turn(:, :) !! (3, node) The same for linear velocity fields [m/s]
       real(wp), allocatable :: moments(:, :)         !! (9, node) Its moments [m2/s]
+      real(wp), allocatable :: excess(:, :)          !! (1, node) Fill less 1, for loose matter [1]
    end type view_t
 
 contains
@@ -91,6 +93,8 @@ contains
             ! before the strain, which may renew the linear velocity fields
             if (parts%motion .and. allocated(store%matter%energy)) &
                call add_heat(simulation, scratch, store, tile, view)
+            if (parts%motion .and. simulation%materials(index)%repacks) &
+               call repack_particles(simulation, scratch, index, tile, view)
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
             if (parts%motion) then
                call move_particles(simulation, scratch, store, tile, view, dt)
@@ -114,6 +118,9 @@ contains
          + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, :, tile)
       if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
       if (.not. simulation%method%dual) return
+      if (parts%motion .and. simulation%repacks) call excess_fill(simulation%grid, &
+         simulation%boundary, simulation%tiles%coordinate(:, tile), &
+         simulation%nodes%filled(:, :, tile), simulation%nodes%volume(:, :, tile), view%excess)
       if (parts%strain .or. (parts%motion .and. simulation%method%transfer%affine())) &
          call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
       if (parts%work .and. simulation%carries_energy) &
@@ -185,6 +192,22 @@ contains
             view%moments, store%matter%energy)
       end associate
    end subroutine add_heat
+
+   !> Volumes of the loose particles of a tile from the fill of the nodes.
+   subroutine repack_particles(simulation, scratch, index, tile, view)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(in) :: view               !! Node fields
+
+      associate (store => simulation%stores(index))
+         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), &
+            scratch%places, view%excess, scratch%places%values)
+         call repack(store, tile, simulation%materials(index), scratch%places%values, &
+            scratch%ledger)
+      end associate
+   end subroutine repack_particles
 
    !> New velocities and positions of the particles of a tile.
    subroutine move_particles(simulation, scratch, store, tile, view, dt)

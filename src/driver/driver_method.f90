@@ -31,6 +31,7 @@ module driver_method
       integer :: stress = stress_after               !! When the stress is updated
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
+      real(wp) :: heat_flux = 0.0_wp                 !! Coefficient of artificial heat flux [1]
       class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
       real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
@@ -87,6 +88,9 @@ contains
       call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
          "material in a cell share their mean dilatation and pressure", default="none", &
          words="none bbar")
+      call schema%real("method", "heat_flux", "coefficient of an artificial heat flux in "// &
+         "shocks, against walls that are too hot; about 2", default="0", range=">= 0 <= 100", &
+         owner="effects.artificial_viscosity")
    end subroutine declare_method
 
    !> Make the method from the deck.
@@ -119,6 +123,7 @@ contains
          "' gain energy without bound; write basis = 'quadratic'", "transfer")
       call group%get("antilock", word)
       self%even = word == "bbar"
+      call group%get("heat_flux", self%heat_flux)
       group = deck%group("time", 1)
       call group%get("cfl", self%cfl)
    end subroutine method_read

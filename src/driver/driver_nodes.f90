@@ -17,8 +17,9 @@ module driver_nodes
 
    public :: node_gradient, book_push, divide, dual_fields, ensure_weights, move_nodes, remap_nodes
 
-   !> Nodes with less mass than this are empty; far below any mass, far above underflow.
-   real(wp), parameter, public :: empty_mass = 1.0e-200_wp
+   !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
+   !! divides stays finite.
+   real(wp), parameter, public :: empty_mass = 1.0e-290_wp
 
 contains
 
@@ -37,6 +38,7 @@ contains
          call ensure_patch(nodes%volume, 1, number, all)
          call ensure_patch(nodes%force, 3, number, all)
          call ensure_patch(nodes%gradient, 9, number, all)
+         if (simulation%repacks) call ensure_patch(nodes%filled, 1, number, all)
       end associate
       !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
@@ -106,6 +108,7 @@ contains
          call assemble(grid, simulation%tiles, nodes%motion, tile, sums)
          call keep_sums(nodes, tile, sums)
          nodes%gradient(:, :, tile) = sums(first:last, :)
+         if (simulation%repacks) nodes%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
          call dual%cell_weights(grid, sums, filled, around, nodes%weight(:, tile))
          call clear_patch(nodes%share(:, :, tile))

@@ -32,11 +32,11 @@ contains
    !! deck's list of problems. Where there are some, what does not depend on them is built and
    !! checked all the same, so that one look at the deck tells as much as can be known; bodies are
    !! then there if their places are sound.
-   subroutine build_scene(deck, simulation, bodies)
+   subroutine build_scene(deck, simulation, bodies, shapes)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
-      type(named_shape_t), allocatable :: shapes(:)
+      type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
       type(traits_t) :: traits
       integer :: n
 
@@ -46,6 +46,10 @@ contains
       call read_materials(deck, simulation)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
+      if (deck%sound("material")) then
+         call check_volumes(deck, simulation)
+         call check_heat_flux(deck, simulation)
+      end if
       call read_boundary(deck, simulation)
       simulation%grid%margin = simulation%method%margin()
       call simulation%grid%start(block_of(deck))
@@ -149,6 +153,35 @@ contains
          end do
       end associate
    end subroutine read_boundary
+
+   !> The fill of nodes, which corrects volumes, is found with the dual gradient.
+   subroutine check_volumes(deck, simulation)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
+      integer :: n
+
+      if (simulation%method%dual) return
+      do n = 1, size(simulation%materials)
+         if (simulation%materials(n)%repacks) call deck%complain("material", n, &
+            "volume_from = 'grid' needs method = 'ddmp' in &run; remove it", "volume_from")
+      end do
+   end subroutine check_volumes
+
+   !> An artificial heat flux needs matter that carries an internal energy.
+   subroutine check_heat_flux(deck, simulation)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
+      type(wishes_t) :: wishes
+      integer :: n
+
+      if (.not. simulation%method%heat_flux > 0.0_wp) return
+      do n = 1, size(simulation%materials)
+         wishes = simulation%materials(n)%wishes()
+         if (wishes%asked("energy")) return
+      end do
+      call deck%complain(deck%group("method", 1), "no material carries an internal energy; "// &
+         "remove heat_flux", "heat_flux")
+   end subroutine check_heat_flux
 
    !> Node functions that reach beyond a cell must not meet themselves round a periodic box.
    subroutine check_periodic(deck, grid)

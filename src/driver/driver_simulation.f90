@@ -48,10 +48,13 @@ module driver_simulation
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
+      real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if asked for [m3]
       real(wp), allocatable :: force(:, :, :)        !! Patch (3): force of the node stress [N]
       !> Patch (9): node gradient of strain [m3/s]; before the nodes move, sums of the stresses [J]
       real(wp), allocatable :: gradient(:, :, :)
       real(wp), allocatable :: middle(:, :, :) !! Patch (9): that of the mid-step velocity [m3/s]
+      !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): first sum
+      real(wp), allocatable :: heat(:, :, :), flux(:, :, :), warmth(:, :, :)
    end type nodes_t
 
    !> Conduction of heat: node fields as above; those of the dual gradient only with it.
@@ -121,6 +124,7 @@ module driver_simulation
       real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       type(conduction_t), allocatable :: conduction  !! If some material conducts heat
+      logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
       integer(int64) :: step = 0                     !! Steps done
       real(wp) :: time = 0.0_wp                      !! [s]

@@ -51,6 +51,7 @@ contains
          if (simulation%materials(material)%heat%conductivity > 0.0_wp .and. &
             .not. allocated(simulation%conduction)) allocate (simulation%conduction)
       end do
+      simulation%repacks = any(simulation%materials%repacks)
       call name_phases(simulation)
    end subroutine prepare
 

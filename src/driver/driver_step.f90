@@ -10,6 +10,7 @@ module driver_step
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
    use driver_heat, only: conduct_heat, conduction_step, greatest_diffusivity
+   use driver_heat_flux, only: smear_heat
    use driver_method, only: stress_before, stress_remapped
    use driver_nodes, only: dual_fields, move_nodes, remap_nodes
    use driver_scatter, only: scatter_particles
@@ -51,6 +52,7 @@ contains
             call remap_nodes(simulation)
          end if
          if (allocated(simulation%conduction)) call conduct_heat(simulation, dt)
+         if (method%heat_flux > 0.0_wp) call smear_heat(simulation, dt)
          parts%strain = method%stress /= stress_before
          parts%motion = .true.
          call gather_particles(simulation, parts, dt)

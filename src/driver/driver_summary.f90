@@ -382,11 +382,9 @@ contains
          write (number, "(i0)") n
          call json%add("particles_"//trim(number), outputs%snapshots(n)%prefix//".hdf.series")
       end do
-      do n = 1, size(outputs%histories)
+      do n = 1, size(outputs%tables)
          write (number, "(i0)") n
-         associate (path => outputs%histories(n)%path)
-            call json%add("history_"//trim(number), path(index(path, "/", back=.true.) + 1:))
-         end associate
+         call json%add("history_"//trim(number), outputs%tables(n)%name)
       end do
       call json%end()
    end subroutine add_files

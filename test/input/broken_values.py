@@ -261,7 +261,7 @@ UNKNOWN = [
     ("sand", "type = 'friction'", "type = 'frictional'", 9,
      "&boundary: type = 'frictional' is none of: outflow symmetry slip stick periodic"),
     ("sand", "kind = 'history'", "kind = 'histories'", 10,
-     "&output: kind = 'histories' is none of: particles history; did you mean 'history'?"),
+     "&output: kind = 'histories' is none of: particles slice grid history profile fragments; did you mean 'history'?"),
     ("shock", "kind = 'particles'", "kind = 'particles'  fields = 'velocty'", 17,
      "&output 'cloud': output field 'velocty' is unknown; there are: default identity"),
     ("shock", "kind = 'particles'", "kind = 'particles'  bodies = 'spere'", 17,

@@ -43,8 +43,8 @@ def add_arguments(parser):
     add("--least", type=int, default=1, metavar="N",
         help="fragments of fewer particles are left out")
     add("--no-mirror", action="store_true", help="do not complete the model at mirror planes")
-    add("--table", metavar="CSV", help="default CASE_fragments.csv beside the series")
-    add("--out", metavar="PNG", help="picture; default CASE_fragments.png beside the series")
+    add("--table", metavar="CSV", help="default CASE_pieces.csv beside the series")
+    add("--out", metavar="PNG", help="picture; default CASE_pieces.png beside the series")
     add("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
 
 
@@ -138,7 +138,7 @@ def run(arguments):
     source = series_file(arguments.source)
     frames = chosen(series(source), arguments)
     stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
-    beside = os.path.join(os.path.dirname(source) or ".", f"{stem}_fragments")
+    beside = os.path.join(os.path.dirname(source) or ".", f"{stem}_pieces")
     out, path = arguments.out or beside + ".png", arguments.table or beside + ".csv"
     look.check_picture(out)
     found, title = [], ""

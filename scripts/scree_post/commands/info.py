@@ -9,7 +9,7 @@ import os
 import numpy as np
 
 from ..errors import EXIT_USAGE, PostError, modules, readable
-from ..files import history, series, snapshot, text
+from ..files import history, is_grid, series, snapshot, text
 from ..progress import Progress
 from ..quantity import quantity
 
@@ -141,6 +141,34 @@ def describe_history(path):
         print(f"always zero: {', '.join(zero)}")
 
 
+def describe_grids(path):
+    """Times of a series of grids, and ranges of the last one or of a lone file."""
+    (h5py,) = modules("h5py")
+    if path.endswith(".series"):
+        frames = series(path)
+        print(f"{path}: {len(frames)} grids")
+        line("times", f"{frames[0][0]:.6g} to {frames[-1][0]:.6g} s")
+        path = frames[-1][1]
+    else:
+        print(f"{path}: grid")
+    with h5py.File(path, "r") as handle:
+        group, record = handle["VTKHDF"], handle["provenance"].attrs
+        for name in (*ORIGIN, "step", "time"):
+            line(name, text(record[name]) if name in record else "")
+        extent = [int(edge) for edge in group.attrs["WholeExtent"]]
+        line("points", " x ".join(str(extent[2 * k + 1] - extent[2 * k] + 1) for k in range(3)))
+        for name in ("Origin", "Spacing"):
+            line(name.lower(), " ".join(f"{value:.6g}" for value in group.attrs[name]) + " m")
+        data = group["PointData"]
+        ranges({name: [flat(data[name][...])] for name in data},
+               {name: str(text(data[name].attrs.get("units", "1"))) for name in data})
+
+
+def flat(values):
+    """Values on a grid as rows of points, components last."""
+    return values.reshape(-1, values.shape[3]) if values.ndim == 4 else values.reshape(-1)
+
+
 def kind_of(path):
     """What a file is: series, snapshot, checkpoint or history."""
     if path.endswith(".series"):
@@ -152,6 +180,8 @@ def kind_of(path):
         with h5py.File(readable(path), "r") as handle:
             if "particles" in handle and "state" in handle:
                 return "checkpoint"
+            if is_grid(path):
+                return "grid"
             return "snapshot"
     except OSError as error:
         raise PostError(f"cannot open {path}: neither series, history, snapshot nor checkpoint, or "
@@ -173,10 +203,17 @@ def deck_of(path):
         return bytes(handle[name][...]).decode("utf-8", "replace")
 
 
+def first_of(path):
+    """The first file that a series lists, without opening it as a snapshot."""
+    return series(path)[0][1]
+
+
 def describe(path, arguments):
     """A file of any kind."""
     kind = kind_of(readable(path))
-    if kind == "series":
+    if kind == "grid" or kind == "series" and is_grid(first_of(path)):
+        describe_grids(path)
+    elif kind == "series":
         describe_series(path, arguments)
     elif kind == "history":
         describe_history(path)
