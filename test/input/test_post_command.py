@@ -21,7 +21,7 @@ from post_command import INPUT, SCRIPTS, call, process, run_cases, run_tests, se
 import h5py                                              # noqa: E402
 import numpy as np                                       # noqa: E402
 import scree_post                                        # noqa: E402
-from scree_post import progress                          # noqa: E402
+from scree_post import fragment_table, progress          # noqa: E402
 
 DISCS = INPUT / "two_discs" / "scene.nml"
 
@@ -69,6 +69,28 @@ def test_deck(options):
         assert text.rstrip("\n") == DISCS.read_text(encoding="utf-8").rstrip("\n"), name
     refused(call("info", options.work / "out" / "coarse" / "coarse_history.csv", "--deck"), 2,
             "a history carries no deck")
+
+
+def test_grids(options):
+    """A folder with fields on the grid, slices and fragments of the program that cannot be told."""
+    deck = DISCS.read_text(encoding="utf-8") + "".join(
+        f"&output\n  name = '{name}'  kind = '{name}'  dt = 3  {more}\n/\n" for name, more in (
+            ("grid", "fields = 'density', 'velocity'"), ("slice", "axis = 'x'  at = -0.3"),
+            ("fragments", "")))
+    box = case.Case(options, "kinds", deck).run("--quiet", "--set", "grid.dx=0.1")
+    text = good(call("info", box.folder))
+    assert "kinds_g.hdf.series: 3 grids" in text and "kinds_s.hdf.series: 3 snapshots" in text
+    with h5py.File(box.path("_g_000002.hdf")) as handle:
+        greatest = handle["VTKHDF/PointData/density"][...].max()
+    row = next(line.split() for line in text.splitlines() if line.startswith("density "))
+    assert row[1:3] == ["kg/m3", "1"] and float(row[4]) == float(f"{greatest:.5g}"), row
+    table = scree_post.history(str(box.path("_fragments.csv")))
+    found = fragment_table.fragments_of(box.snapshots()[-1][1], cell=0.1)
+    last = table["time"] == table["time"][-1]
+    assert abs(np.sort(table["mass"][last]) - np.sort(found.masses)).max() < 1.0e-6 * 130.0
+    assert set(title.split(" [")[0] for title in fragment_table.COLUMNS) <= {
+        *table.order, "size", "body"}, "names of columns that are not those of the program"
+    refused(call("info", box.path("_g_000001.hdf.serie")), 3, "no such file")
 
 
 def lines_drawn(function, *words):
