@@ -5,6 +5,7 @@ module driver_scene
    use base_kinds, only: int64, wp
    use base_text, only: text_t
    use driver_bounds, only: read_bounds
+   use driver_contact_deck, only: read_contact
    use driver_exact_deck, only: read_exact
    use driver_method, only: position_of
    use driver_output, only: outputs_t
@@ -54,11 +55,13 @@ contains
       simulation%grid%margin = simulation%method%margin()
       call simulation%grid%start(block_of(deck))
       call check_periodic(deck, simulation%grid)
-      call read_gravity(deck, simulation)
+      call read_effects(deck, simulation)
       if (.not. deck%sound("region")) return
       call read_shapes(deck, simulation%grid, shapes)
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
+      if (deck%errors() > 0) return
+      call read_contact(deck, simulation, bodies)
       if (deck%errors() > 0) return
       call read_exact(deck, simulation, bodies)
       if (deck%errors() > 0) return
@@ -206,19 +209,20 @@ contains
    end subroutine check_periodic
 
    !> Gravity, if it acts.
-   subroutine read_gravity(deck, simulation)
+   subroutine read_effects(deck, simulation)
       type(deck_t), intent(in) :: deck               !! The deck
       type(simulation_t), intent(inout) :: simulation !! The run
       type(group_t) :: group
       logical :: acts
 
       group = deck%group("effects", 1)
+      call group%get("erosion", simulation%erosion)
       call group%get("gravity", acts)
       if (.not. acts) return
       allocate (simulation%gravity(3))
       call group%get("gravity_vector", simulation%gravity)
       where (.not. simulation%grid%active) simulation%gravity = 0.0_wp
-   end subroutine read_gravity
+   end subroutine read_effects
 
    !> The materials.
    subroutine read_materials(deck, simulation)
