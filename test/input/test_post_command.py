@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# timeout: 600
 """Tests of scree-post on small runs: info, plot, compare, sweep, and what it says of mistakes.
 
 Each test says in its first line which bug it would catch.

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# timeout: 600
 """Tests of what scree-post draws and counts on small runs: picture, movie, radiograph, fragments.
 
 Pictures are judged by their numbers. Each test says in its first line which bug it would catch.
