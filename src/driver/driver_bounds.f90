@@ -260,7 +260,7 @@ contains
       real(wp), parameter :: rounding = 1.0e-12_wp
 
       rate = 0.0_wp
-      if (growth*dt < huge(dt)) rate = (1.0_wp - rounding)*bounds%strain_max/(growth*dt)
+      if (dt < huge(dt)/growth) rate = (1.0_wp - rounding)*bounds%strain_max/(growth*dt)
    end function steep_enough
 
    !> Square of the norm of a gradient.

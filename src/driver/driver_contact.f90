@@ -183,7 +183,9 @@ contains
          if (all(abs(direction) <= 0.0_wp)) cycle
          one = reach(reach_row(simulation%contact, pair(1), pair(2), guess))
          other = reach(reach_row(simulation%contact, pair(2), pair(1), guess))
-         if (min(one, other) <= -huge(gap) .or. -(one + other) <= wide) cycle
+         ! not seen from here: functions that reach beyond a cell bring mass from farther away
+         if (min(one, other) <= -huge(gap)) cycle
+         if (-(one + other) <= wide) cycle
          wide = -(one + other)
          gap = wide
          area = trial
@@ -266,9 +268,10 @@ contains
       integer :: cell, p, q, node, upper(3)
 
       call find_places(simulation, scratch, store, tile)
-      associate (grid => simulation%grid, start => store%cell_start(:, tile))
+      ! the cells are counted from 0, and a name for a part of an array would count them from 1
+      associate (grid => simulation%grid)
          do cell = 0, grid%tile_cells - 1
-            do p = start(cell) + 1, start(cell + 1)
+            do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                q = store%first(tile) + p - 1
                upper = merge(1, 0, grid%active .and. scratch%places%local(p, :) > 0.5_wp)
                node = grid%first_node(cell) + dot_product(upper, grid%stride)

@@ -66,7 +66,7 @@ contains
 
       call simulation%timer%start(simulation%phase%gather)
       if (allocated(simulation%method%splitting) .and. parts%strain) &
-         call ensure_opening(simulation%stores)
+         call ensure_opening(simulation%stores(simulation%first_store:simulation%end_store()))
       !$omp parallel do default(none) shared(simulation, parts, dt) private(tile, began) &
       !$omp schedule(dynamic, 1)
       do tile = 1, simulation%tiles%own
@@ -78,9 +78,9 @@ contains
       call simulation%timer%stop(simulation%phase%gather)
    end subroutine gather_particles
 
-   !> Make room for the rates at which particles grow.
+   !> Make room for the rates at which particles grow. Other velocity fields keep theirs.
    pure subroutine ensure_opening(stores)
-      type(store_t), intent(inout) :: stores(:)      !! The particles
+      type(store_t), intent(inout) :: stores(:)      !! The particles of the velocity field at hand
       integer :: index
 
       do index = 1, size(stores)
@@ -170,6 +170,7 @@ contains
       end do
       call scratch%ledger%sums(dissipated)%add(lost)
    end subroutine add_rubbed
+
    !> Look for particles that have left their bounds or are to go since they failed, and take them
    !! out if the deck says so. What is left limits the next step.
    subroutine judge_particles(simulation, scratch, index, tile, fastest, steepest)

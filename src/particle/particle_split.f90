@@ -58,7 +58,12 @@ contains
       halved = size(edge)
       allocate (gain(halved))
       if (halved == 0) return
-      opening = store%opening(copier%from)
+      if (allocated(store%opening)) then
+         opening = store%opening(copier%from)
+      else
+         ! strained before the force, and this was the first step: nothing has grown yet
+         allocate (opening(halved), source=0.0_wp)
+      end if
       if (any(wish > store%room)) then
          ! particles move, so they are listed anew
          call store%layout(wish)

@@ -6,7 +6,8 @@ that a block without friction is braked (by 23 % with the mean of the areas); a 
 together after the wave came back; friction that is not mu times the normal push, or acts without one; pushes
 of several bodies at a node that do not add up to zero; light or soft matter beside matter of a million times
 its density or stiffness that blows up; heat of contact that is not booked; bonds that break at another
-stress or form again; and a single body that changes because contact is on.
+stress, in another cell than that which is torn, or form again; a single body that changes because contact is
+on; and particles that are halved with the growth of another velocity field or with none.
 
 Limits. Two elastic discs (cells of 0.025 m, T11): the first force comes at most a tenth of a cell early
 (measured: not early; one velocity: 1.25 cells). Energy within 6 % (-5.3 %) with the default, within 2 % (+1.1 %)
@@ -170,6 +171,52 @@ def impacts(options, sheet):
                 / history["kinetic"][0] - 1.0, 1.0e-9)
 
 
+def torn(options, sheet):
+    """Only what lies within a cell of the bond that breaks loses it."""
+    deck = BARS.format(method="ddmp", words="", effects=CONTACT, densities=(1000, 1000), moduli=(1e6, 1e6),
+                       speed=-0.1, end=0.01, fields=FIELDS.replace("'body'", "'body','bond'"),
+                       more="&contact law='bonded'  bond_strength=400 /")
+    snap = case.Case(options, "torn", deck).run("-q").snapshots()[-1][1]
+    for number, side in ((1, 1.0), (2, -1.0)):
+        here = snap.fields["body"] == number
+        place = side * snap.points[here, 0]
+        broken = place[snap.fields["bond"][here] < 0.5]
+        sheet.require(len(broken) > 0, f"torn bond: body {number} loses it")
+        sheet.below(f"torn bond: body {number}, cells from its end",
+                    (place.max() - broken.min(initial=place.max())) / 0.02, 0.9)
+
+
+# Two lines of particles that fly apart, each by itself, and are halved.
+THREADS = """
+&run  dimension='1d' /
+&grid  lo=0,0,0  hi=40,1,1  dx=1 /
+&time  t_end=2  dt_max=0.02 /
+&method  split=.true.  stress_update='{update}' /
+&effects  artificial_viscosity=.false.  contact={contact} /
+&material  name='thread'  density=1  young=1.0e-3  poisson=0 /
+{parts}
+&output  name='p'  kind='particles'  count=1  {fields} /
+"""
+
+
+def halves(options, sheet):
+    """Bodies that never meet are halved as without contact, also if they are strained before the force."""
+    parts = "".join(
+        f"&region  name='r{n}'  shape='box'  lo={start + n % 4},0,0  hi={start + n % 4 + 1},1,1 /\n"
+        f"&body  name='b{n}'  region='r{n}'  material='thread'  ppc=1,1,1  velocity={0.7 * (n % 4)},0,0  {{field}} /\n"
+        for n, start in enumerate((4,) * 4 + (22,) * 4))
+    for update in ("usl", "usf"):
+        places = []
+        for contact in (".false.", ".true."):
+            deck = THREADS.format(update=update, contact=contact, parts=parts, fields=FIELDS)
+            for n in range(8):
+                deck = deck.replace("{field}", f"field={1 + n // 4}" if contact == ".true." else "", 1)
+            run = case.Case(options, f"halves_{update}_{contact[1]}", deck).run("-q")
+            sheet.above(f"halves, {update}, contact {contact}: halved", run.summary["particles_halved"], 8)
+            places.append(np.sort(run.snapshots()[-1][1].points[:, 0]))
+        sheet.require(np.array_equal(*places), f"halves, {update}: the same places with contact as without")
+
+
 def bonds(options, sheet):
     """A bond holds like one body until its stress is reached; the impact of 0.1 m/s pulls with 1581 Pa."""
     (left, right), whole = bars(options, "one_body", effects="artificial_viscosity=.false.")
@@ -214,6 +261,8 @@ def main():
     slides(options, sheet)
     impacts(options, sheet)
     bonds(options, sheet)
+    torn(options, sheet)
+    halves(options, sheet)
     crowds(options, sheet)
     sheet.end()
 
