@@ -53,7 +53,7 @@ contains
       call check_periodic(deck, simulation%grid)
       call read_gravity(deck, simulation)
       if (.not. deck%sound("region")) return
-      call read_shapes(deck, simulation%grid, shapes)
+      call read_shapes(deck, simulation%communicator, simulation%grid, shapes)
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
       if (deck%errors() > 0) return
