@@ -71,18 +71,22 @@ contains
    end subroutine outputs_plan
 
    !> Open the streams; after a restart what was written later than the checkpoint is cut away.
-   subroutine outputs_open(self, simulation, restarted, error)
+   subroutine outputs_open(self, simulation, restarted, note, error)
       class(outputs_t), intent(inout) :: self        !! The streams
       type(simulation_t), intent(inout) :: simulation !! The run
       logical, intent(in) :: restarted               !! Does the run go on from a checkpoint?
+      character(len=:), allocatable, intent(out) :: note !! Snapshots left out, or empty
       type(error_t), allocatable, intent(out) :: error !! A file cannot be written
+      character(len=:), allocatable :: left_out
       integer :: n
 
+      note = ""
       do n = 1, size(self%snapshots)
          self%snapshots(n)%series%of_grids = self%snapshots(n)%kind == of_cells
          call self%snapshots(n)%series%open(simulation%communicator, self%folder, &
-            self%snapshots(n)%prefix, self%snapshots(n)%next, error)
+            self%snapshots(n)%prefix, self%snapshots(n)%next, left_out, error)
          if (allocated(error)) return
+         note = note//left_out
       end do
       do n = 1, size(self%tables)
          self%tables(n)%file%units = self%header%units

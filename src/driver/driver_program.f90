@@ -232,8 +232,9 @@ contains
          call fill_bodies(session, error)
       end if
       if (allocated(error)) return
-      call session%outputs%open(session%simulation, session%command%restart, error)
+      call session%outputs%open(session%simulation, session%command%restart, note, error)
       if (allocated(error)) return
+      if (len(note) > 0) call session%log%warn(note//"left out of the series; the run goes on")
       call run_to_end(session%simulation, session%outputs, session%place, session%limits, &
          session%log, code, reason, error)
       if (allocated(error)) then

@@ -7,7 +7,8 @@ module driver_summary
    use base_version, only: git_commit, version_text
    use driver_bounds, only: guard_t, rule_names, rules
    use driver_exact_error, only: take_errors
-   use driver_ledger, only: balance_t, entries, entry_names
+   use driver_ledger, only: balance_t, entries, entry_names, removed_mass, &
+      removed_particles
    use driver_output, only: outputs_t
    use driver_restart, only: describe_state
    use driver_simulation, only: simulation_t
@@ -44,16 +45,15 @@ contains
       type(balance_t) :: now
       type(state_t) :: state
       character(len=16) :: digest
-      integer(int64) :: counts(2), traffic(kinds)
-      real(wp) :: rate, bytes
+      integer(int64) :: counts(3), traffic(kinds)
+      real(wp) :: rate, bytes, range(extremes)
       real(wp), allocatable :: least(:), mean(:), greatest(:)
-      real(wp) :: range(extremes)
 
       call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
          simulation%materials, now)
       call describe_state(simulation, state)
       digest = state_digest(simulation%communicator, simulation%stores, state)
-      counts = [count_particles(simulation), simulation%updates]
+      counts = [count_particles(simulation), simulation%updates, simulation%halved]
       call simulation%communicator%total(counts)
       allocate (least(simulation%timer%count()), mean(simulation%timer%count()), &
          greatest(simulation%timer%count()))
@@ -84,6 +84,7 @@ contains
       call json%add("digest", digest)
       call add_extremes(json, range)
       call add_rules(json, simulation%guard)
+      call json%add("particles_halved", counts(3))
       call add_timers(json, simulation, least, mean, greatest)
       call add_ledger(json, simulation, now)
       if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
@@ -194,6 +195,12 @@ contains
       write (line, "(4(a,es10.2))") "balance   error of mass", now%mass_error, ", momentum", &
          now%momentum_error, ", angular momentum", now%angular_error, ", energy", now%energy_error
       text = trim(line)//new_line("a")
+      if (now%entry(removed_particles) > 0.0_wp) then
+         write (line, "(a,i0,a,es10.3,a)") "removed   ", &
+            nint(now%entry(removed_particles), int64), &
+            " particles that had failed or left their bounds, with", now%entry(removed_mass), " kg"
+         text = text//trim(line)//new_line("a")
+      end if
       write (line, "(a,f8.2,a,i0,a)") "speed     ", 1.0e-6_wp*rate, &
          " million particle updates/s in the steps, ", nint(bytes, int64), " bytes/particle"
       text = text//trim(line)

@@ -3,7 +3,7 @@
 !! which viewers with VTKHDF 2 open as one data set in time. Done by one rank.
 module io_hdf5_index
    use base_communicator, only: communicator_t
-   use base_error, only: error_t
+   use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int32, int64, wp
    use hdf5, only: h5dclose_f, h5dcreate_f, h5p_dataset_create_f, h5pclose_f, h5pcreate_f, &
       h5pset_obj_track_times_f, h5pset_virtual_f, h5s_select_set_f, h5sclose_f, &
@@ -59,6 +59,8 @@ contains
       if (allocated(error)) return
       info%time = times(1)
       info%points = counts(1)
+      if (info%points >= 0 .and. abs(info%time) <= huge(1.0_wp)) return
+      call fail(error, exit_file, path//" is damaged: its time or its number of particles is none")
    end subroutine read_snapshot
 
    !> Write the index of a series. Fields that not all snapshots have are left out.

@@ -132,6 +132,8 @@ contains
       real(wp) :: greatest, least
       integer :: i, k
 
+      ! A gas has no bulk modulus at rest and no elastic strain.
+      if (.not. model%bulk > 0.0_wp) return
       do i = 1, last - first + 1
          if (0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk) &
             < model%limit*factor(i)) cycle

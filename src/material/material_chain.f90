@@ -36,6 +36,7 @@ module material_chain
       type(fracture_t), allocatable :: fracture      !! Failure for good
       type(remains_t), allocatable :: remains        !! Law of failed matter
       type(voids_t), allocatable :: voids            !! Voids open and close
+      logical :: repacks = .false.                   !! The fill of nodes corrects volumes
       integer(int64) :: seed = 0                     !! Of random strength
       type(heat_t), allocatable :: heat              !! Temperature follows the work
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]

@@ -57,8 +57,9 @@ contains
       call schema%real("material", "fracture_energy", "energy that a crack takes per area: "// &
          "tensile strength falls as it opens, at a rate that goes with dx; without it "// &
          "strength is lost at once", unit="J/m2", range="> 0", owner=owner)
-      call schema%text("material", "softening", "how strength falls with the opening of a "// &
-         "crack that has a fracture_energy", default="linear", words="linear exponential", owner=owner)
+      call schema%text("material", "softening", "how strength falls with the opening of "// &
+         "a crack that has a fracture_energy", default="linear", words="linear exponential", &
+         owner=owner)
    end subroutine declare_softening
 
    !> Read the keys.

@@ -85,6 +85,10 @@ contains
       call schema%words("material", "damage_model", damage_names)
       call schema%real("material", "spall", "greatest tension; with &effects damage a particle "// &
          "that reaches it fails", unit="Pa", range="> 0")
+      call schema%text("material", "volume_from", "volume of loose matter: motion, that of its "// &
+         "motion; grid, corrected where nodes see gaps or too many particles", &
+         default="motion", words="motion grid", owner="effects.eos & "// &
+         "effects.strength & strength_model = drucker_prager mohr_coulomb mu_i")
    end subroutine declare_elasticity
 
    !> Declare temperatures and the rate that several models share.
@@ -175,6 +179,8 @@ contains
       end if
       call group%get("eos_model", word)
       if (effects%eos .and. .not. gives_whole(material)) call choose_eos(word, material%eos)
+      call group%get("volume_from", word)
+      material%repacks = word == "grid"
       call group%get("damage_model", word)
       if (effects%damage) call choose_damage(word, material%damage)
    end subroutine choose_models
@@ -244,6 +250,7 @@ contains
       plastic = .false.
       if (allocated(material%law)) plastic = material%law%plastic()
       call check_failure(material, group, effects, plastic, deck)
+      call check_packing(material, group, effects, deck)
       if (effects%voids .and. allocated(material%eos)) then
          fault = no_voids%fault(group)
          if (len(fault) > 0) call deck%complain(group, fault)
@@ -284,6 +291,23 @@ contains
          call deck%complain(group, "t_melt must be set [K]")
       end if
    end subroutine check_models
+
+   !> Only grains that nothing holds together can be as dense as the nodes find them.
+   subroutine check_packing(material, group, effects, deck)
+      class(material_t), intent(in) :: material      !! The material with its models chosen
+      type(group_t), intent(in) :: group             !! Its &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(deck_t), intent(inout) :: deck            !! Notes what is wrong
+      real(wp) :: cohesion
+
+      if (.not. material%repacks) return
+      if (effects%voids) call deck%complain(group, "&effects voids has volumes of its own; "// &
+         "remove volume_from = 'grid' or voids", "volume_from")
+      if (.not. group%given("cohesion")) return
+      call group%get("cohesion", cohesion)
+      if (cohesion > 0.0_wp) call deck%complain(group, "volume_from = 'grid' is for grains "// &
+         "without cohesion; remove one of both", "volume_from")
+   end subroutine check_packing
 
    !> Failure that fits the law and the effects.
    subroutine check_failure(material, group, effects, plastic, deck)

@@ -4,18 +4,17 @@
 Every snapshot is opened with h5py and with the VTKHDF reader of VTK, the .xdmf with its Xdmf2
 reader, and the .vtkhdf index, where there is one, with the VTKHDF reader: the number of points and
 cells, the bounds, the time, and the components and mean of every field must agree. Of files of
-fields on the grid every number must.
+fields on the grid every number must. Exit code 77 means that the package vtk is missing and that
+what h5py alone can check did agree.
 """
 
-import argparse
 import os
-import sys
 
-sys.dont_write_bytecode = True
+from ..errors import EXIT_DIFFERENT, modules
+from ..files import is_grid, series, series_file, snapshot
 
-import scree_post                                        # noqa: E402
-
-EXIT_DIFFERENT = 1
+SUMMARY = "whether VTK, and so ParaView, reads the files as they were written"
+EXAMPLES = ("check out/two_discs",)
 EXIT_NO_VTK = 77         # what CTest takes for "skipped"
 MEAN = 1.0e-5            # single precision in the file, summed in double
 EDGE = 1.0e-6            # single precision of positions in a reader
@@ -38,7 +37,7 @@ class Report:
 
 def summary(points, fields):
     """What is compared: number of points, bounds, components and scaled mean of every field."""
-    (np,) = scree_post.modules("numpy")
+    (np,) = modules("numpy")
     bounds = (
         [(float(points[:, k].min()), float(points[:, k].max())) for k in range(3)]
         if len(points)
@@ -56,7 +55,7 @@ def summary(points, fields):
 
 def from_vtk(data):
     """The same summary of a VTK data set, and its number of cells."""
-    (support, np) = scree_post.modules("vtkmodules.util.numpy_support", "numpy")
+    (support, np) = modules("vtkmodules.util.numpy_support", "numpy")
     if data is None or data.GetNumberOfPoints() == 0:
         return (0, None, {}), 0
     points = support.vtk_to_numpy(data.GetPoints().GetData())
@@ -68,7 +67,7 @@ def from_vtk(data):
 
 def compare(report, label, wanted, found, cells):
     """Compare two summaries."""
-    (np,) = scree_post.modules("numpy")
+    (np,) = modules("numpy")
     report.check(found[0] == wanted[0], f"{label}: {found[0]} points, {wanted[0]} written")
     report.check(cells == wanted[0], f"{label}: {cells} cells, {wanted[0]} written")
     if wanted[0] == 0 or found[0] != wanted[0]:
@@ -92,7 +91,7 @@ def compare(report, label, wanted, found, cells):
 
 def check_structure(report, file, snap):
     """What the layout promises beside the numbers: attributes, topology, units, names."""
-    (h5py, np) = scree_post.modules("h5py", "numpy")
+    (h5py, np) = modules("h5py", "numpy")
     name = os.path.basename(file)
     with h5py.File(file, "r") as handle:
         group = handle["VTKHDF"]
@@ -174,17 +173,9 @@ def check_xdmf(report, vtk, file, wanted):
         compare(report, f"{name} at {time:.4g} s", parts, found, cells)
 
 
-def is_grid(file):
-    """True for a file of fields on the grid."""
-    (h5py,) = scree_post.modules("h5py")
-    with h5py.File(file, "r") as handle:
-        kind = handle["VTKHDF"].attrs.get("Type", b"") if "VTKHDF" in handle else b""
-    return (kind if isinstance(kind, bytes) else kind.encode()).rstrip(b"\0 ") == b"ImageData"
-
-
 def check_grid(report, vtk, file, time):
     """One file of fields on the grid: extents, edges, and the mean of each field."""
-    (h5py, np, support) = scree_post.modules("h5py", "numpy", "vtkmodules.util.numpy_support")
+    (h5py, np, support) = modules("h5py", "numpy", "vtkmodules.util.numpy_support")
     name = os.path.basename(file)
     with h5py.File(file, "r") as handle:
         group = handle["VTKHDF"]
@@ -194,7 +185,8 @@ def check_grid(report, vtk, file, time):
         units = all("units" in data.attrs for data in group["PointData"].values())
         report.check(abs(group.attrs["Time"] - time) <= 1.0e-12 * abs(time), f"{name}: the time of the series")
     report.check(units, f"{name}: all fields have units")
-    report.check(all(extent[2 * k + 1] > extent[2 * k] for k in range(3)), f"{name}: has a thickness")
+    report.check(all(extent[2 * k + 1] > extent[2 * k] for k in range(3)),
+                 f"{name}: has a thickness")
     for key, values in fields.items():
         report.check(values.shape[:3] == tuple(extent[2 * k + 1] + 1 for k in (2, 1, 0)),
                      f"{name}: {key} has the extents of the image")
@@ -215,7 +207,8 @@ def check_grid(report, vtk, file, time):
     report.check(sorted(seen) == sorted(fields), f"{name}: fields {sorted(seen)}")
     for key, values in fields.items():
         flat = values.reshape(-1) if values.ndim == 3 else values.reshape(-1, values.shape[3])
-        report.check(key in seen and np.array_equal(seen[key], flat), f"{name}: each number of {key}")
+        report.check(key in seen and np.array_equal(seen[key], flat),
+                     f"{name}: each number of {key}")
 
 
 def check_grids(report, vtk, steps):
@@ -237,34 +230,20 @@ def load_vtk():
     return vtk
 
 
-def parser():
-    """The command line."""
-    result = argparse.ArgumentParser(
-        prog="check_files.py",
-        description=__doc__.split("\n\n")[0],
-        epilog="Exit codes: 0 all agree, 1 something differs, 2 command line wrong, 3 file "
-        "problem, "
-        "77 the package vtk is missing (what h5py alone can check did agree).",
-    )
-    result.add_argument(
-        "series", metavar="SERIES", help="CASE_p.hdf.series or CASE_g.hdf.series, a snapshot, or out/CASE"
-    )
-    result.add_argument("-v", "--verbose", action="store_true", help="print also what agrees")
-    result.add_argument("--need-xdmf", action="store_true", help="a missing .xdmf is a difference")
-    return result
+def add_arguments(parser):
+    """The options."""
+    add = parser.add_argument
+    add("series", metavar="SERIES",
+        help="CASE_p.hdf.series or CASE_g.hdf.series, a snapshot, or out/CASE")
+    add("-v", "--verbose", action="store_true", help="print also what agrees")
+    add("--need-xdmf", action="store_true", help="a missing .xdmf is a difference")
 
 
-def main():
-    """Check a series, its .xdmf and its index."""
-    arguments = parser().parse_args()
-    source = scree_post.series_file(arguments.series)
-    report, vtk, wanted = Report(arguments.verbose), load_vtk(), []
-    steps = scree_post.series(source)
-    if steps and is_grid(steps[0][1]):
-        check_grids(report, vtk, steps)
-        return EXIT_DIFFERENT if report.differ else 0 if vtk else EXIT_NO_VTK
+def check_snapshots(report, vtk, steps):
+    """Every snapshot against itself and the series; the result is what was written."""
+    wanted = []
     for time, file in steps:
-        snap = scree_post.snapshot(file)
+        snap = snapshot(file)
         name = os.path.basename(file)
         report.check(abs(snap.time - time) <= 1.0e-12 * max(abs(time), 1.0e-300),
                      f"{name}: time {snap.time!r} s in the file, {time!r} s in the series")
@@ -275,6 +254,18 @@ def main():
             report.check(data is not None, f"{name}: opens in VTK")
             if data is not None:
                 compare(report, name, wanted[-1][1], *from_vtk(data))
+    return wanted
+
+
+def run(arguments):
+    """Check a series, its .xdmf and its index."""
+    source = series_file(arguments.series)
+    report, vtk = Report(arguments.verbose), load_vtk()
+    steps = series(source)
+    if is_grid(steps[0][1]):
+        check_grids(report, vtk, steps)
+        return EXIT_DIFFERENT if report.differ else 0 if vtk else EXIT_NO_VTK
+    wanted = check_snapshots(report, vtk, steps)
     stem = source.removesuffix(".hdf.series")
     if vtk and stem != source:
         if os.path.exists(stem + ".xdmf"):
@@ -292,7 +283,3 @@ def main():
     if report.differ:
         return EXIT_DIFFERENT
     return 0 if vtk else EXIT_NO_VTK
-
-
-if __name__ == "__main__":
-    scree_post.run(main, "check_files.py")

@@ -1,17 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plots the ledger of a Scree run from CASE_history.csv: energies, momentum, mass and their errors.
+"""The page of a history: energies, momentum, mass and their errors over time.
 
 Columns that the file does not hold are left out; columns unknown here are drawn by unit below the
 ledger.
 """
-import argparse
-import os
-import sys
+import numpy as np
 
-sys.dont_write_bytecode = True
-
-import scree_post                                        # noqa: E402
-from scree_post import PostError                         # noqa: E402
+from . import look
+from .errors import PostError
 
 ENERGY = {"total": "#111111", "kinetic": "#1f5a93", "internal": "#b3311b", "plastic": "#e08a1e",
           "viscous": "#2f7d3b", "lost_energy": "#8a8a8a", "external_work": "#6a4098"}
@@ -25,12 +21,6 @@ AXES = ("#1f5a93", "#2f7d3b", "#b3311b")
 DASHES = {"total": "-", "lost_energy": (0, (4, 2)), "external_work": (0, (1, 1.2))}
 FLOOR = 1.0e-17          # errors below are drawn here: round-off of one number is 1e-16
 BOOKKEEPING = ("step", "particles")
-COLOURS = ("#1f5a93", "#b3311b", "#2f7d3b", "#e08a1e", "#6a4098", "#7a5a12", "#444444")
-
-
-def words(name):
-    """A column name as a label."""
-    return name.replace("_", " ")
 
 
 def present(table, names):
@@ -40,27 +30,16 @@ def present(table, names):
 
 def largest(table, names):
     """Largest finite magnitude of some columns."""
-    (np,) = scree_post.modules("numpy")
     values = np.abs(np.concatenate([table[name] for name in names]))
     values = values[np.isfinite(values)]
     return float(values.max()) if len(values) else 0.0
-
-
-def power(size):
-    """Factor and prefix that bring an odd unit to readable numbers, such as (1e3, "10^-3 ")."""
-    import math
-    exponent = 3 * math.floor(math.log10(size) / 3.0) if size > 0.0 else 0
-    return (1.0, "") if exponent in (0, 3) else (10.0 ** -exponent, f"$10^{{{exponent}}}$ ")
 
 
 def lines(axes, time, table, names, style):
     """Draw columns of one unit; `style` gives colour, dash and label of a name."""
     unit = table.units[names[0]]
     size = largest(table, names)
-    factor, label = scree_post.scaled(size, unit)
-    if label == unit and factor == 1.0 and unit not in ("J", "m", "kg", "s"):
-        factor, prefix = power(size)
-        label = prefix + ("1" if unit == "1" and prefix else "" if unit == "1" else unit)
+    factor, label = look.label_unit(size, unit)
     for name in names:
         colour, dash, text = style(name)
         axes.plot(
@@ -78,14 +57,14 @@ def lines(axes, time, table, names, style):
 def energies(axes, time, table):
     """Energies against time."""
     names = present(table, ENERGY)
-    label = lines(axes, time, table, names, lambda n: (ENERGY[n], DASHES.get(n, "-"), words(n)))
+    label = lines(axes, time, table, names, lambda n: (
+        ENERGY[n], DASHES.get(n, "-"), look.words(n)))
     axes.set_ylabel(f"energy [{label}]")
     axes.set_title("Energy", loc="left")
 
 
 def errors(axes, time, table):
     """Relative errors on a log axis."""
-    (np,) = scree_post.modules("numpy")
     for name, (colour, text) in ERRORS.items():
         if name in table:
             axes.semilogy(time, np.maximum(np.abs(table[name]), FLOOR), color=colour, linewidth=1.4,
@@ -104,7 +83,7 @@ def momenta(axes, time, table):
     size = largest(table, names)
     names = [name for name in names if abs(table[name]).max() > 1.0e-9 * size]
     label = lines(axes, time, table, names, lambda n: (
-        AXES["xyz".index(n[-1])], (0, (4, 2)) if n.startswith("lost") else "-", words(n)))
+        AXES["xyz".index(n[-1])], (0, (4, 2)) if n.startswith("lost") else "-", look.words(n)))
     axes.set_ylabel(f"momentum [{label}]")
     axes.set_title("Momentum", loc="left")
 
@@ -112,7 +91,8 @@ def momenta(axes, time, table):
 def angular(axes, time, table):
     """Components of the angular momentum."""
     names = present(table, ["angular_momentum_" + axis for axis in "xyz"])
-    label = lines(axes, time, table, names, lambda n: (AXES["xyz".index(n[-1])], "-", words(n)))
+    label = lines(axes, time, table, names, lambda n: (
+        AXES["xyz".index(n[-1])], "-", look.words(n)))
     axes.set_ylabel(f"angular momentum [{label}]")
     axes.set_title("Angular momentum", loc="left")
 
@@ -140,8 +120,8 @@ def others(names):
     """A panel of further columns of one unit."""
     def draw(axes, time, table):
         label = lines(axes, time, table, names, lambda n: (
-            COLOURS[names.index(n) % len(COLOURS)], "-", words(n)))
-        title = words(names[0]).capitalize() if len(names) == 1 else "Further columns"
+            look.COLOURS[names.index(n) % len(look.COLOURS)], "-", look.words(n)))
+        title = look.words(names[0]).capitalize() if len(names) == 1 else "Further columns"
         axes.set_ylabel(f"[{label}]" if label else "")
         axes.set_title(title, loc="left")
     return draw
@@ -173,12 +153,11 @@ def panels(table):
 
 def picture(table, title):
     """The figure: panels in two columns."""
-    (np,) = scree_post.modules("numpy")
-    plot = scree_post.pyplot()
+    plot = look.pyplot()
     draws = panels(table)
     if not draws:
         raise PostError("the history holds no column that is not zero beside the time")
-    factor, unit = scree_post.scaled(float(np.abs(table["time"]).max()), "s")
+    factor, unit = look.scaled(float(np.abs(table["time"]).max()), "s")
     columns = min(2, len(draws))
     rows = (len(draws) + columns - 1) // columns
     figure, grid = plot.subplots(
@@ -210,42 +189,3 @@ def picture(table, title):
         axes.set_visible(False)
     figure.suptitle(title, fontweight="bold", fontsize=14)
     return figure
-
-
-def parser():
-    """The command line."""
-    result = argparse.ArgumentParser(
-        prog="history.py",
-        description=__doc__.split("\n\n")[0],
-        epilog="Exit codes: 0 done, 2 command line wrong, 3 file problem.",
-    )
-    result.add_argument("csv", metavar="CSV", help="CASE_history.csv")
-    result.add_argument(
-        "--out", metavar="PNG", help="picture (.png, .pdf, .svg); default beside the CSV"
-    )
-    result.add_argument("--title", help="default: the name of the case")
-    result.add_argument("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
-    return result
-
-
-def main():
-    """Read, plot, and print the state of the ledger at the end."""
-    arguments = parser().parse_args()
-    table = scree_post.history(arguments.csv)
-    if "time" not in table:
-        raise PostError(f"{arguments.csv} has no column 'time [s]'")
-    stem = os.path.splitext(arguments.csv)[0]
-    title = arguments.title or words(os.path.basename(stem).removesuffix("_history"))
-    out = arguments.out or stem + ".png"
-    print(f"{len(table['time'])} lines, time {table['time'][0]:.6g} to {table['time'][-1]:.6g} s")
-    for name, (_, text) in ERRORS.items():
-        if name in table:
-            print(f"largest relative error of {text}: {abs(table[name]).max():.2e}, at the end "
-                  f"{abs(table[name][-1]):.2e}")
-    scree_post.save(picture(table, title), out, arguments.dpi)
-    print(f"wrote {out}")
-    return 0
-
-
-if __name__ == "__main__":
-    scree_post.run(main, "history.py")

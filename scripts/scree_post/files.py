@@ -1,88 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reading what Scree writes: snapshot series, snapshots and time histories.
 
-    import scree_post
-    for time, file in scree_post.series("out/case/case_p.hdf.series"):
-        snap = scree_post.snapshot(file)
-        print(time, snap.points.shape, snap.fields["mass"].sum(), snap.units["mass"])
-    table = scree_post.history("out/case/case_history.csv")
-    table["kinetic"], table.units["kinetic"]
-
-All values of snapshots are in SI units, whatever units the files are in. Only h5py and numpy are needed.
+All values of snapshots are in SI units, whatever units the files are in. Only h5py and numpy are
+needed.
 """
 import csv
 import json
 import os
-import sys
 from dataclasses import dataclass, field
 
+from .errors import EXIT_FILE, PostError, modules, readable, unknown
+
 DIMENSIONS = ("3d", "plane_strain", "axisymmetric", "1d")
-EXIT_USAGE = 2
-EXIT_FILE = 3
-
-
-class PostError(Exception):
-    """A one-line message for the user and the exit code that goes with it."""
-
-    def __init__(self, message, code=EXIT_FILE):
-        super().__init__(message)
-        self.code = code
-
-
-def modules(*names):
-    """Import what a script needs, with one clear line if it is not installed."""
-    import importlib
-    try:
-        return [importlib.import_module(name) for name in names]
-    except ImportError as error:
-        raise PostError(
-            f"Python package '{error.name}' is missing; scripts/setup.sh installs it in "
-            "build/venv, then use build/venv/bin/python"
-        ) from error
-
-
-def pyplot():
-    """Matplotlib without a display, in the look shared by all pictures."""
-    (matplotlib,) = modules("matplotlib")
-    matplotlib.use("Agg")
-    (plot,) = modules("matplotlib.pyplot")
-    plot.rcParams.update({
-        "font.family": "DejaVu Sans", "font.size": 11, "axes.titlesize": 11, "axes.labelsize": 11,
-        "axes.linewidth": 0.8, "xtick.labelsize": 10, "ytick.labelsize": 10, "legend.fontsize": 10,
-        "xtick.direction": "out", "ytick.direction": "out", "legend.frameon": False,
-        "savefig.facecolor": "white", "mathtext.default": "regular", "svg.fonttype": "none"})
-    return plot
-
-
-def run(main, name):
-    """Run a script's main; errors are one line on standard error and an exit code."""
-    try:
-        code = main()
-        sys.stdout.flush()
-    except PostError as error:
-        print(f"{name}: {error}", file=sys.stderr)
-        code = error.code
-    except BrokenPipeError:                              # the reader of our output went away
-        sys.stdout = open(os.devnull, "w", encoding="ascii")
-        code = 0
-    except KeyboardInterrupt:
-        print(f"{name}: interrupted", file=sys.stderr)
-        code = 130
-    except MemoryError as error:
-        print(f"{name}: not enough memory: {error}", file=sys.stderr)
-        code = EXIT_FILE
-    sys.exit(code or 0)
-
-
-def readable(path):
-    """The path itself if it is a file that can be read."""
-    if not os.path.exists(path):
-        raise PostError(f"no such file: {path}")
-    if os.path.isdir(path):
-        raise PostError(f"{path} is a folder, a file is wanted")
-    if not os.access(path, os.R_OK):
-        raise PostError(f"no permission to read {path}")
-    return path
 
 
 def series_file(path):
@@ -93,8 +22,19 @@ def series_file(path):
             return os.path.join(path, found[0])
         raise PostError(
             f"{path}: {len(found) or 'no'} particle series (*_p.hdf.series) in this folder, "
-            "name the file"
+            f"name the file{': ' if found else ''}{', '.join(found)}"
         )
+    return path
+
+
+def history_file(path):
+    """The history that a user means: the file itself, or the only history of a folder."""
+    if os.path.isdir(path):
+        found = sorted(name for name in os.listdir(path) if name.endswith("_history.csv"))
+        if len(found) == 1:
+            return os.path.join(path, found[0])
+        raise PostError(f"{path}: {len(found) or 'no'} histories (*_history.csv) in this folder, "
+                        f"name the file{': ' if found else ''}{', '.join(found)}")
     return path
 
 
@@ -142,6 +82,7 @@ class Snapshot:
     bodies: list = field(default_factory=list)           # {"name", "material", "colour"} per body
     first_body: int = 1                                  # value of the field body of bodies[0]
     provenance: dict = field(default_factory=dict)
+    echo: str = ""                                       # the deck with every key as used, in SI
 
     @property
     def dimension(self):
@@ -154,14 +95,25 @@ class Snapshot:
         value = self.provenance.get("symmetry", "")
         return value.split() if isinstance(value, str) else [str(text(face)) for face in value]
 
+    def body_rows(self):
+        """Row of `bodies` of every particle; 0 where there is one body only."""
+        (np,) = modules("numpy")
+        rows = self.fields.get("body", np.full(len(self.points), self.first_body))
+        # files of other programs may count from 0 whatever they say
+        first = self.first_body if len(rows) == 0 or rows.min() >= self.first_body else 0
+        return np.asarray(rows).astype(int) - first
+
+    def body_name(self, row):
+        """Name of a body of the table."""
+        name = self.bodies[row].get("name", "") if 0 <= row < len(self.bodies) else ""
+        return name or f"body {row + 1}"
+
     def need(self, *names):
         """The named fields, or a message naming those that the file does not hold."""
         missing = [name for name in names if name not in self.fields]
         if missing:
-            raise PostError(
-                f"{self.file}: no field {', '.join(missing)}; write it with &output fields "
-                f"(there are: {', '.join(sorted(self.fields)) or 'none'})"
-            )
+            raise unknown("field", ", ".join(missing), sorted(self.fields),
+                          f"{self.file}: write it with &output fields", EXIT_FILE)
         return [self.fields[name] for name in names]
 
 
@@ -226,7 +178,10 @@ def snapshot(file, names=None):
                     snap.units[name] = str(text(unit))
             snap.bodies, snap.first_body = _bodies(handle)
             if "provenance" in handle:
-                snap.provenance = {k: text(v) for k, v in handle["provenance"].attrs.items()}
+                record = handle["provenance"]
+                snap.provenance = {k: text(v) for k, v in record.attrs.items()}
+                if "deck_echo" in record:
+                    snap.echo = bytes(record["deck_echo"][...]).decode("utf-8", "replace")
         except OSError as error:
             raise PostError(f"cannot read {file}: damaged or cut short") from error
     wrong = [name for name, values in snap.fields.items() if len(values) != len(points)]
@@ -237,6 +192,17 @@ def snapshot(file, names=None):
     if snap.dimension not in DIMENSIONS:
         raise PostError(f"{file}: unknown dimension '{snap.dimension}' in /provenance")
     return snap
+
+
+def is_grid(file):
+    """True for a file of fields on the grid."""
+    (h5py,) = modules("h5py")
+    try:
+        with h5py.File(readable(file), "r") as handle:
+            kind = handle["VTKHDF"].attrs.get("Type", b"") if "VTKHDF" in handle else b""
+    except OSError as error:
+        raise PostError(f"cannot open {file}: not HDF5, or cut short") from error
+    return (kind if isinstance(kind, bytes) else kind.encode()).rstrip(b"\0 ") == b"ImageData"
 
 
 class History(dict):
@@ -276,40 +242,3 @@ def history(file):
         table[name.strip()] = values[:, column]
         table.units[name.strip()] = unit.rstrip("] ") or "1"
     return table
-
-
-def scaled(largest, unit):
-    """Factor and label that make numbers of this size readable, such as (1e6, "µs")."""
-    steps = {
-        "s": ((1.0, 1.0, "s"), (1.0e-3, 1.0e3, "ms"), (1.0e-6, 1.0e6, "µs"), (0.0, 1.0e9, "ns")),
-        "m": ((0.5, 1.0, "m"), (5.0e-4, 1.0e3, "mm"), (0.0, 1.0e6, "µm")),
-        "J": ((1.0e6, 1.0e-6, "MJ"), (1.0e3, 1.0e-3, "kJ"), (1.0, 1.0, "J"), (0.0, 1.0e3, "mJ")),
-        "kg": ((1.0, 1.0, "kg"), (1.0e-3, 1.0e3, "g"), (0.0, 1.0e6, "mg")),
-        "m/s": ((1.0e3, 1.0e-3, "km/s"), (0.0, 1.0, "m/s")),
-    }
-    if unit == "s" and largest >= 1.0e-6:                # impacts are told in microseconds
-        return (1.0e6, "µs") if largest < 1.0e-3 else scaled_step(steps[unit], largest)
-    return scaled_step(steps.get(unit, ((0.0, 1.0, unit),)), largest)
-
-
-def scaled_step(steps, largest):
-    """First step whose lower bound the number reaches."""
-    for bound, factor, label in steps:
-        if largest >= bound:
-            return factor, label
-    return steps[-1][1:]
-
-
-def save(figure, path, dpi):
-    """Write a picture under a temporary name, then rename it, so that no half picture is left."""
-    stem, ending = os.path.splitext(path)
-    if ending.lower() not in (".png", ".pdf", ".svg", ".jpg", ".tif"):
-        raise PostError(f"--out {path}: write a .png, .pdf, .svg, .jpg or .tif", EXIT_USAGE)
-    part = f"{stem}.part{ending}"
-    try:
-        figure.savefig(part, dpi=dpi)
-        os.replace(part, path)
-    except OSError as error:
-        if os.path.exists(part):
-            os.remove(part)
-        raise PostError(f"cannot write {path}: {error.strerror or error}") from error

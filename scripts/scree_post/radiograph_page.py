@@ -1,34 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Synthetic flash radiographs of a Scree run.
-
-The areal density along a line of sight is what a flash X-ray shows. Three rows are drawn for each
-frame: the film (transmission exp(-mu * areal density)), the areal density on a log scale, and the
-particles by body, failed matter in a lighter tint. Flight is to the right.
-"""
-import argparse
+"""The page of a radiograph: film, areal density and particles, a column for each time."""
 import math
-import os
-import shutil
-import subprocess
-import sys
 
-sys.dont_write_bytecode = True
+import numpy as np
 
-import scree_post                                        # noqa: E402
-from scree_post import PostError                         # noqa: E402
+from . import look
 
-try:
-    import numpy as np
-    from scree_image import radiograph, checked
-except ImportError:
-    scree_post.run(lambda: scree_post.modules("numpy"), "radiograph.py")
-
-FIELDS = ("mass", "volume", "velocity", "body", "failed", "damage")
 TINTS = (("#b3311b", "#f0a36b"), ("#1f5a93", "#8fc1e3"), ("#2f7d3b", "#a8d8a0"),
          ("#6a4098", "#c8b0dd"), ("#7a5a12", "#dcc07a"), ("#444444", "#b5b5b5"))
 
-
-# --- the picture ------------------------------------------------------------------------------
 
 def exposure(frame):
     """Absorption [m2/kg], rounded to 1, 2, 5, at which a quarter of the cloud halves the light."""
@@ -73,7 +53,7 @@ class Picture:
     """Places panels on a page: a column per frame, or three kinds side by side for one frame."""
 
     def __init__(self, frames, title, options, common=None):
-        self.plot = scree_post.pyplot()
+        self.plot = look.pyplot()
         self.frames, self.title, self.options = frames, title, options
         self.mu = options["mu"] or exposure(frames[-1])
         self.unit, self.factor = (
@@ -86,7 +66,7 @@ class Picture:
         )
         self.spans = self.spans[:1] * len(frames) if common else self.spans
         self.mu = common["mu"] if common else self.mu
-        self.metres, self.length = scree_post.scaled(max(np.abs(self.height).max(), 1.0e-9), "m")
+        self.metres, self.length = look.scaled(max(np.abs(self.height).max(), 1.0e-9), "m")
         self.lone = len(frames) == 1
         self.flip = options["towards"] < 0.0
 
@@ -222,11 +202,11 @@ class Picture:
         figure.text(0.5, 1.0 - 0.16 / high, self.title, ha="center", va="top", fontsize=14,
                     fontweight="bold")
         latest = max(abs(frame.time) for frame in self.frames)
-        factor, unit = scree_post.scaled(latest, "s")
+        factor, unit = look.scaled(latest, "s")
         for panel, frame in zip(axes, self.frames):
             place = panel.get_position()
             x = 0.5 if self.lone else 0.5 * (place.x0 + place.x1)
-            k, label = scree_post.scaled(abs(frame.speed), "m/s")
+            k, label = look.scaled(abs(frame.speed), "m/s")
             edge = (f"leading edge {k * abs(frame.speed):.2f} {label}"
                     if math.isfinite(frame.speed) and frame.speed != 0.0 else "")
             gap = "     " if self.lone else "\n"
@@ -306,194 +286,3 @@ def scale_bar(longest):
     return max(
         step * decade for step in (1.0, 2.0, 5.0) if step * decade <= longest * (1.0 + 1.0e-9)
     )
-
-
-# --- from the command line --------------------------------------------------------------------
-
-def choose(frames, arguments):
-    """The snapshots asked for: by time, the last, or a number of them spread evenly over time."""
-    times = np.array([time for time, _ in frames])
-    if arguments.last:
-        return frames[-1:]
-    wanted = arguments.time
-    if wanted is None:
-        count = arguments.frames
-        wanted = [
-            1.0e6 * (times[0] + (times[-1] - times[0]) * k / count) for k in range(1, count + 1)
-        ]
-    nearest = {int(np.argmin(np.abs(times - 1.0e-6 * time))) for time in wanted}
-    return [frames[index] for index in sorted(nearest)]
-
-
-def flight(snap):
-    """+1 if the matter flies towards larger z, -1 if its momentum points the other way."""
-    mass, velocity = checked(snap)
-    momentum = mass * velocity[:, 2]
-    return -1.0 if momentum.sum() < -0.01 * np.abs(momentum).sum() else 1.0
-
-
-def default_pixel(snap):
-    """A pixel [m] of which about 700 cover the longer side of the cloud, rounded to two digits."""
-    if len(snap.points) == 0:
-        return 1.0e-3
-    extent = float(np.ptp(snap.points, axis=0).max()) or 1.0e-3
-    return float(f"{extent / 700.0:.1e}")
-
-
-def encode(pages, path, rate):
-    """Write pictures as a film: .gif by Pillow, .mp4 by ffmpeg."""
-    ending = os.path.splitext(path)[1].lower()
-    if ending == ".gif":
-        (image,) = scree_post.modules("PIL.Image")
-        stills = [image.fromarray(page[..., :3]).quantize(256) for page in pages]
-        try:
-            stills[0].save(
-                path, save_all=True, append_images=stills[1:], duration=int(1000 / rate), loop=0
-            )
-        except OSError as error:
-            raise PostError(f"cannot write {path}: {error.strerror or error}") from error
-        return
-    program = encoder()
-    first = next(pages)
-    height, width = (2 * (side // 2) for side in first.shape[:2])
-    command = [program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
-               f"{width}x{height}", "-r", str(rate), "-i", "-", "-pix_fmt", "yuv420p", path]
-    with subprocess.Popen(command, stdin=subprocess.PIPE) as process:
-        for page in [first, *pages]:
-            process.stdin.write(np.ascontiguousarray(page[:height, :width, :3]).tobytes())
-        process.stdin.close()
-    if process.returncode != 0:
-        raise PostError(f"ffmpeg could not write {path}")
-
-
-def encoder():
-    """The ffmpeg program: of the system, or of the package imageio-ffmpeg."""
-    try:
-        import imageio_ffmpeg
-        return shutil.which("ffmpeg") or imageio_ffmpeg.get_ffmpeg_exe()
-    except ImportError:
-        pass
-    program = shutil.which("ffmpeg")
-    if program is None:
-        raise PostError("a film in .mp4 needs ffmpeg, which is not installed; write a .gif",
-                        scree_post.EXIT_USAGE)
-    return program
-
-
-def movie(frames, make, title, options, arguments):
-    """A film of all snapshots, each page in the ranges of the last one."""
-    ends = Picture([make(frames[0][1]), make(frames[-1][1])], title, options).common()
-
-    def pages():
-        for _, file in frames:
-            figure = Picture([make(file)], title, options, ends).draw()
-            figure.set_dpi(100)
-            figure.canvas.draw()
-            yield np.asarray(figure.canvas.buffer_rgba()).copy()
-            scree_post.pyplot().close(figure)
-
-    encode(pages(), arguments.movie, arguments.rate)
-    print(f"wrote {arguments.movie}")
-
-
-def parser():
-    """The command line."""
-    result = argparse.ArgumentParser(
-        prog="radiograph.py",
-        description=__doc__.split("\n\n")[0],
-        epilog="Exit codes: 0 done, 2 command line wrong, 3 file problem.",
-    )
-    add = result.add_argument
-    add(
-        "source",
-        metavar="SERIES_OR_SNAPSHOT",
-        help="CASE_p.hdf.series, CASE_p_000012.hdf or out/CASE",
-    )
-    add(
-        "--out",
-        metavar="PNG",
-        help="picture (.png, .pdf, .svg); default CASE_radiograph.png beside it",
-    )
-    which = result.add_mutually_exclusive_group()
-    which.add_argument("--time", type=float, nargs="+", metavar="T", help="nearest snapshots [us]")
-    which.add_argument("--last", action="store_true", help="the last snapshot only")
-    which.add_argument("--frames", type=int, default=4, metavar="N", help="number of frames (4)")
-    add("--axis", choices=("x", "y"), default="y", help="line of sight (y); 3-D only")
-    add(
-        "--pixel",
-        type=float,
-        metavar="MM",
-        help="size of a pixel [mm]; default: 700 over the cloud",
-    )
-    add("--mu", type=float, metavar="MU", help="absorption [m2/kg]; default: chosen for contrast")
-    add("--unit", choices=("kg/m2", "g/cm2"), default="kg/m2", help="of the areal density (kg/m2)")
-    add(
-        "--view",
-        type=float,
-        nargs=4,
-        metavar=("ZLO", "ZHI", "VLO", "VHI"),
-        help="part to show [mm]",
-    )
-    add("--title", help="default: the title of the run")
-    add("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
-    add("--movie", metavar="FILE", help="also a film of all snapshots, .gif or .mp4")
-    add("--rate", type=int, default=10, help="pictures a second of the film (10)")
-    return result
-
-
-def checked_arguments():
-    """The command line, with what argparse cannot check."""
-    command = parser()
-    arguments = command.parse_args()
-    for name in ("pixel", "mu", "frames", "dpi", "rate"):
-        value = getattr(arguments, name)
-        if value is not None and not (math.isfinite(value) and value > 0):
-            command.error(f"--{name} must be above 0")
-    if arguments.movie and os.path.splitext(arguments.movie)[1].lower() not in (".gif", ".mp4"):
-        command.error(f"--movie {arguments.movie}: write a .gif or .mp4")
-    view = arguments.view
-    if view and not (view[0] < view[1] and view[2] < view[3]):
-        command.error("--view wants ZLO < ZHI and VLO < VHI")
-    return arguments
-
-
-def main():
-    """Read, project, draw, and print a table of what was drawn."""
-    arguments = checked_arguments()
-    source = scree_post.series_file(arguments.source)
-    frames = scree_post.series(source)
-    last = scree_post.snapshot(frames[-1][1], FIELDS)
-    pixel = 1.0e-3 * arguments.pixel if arguments.pixel else default_pixel(last)
-    options = {"mu": arguments.mu, "unit": arguments.unit, "towards": flight(last),
-               "view": [1.0e-3 * edge for edge in arguments.view] if arguments.view else None}
-    title = arguments.title or str(
-        last.provenance.get("title") or last.provenance.get("case") or ""
-    )
-
-    def make(file):
-        snap = scree_post.snapshot(file, FIELDS)
-        return radiograph(snap, pixel, arguments.axis, options["towards"])
-
-    chosen = [make(file) for _, file in choose(frames, arguments)]
-    print(f"{'time [us]':>10} {'front [mm]':>11} {'speed [m/s]':>12} {'particles [kg]':>15} "
-          f"{'image [kg]':>13} {'difference':>11}")
-    for frame in chosen:
-        print(
-            f"{1e6 * frame.time:10.3f} {1e3 * frame.front:11.3f} {frame.speed:12.1f} "
-            f"{frame.mass:15.8e} "
-            f"{frame.sigma.sum() * frame.pixel ** 2:13.6e} {frame.mass_error:11.1e}"
-        )
-    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
-    out = arguments.out or os.path.join(os.path.dirname(source) or ".", f"{stem}_radiograph.png")
-    scree_post.save(Picture(chosen, title, options).draw(), out, arguments.dpi)
-    print(f"wrote {out}")
-    if arguments.movie:
-        movie(frames, make, title, options, arguments)
-    worst = max(frame.mass_error for frame in chosen)
-    if worst > 1.0e-6:
-        raise PostError(f"the image misses the mass of the particles by {worst:.1e}", 5)
-    return 0
-
-
-if __name__ == "__main__":
-    scree_post.run(main, "radiograph.py")

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import scree_post
-from scree_post import PostError
+from .errors import EXIT_USAGE, PostError
+from .shape import images, particle_size, slice_depth
 
 MOVING = 0.05            # matter faster than this share of the top speed is flying
 LEADING = 1.0e-3         # the leading edge is this share of the flying mass
@@ -109,43 +109,11 @@ def annulus_projection(radius_edges, edges):
     return np.diff(ring, axis=1)
 
 
-def particle_size(snap, radius=None):
-    """Present width of each particle in the plane of the model [m]."""
-    volume = np.where(np.isfinite(snap.fields["volume"]), snap.fields["volume"], 0.0).astype("f8")
-    volume = np.maximum(volume, 0.0)
-    if snap.dimension == "axisymmetric":
-        return np.sqrt(volume / (2.0 * math.pi * np.maximum(radius, 1.0e-300)))
-    if snap.dimension == "plane_strain":
-        return np.sqrt(volume / float(snap.provenance.get("thickness", 1.0)))
-    return np.cbrt(volume)
-
-
-def mirrored(snap, positions, *others):
-    """Positions (n, 3) and other columns with the mirror images at the planes of symmetry."""
-    for face in snap.symmetry:
-        if face[:1] not in "xyz" or face[1:] not in ("lo", "hi"):
-            raise PostError(f"{snap.file}: unknown symmetry face '{face}' in /provenance")
-        axis = "xyz".index(face[0])
-        if snap.dimension != "3d" and axis == 1 or snap.dimension == "axisymmetric" and axis == 0:
-            continue  # not a direction of this model, or its axis
-        plane = snap.provenance.get(f"grid_{face[1:]}")
-        if plane is None and face[1:] == "hi":
-            raise PostError(
-                f"{snap.file}: symmetry at {face} needs the attribute grid_hi of /provenance"
-            )
-        plane = 0.0 if plane is None else float(np.ravel(plane)[axis])
-        image = positions.copy()
-        image[:, axis] = 2.0 * plane - image[:, axis]
-        positions = np.concatenate([positions, image])
-        others = [np.concatenate([column, column]) for column in others]
-    return (positions, *others)
-
-
 def checked(snap):
     """Mass and velocity of a snapshot that can be drawn."""
     if snap.dimension == "1d":
         raise PostError(
-            f"{snap.file}: a one-dimensional run has no radiograph", scree_post.EXIT_USAGE
+            f"{snap.file}: a one-dimensional run has no radiograph", EXIT_USAGE
         )
     snap.need("mass", "volume", "velocity")
     if not (np.isfinite(snap.fields["mass"]).all() and np.isfinite(snap.points).all()):
@@ -172,13 +140,13 @@ def radiograph(snap, pixel, sight="y", towards=1.0):
     mass, velocity = checked(snap)
     round_model = snap.dimension == "axisymmetric"
     if snap.dimension == "plane_strain" and sight == "x":
-        raise PostError("plane strain is seen along y only: --axis y", scree_post.EXIT_USAGE)
+        raise PostError("plane strain is seen along y only: --axis y", EXIT_USAGE)
     side = 1 if sight == "x" and not round_model else 0
     size = particle_size(snap, snap.points[:, 0])
-    rows = np.arange(len(mass))
     if round_model and (snap.points[:, 0] < 0.0).any():
         raise PostError(f"{snap.file}: axisymmetric particles at a negative radius")
-    positions, mass, size, rows = mirrored(snap, snap.points, mass, size, rows)
+    positions, rows, _ = images(snap)
+    mass, size = mass[rows], size[rows]
     # No widening to a pixel: the tents are integrated over the pixels, and tents as wide as the
     # spacing of the particles add up to an even density, wider ones do not.
     half = np.maximum(size, 1.0e-3 * pixel)
@@ -192,7 +160,7 @@ def radiograph(snap, pixel, sight="y", towards=1.0):
     shape = (high - low, right - left)
     if shape[0] * shape[1] > LARGEST_IMAGE:
         raise PostError(f"--pixel {pixel * 1.0e3:g}: {shape[1]} x {shape[0]} pixels are too many",
-                        scree_post.EXIT_USAGE)
+                        EXIT_USAGE)
     if round_model:
         rings = deposit((along, across), mass, half, (left * pixel, 0.0), (pixel, 0.5 * pixel),
                         (2 * high, shape[1]), radial=True)
@@ -240,21 +208,10 @@ def dots(snap, positions, size, rows, side):
     if len(chosen) > MOST_DOTS:                          # the same ones at every call
         chosen = np.sort(np.random.default_rng(1).choice(chosen, MOST_DOTS, replace=False))
     source = rows[chosen]
-    body = snap.fields.get("body", np.full(len(snap.points), snap.first_body))
     failed = snap.fields.get("failed", snap.fields.get("damage", np.zeros(len(snap.points))))
-    first = snap.first_body if len(body) == 0 or body.min() >= snap.first_body else 0
     found = {"along": along[chosen], "across": across[chosen], "size": size[chosen],
-             "body": body[source].astype(int) - first, "failed": failed[source] >= 0.999}
+             "body": snap.body_rows()[source], "failed": failed[source] >= 0.999}
     if snap.dimension == "axisymmetric":
         found = {name: np.concatenate([values, -values if name == "across" else values])
                  for name, values in found.items()}
     return found
-
-
-def slice_depth(snap, axis, depth):
-    """Where the slice cuts the line of sight: a plane of symmetry, or the middle of the matter."""
-    if "xyz"[axis] in {face[0] for face in snap.symmetry}:
-        plane = snap.provenance.get("grid_lo")
-        return 0.0 if plane is None else float(np.ravel(plane)[axis])
-    mass = snap.fields["mass"]
-    return float(np.average(depth[:len(mass)], weights=mass))
