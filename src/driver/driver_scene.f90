@@ -263,6 +263,7 @@ contains
             call group%get("ppc", body%per_cell)
             call group%get("packing", packing)
             body%cut = packing == "cut"
+            body%jitter = packing == "jitter"
             call group%get("velocity", body%velocity)
             call group%get("spin", body%spin)
             call group%get("temperature", body%temperature)

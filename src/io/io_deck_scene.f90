@@ -67,8 +67,9 @@ contains
          range="> 0 <= 16")
       call schema%text("body", "packing", &
          "lattice: whole sites with their middles inside; cut: "// &
-         "those at the surface have the volume and centre of what is inside", default="lattice", &
-         words="lattice cut")
+         "those at the surface have the volume and centre of what is inside; jitter: a lattice "// &
+         "whose points are moved aside by chance, up to a quarter of their distance", &
+         default="lattice", words="lattice cut jitter")
       call schema%real("body", "velocity(3)", "velocity of its centre of mass", unit="m/s", &
          default="0 0 0")
       call schema%real("body", "spin(3)", "angular velocity about its centre of mass", unit="1/s", &

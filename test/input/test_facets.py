@@ -184,6 +184,26 @@ class Facets(unittest.TestCase):
         self.assertIn("nowhere.stl': No such file", run.output)
 
 
+class Packings(unittest.TestCase):
+    """How sites become particles."""
+
+    def test_jitter(self):
+        """Each point stays in the middle half of its site, none in its middle, the same for any ranks."""
+        deck = DECK.format(system="si", size=1, dx=0.0625, shape="shape = 'box'  "
+                           "lo = 0.25 0.25 0.25  hi = 0.75 0.75 0.75")
+        deck = deck.replace("material = 'metal' /", "material = 'metal'  packing = 'jitter' /")
+        one = case.Case(OPTIONS, "jitter", deck).run("--quiet")
+        off = (one.snapshots()[-1][1].points / 0.03125) % 1.0 - 0.5
+        self.assertEqual(off.shape, (4096, 3))
+        self.assertLess(np.abs(off).max(), 0.25)
+        self.assertLess(np.abs(off.mean(axis=0)).max(), 0.01)
+        self.assertTrue(np.allclose(off.std(axis=0), 0.25 / np.sqrt(3), rtol=0.05))
+        self.assertLess(np.abs(np.corrcoef(off.T) - np.eye(3)).max(), 0.05)
+        for ranks in (2, 3):
+            other = case.Case(OPTIONS, "jitter_ranks", deck, ranks).run("--quiet")
+            self.assertEqual(other.summary["digest"], one.summary["digest"])
+
+
 def inside(name, x, y, z):
     """The formulas of the solids below, about their centre."""
     if name == "ellipsoid":
