@@ -24,6 +24,7 @@ module driver_summary
    integer, parameter :: extremes = 5                !! Number of extremes
    character(len=12), parameter :: extreme_names(extremes) = [character(len=12) :: "speed_max", &
       "pressure_min", "pressure_max", "density_min", "density_max"]
+   real(wp), parameter :: nano = 1.0e-9_wp           !! Times are added up in whole [ns]
    integer, parameter :: kinds = 5                   !! Numbers about what ranks say to each other
    character(len=15), parameter :: kind_names(kinds) = [character(len=15) :: "patch_messages", &
       "patch_bytes", "moving_messages", "moving_bytes", "tiles_sent"]
@@ -44,7 +45,7 @@ contains
       type(balance_t) :: now
       type(state_t) :: state
       character(len=16) :: digest
-      integer(int64) :: counts(2), traffic(kinds)
+      integer(int64) :: counts(3), traffic(kinds)
       real(wp) :: rate, bytes
       real(wp), allocatable :: least(:), mean(:), greatest(:)
       real(wp) :: range(extremes)
@@ -53,7 +54,8 @@ contains
          simulation%materials, now)
       call describe_state(simulation, state)
       digest = state_digest(simulation%communicator, simulation%stores, state)
-      counts = [count_particles(simulation), simulation%updates]
+      counts = [count_particles(simulation), simulation%updates, &
+         nint(simulation%worked/nano, int64)]
       call simulation%communicator%total(counts)
       allocate (least(simulation%timer%count()), mean(simulation%timer%count()), &
          greatest(simulation%timer%count()))
@@ -77,6 +79,8 @@ contains
       call json%add("time", simulation%time)
       call json%add("particles", counts(1))
       call json%add("wall_s", wall)
+      call json%add("processor_s", nano*real(counts(3), wp))
+      call json%add("particle_updates", counts(2))
       call json%add("particle_updates_per_s", rate)
       call json%add("bytes_per_particle", bytes)
       call json%add("ranks", simulation%communicator%size)
