@@ -306,3 +306,27 @@ def save(figure, path, dpi):
         if os.path.exists(part):
             os.remove(part)
         raise PostError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+COMMANDS = {"accuracy": ("scree_accuracy", "how accurate a number of a deck is, and what more costs")}
+
+
+def main():
+    """Hand the words over to the module of a command."""
+    import importlib
+    words = sys.argv[1:]
+    if words and words[0] in COMMANDS:
+        return importlib.import_module(COMMANDS[words[0]][0]).main(words[1:])
+    lines = "\n".join(f"  {name:<10} {text}" for name, (_, text) in COMMANDS.items())
+    use = (f"usage: scree_post.py COMMAND [options]\n\n{lines}\n\nscree_post.py COMMAND --help lists "
+           "the options of a command.")
+    if words and words[0] in ("-h", "--help"):
+        print(use)
+        return 0
+    raise PostError(f"unknown command '{words[0]}'\n{use}" if words else use, EXIT_USAGE)
+
+
+if __name__ == "__main__":
+    sys.dont_write_bytecode = True
+    import scree_post                                    # the module that the commands know
+    scree_post.run(scree_post.main, "scree_post")

@@ -46,9 +46,8 @@ contains
       type(state_t) :: state
       character(len=16) :: digest
       integer(int64) :: counts(3), traffic(kinds)
-      real(wp) :: rate, bytes
+      real(wp) :: rate, bytes, range(extremes)
       real(wp), allocatable :: least(:), mean(:), greatest(:)
-      real(wp) :: range(extremes)
 
       call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
          simulation%materials, now)
@@ -57,9 +56,7 @@ contains
       counts = [count_particles(simulation), simulation%updates, &
          nint(simulation%worked/nano, int64)]
       call simulation%communicator%total(counts)
-      allocate (least(simulation%timer%count()), mean(simulation%timer%count()), &
-         greatest(simulation%timer%count()))
-      call simulation%timer%spread(simulation%communicator, wall, least, mean, greatest)
+      call spread_timers(simulation, wall, least, mean, greatest)
       rate = step_rate(simulation, counts(2), greatest)
       bytes = bytes_per_particle(simulation, counts(1))
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
@@ -95,6 +92,20 @@ contains
       call add_files(json, outputs)
       call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
    end subroutine summarise
+
+   !> Times of all phases over the ranks. Collective.
+   subroutine spread_timers(simulation, wall, least, mean, greatest)
+      type(simulation_t), intent(in) :: simulation   !! The run at its end
+      real(wp), intent(in) :: wall                   !! Wall time of the whole run [s]
+      real(wp), allocatable, intent(out) :: least(:) !! (phase) [s]
+      real(wp), allocatable, intent(out) :: mean(:)  !! (phase) [s]
+      real(wp), allocatable, intent(out) :: greatest(:) !! (phase) [s]
+      integer :: phases
+
+      phases = simulation%timer%count()
+      allocate (least(phases), mean(phases), greatest(phases))
+      call simulation%timer%spread(simulation%communicator, wall, least, mean, greatest)
+   end subroutine spread_timers
 
    !> Particle updates a second of wall time in the steps, without output and checkpoints.
    pure real(wp) function step_rate(simulation, updates, seconds) result(rate)
