@@ -280,7 +280,7 @@ PROBLEMS = {
         (50,)),
     "waves_cube": Problem(
         "standing waves in a cube, amplitude 0.05: displacement", 3,
-        waves("3d", 0.05), greatest, PLAIN + ("ddmp control", "ddmp aflip") + ONE_WAY,
+        waves("3d", 0.05), greatest, PLAIN + ("ddmp control", "ddmp aflip") + ONE_WAY + AFFINE,
         (6, 10, 16, 22), (2, 3), (0.4, 0.7), (10,)),
     "piston": Problem(
         "shock in a bar on a wall: pressure", 1,
