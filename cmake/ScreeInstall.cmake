@@ -14,5 +14,9 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/scripts/" DESTINATION "${CMAKE_INSTALL_
    USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.py" PATTERN requirements.txt
    PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/input/" DESTINATION "${CMAKE_INSTALL_DATADIR}/scree/input"
-   FILES_MATCHING PATTERN "*.nml" PATTERN "*.md" PATTERN "*.csv")
+   FILES_MATCHING PATTERN "*.nml" PATTERN "*.md" PATTERN "*.csv" PATTERN "*.png" PATTERN "*.py"
+   PATTERN "*.stl")
+# The program looks for the scenes at the same place in the build tree.
+file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/share/scree")
+file(CREATE_LINK "${PROJECT_SOURCE_DIR}/input" "${PROJECT_BINARY_DIR}/share/scree/input" SYMBOLIC)
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")

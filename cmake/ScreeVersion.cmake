@@ -25,6 +25,8 @@ scree_fortran_text("gfortran" compiler)
 scree_fortran_text("${CMAKE_Fortran_COMPILER_VERSION}" compiler_version)
 scree_fortran_text("${scree_flags}" flags)
 scree_fortran_text("${CMAKE_BUILD_TYPE}" build_type)
+file(RELATIVE_PATH share_folder "${CMAKE_INSTALL_FULL_BINDIR}" "${CMAKE_INSTALL_FULL_DATADIR}/scree")
+scree_fortran_text("${share_folder}" share_folder)
 configure_file(base_version.f90.in "${half_done}" @ONLY)
 
 set(write_version "${CMAKE_COMMAND}"

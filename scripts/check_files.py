@@ -3,7 +3,8 @@
 
 Every snapshot is opened with h5py and with the VTKHDF reader of VTK, the .xdmf with its Xdmf2
 reader, and the .vtkhdf index, where there is one, with the VTKHDF reader: the number of points and
-cells, the bounds, the time, and the components and mean of every field must agree.
+cells, the bounds, the time, and the components and mean of every field must agree. Of files of
+fields on the grid every number must.
 """
 
 import argparse
@@ -173,6 +174,60 @@ def check_xdmf(report, vtk, file, wanted):
         compare(report, f"{name} at {time:.4g} s", parts, found, cells)
 
 
+def is_grid(file):
+    """True for a file of fields on the grid."""
+    (h5py,) = scree_post.modules("h5py")
+    with h5py.File(file, "r") as handle:
+        kind = handle["VTKHDF"].attrs.get("Type", b"") if "VTKHDF" in handle else b""
+    return (kind if isinstance(kind, bytes) else kind.encode()).rstrip(b"\0 ") == b"ImageData"
+
+
+def check_grid(report, vtk, file, time):
+    """One file of fields on the grid: extents, edges, and the mean of each field."""
+    (h5py, np, support) = scree_post.modules("h5py", "numpy", "vtkmodules.util.numpy_support")
+    name = os.path.basename(file)
+    with h5py.File(file, "r") as handle:
+        group = handle["VTKHDF"]
+        extent = [int(number) for number in group.attrs["WholeExtent"]]
+        origin, spacing = group.attrs["Origin"][...], group.attrs["Spacing"][...]
+        fields = {key: data[...] for key, data in group["PointData"].items()}
+        units = all("units" in data.attrs for data in group["PointData"].values())
+        report.check(abs(handle["provenance"].attrs["time"] - time) <= 1.0e-12 * abs(time),
+                     f"{name}: the time of the series")
+    report.check(units, f"{name}: all fields have units")
+    report.check(all(extent[2 * k + 1] > extent[2 * k] for k in range(3)), f"{name}: has a thickness")
+    for key, values in fields.items():
+        report.check(values.shape[:3] == tuple(extent[2 * k + 1] + 1 for k in (2, 1, 0)),
+                     f"{name}: {key} has the extents of the image")
+    reader = vtk.vtkHDFReader()
+    report.check(reader.CanReadFile(file), f"{name}: opens in VTK")
+    reader.SetFileName(file)
+    reader.Update()
+    data = reader.GetOutputDataObject(0)
+    if not data.IsA("vtkImageData"):
+        report.check(False, f"{name}: VTK makes a {data.GetClassName()} of it")
+        return
+    report.check(list(data.GetExtent()) == extent, f"{name}: extents {data.GetExtent()}")
+    report.check(np.allclose(data.GetOrigin(), origin) and np.allclose(data.GetSpacing(), spacing),
+                 f"{name}: origin {data.GetOrigin()}, spacing {data.GetSpacing()}")
+    found = data.GetPointData()
+    seen = {found.GetArrayName(k): support.vtk_to_numpy(found.GetArray(k))
+            for k in range(found.GetNumberOfArrays())}
+    report.check(sorted(seen) == sorted(fields), f"{name}: fields {sorted(seen)}")
+    for key, values in fields.items():
+        flat = values.reshape(-1) if values.ndim == 3 else values.reshape(-1, values.shape[3])
+        report.check(key in seen and np.array_equal(seen[key], flat), f"{name}: each number of {key}")
+
+
+def check_grids(report, vtk, steps):
+    """All files of a series of grids. Without VTK there is nothing to compare them with."""
+    for time, file in steps:
+        if vtk:
+            check_grid(report, vtk, file, time)
+    print(f"{len(steps)} grids: {report.agree} comparisons agree, {report.differ} differ"
+          + ("" if vtk else "; VTK not asked, the package vtk is missing"))
+
+
 def load_vtk():
     """The vtk package, silent, or None."""
     try:
@@ -193,7 +248,7 @@ def parser():
         "77 the package vtk is missing (what h5py alone can check did agree).",
     )
     result.add_argument(
-        "series", metavar="SERIES", help="CASE_p.hdf.series, a snapshot, or out/CASE"
+        "series", metavar="SERIES", help="CASE_p.hdf.series or CASE_g.hdf.series, a snapshot, or out/CASE"
     )
     result.add_argument("-v", "--verbose", action="store_true", help="print also what agrees")
     result.add_argument("--need-xdmf", action="store_true", help="a missing .xdmf is a difference")
@@ -205,7 +260,11 @@ def main():
     arguments = parser().parse_args()
     source = scree_post.series_file(arguments.series)
     report, vtk, wanted = Report(arguments.verbose), load_vtk(), []
-    for time, file in scree_post.series(source):
+    steps = scree_post.series(source)
+    if steps and is_grid(steps[0][1]):
+        check_grids(report, vtk, steps)
+        return EXIT_DIFFERENT if report.differ else 0 if vtk else EXIT_NO_VTK
+    for time, file in steps:
         snap = scree_post.snapshot(file)
         name = os.path.basename(file)
         report.check(abs(snap.time - time) <= 1.0e-12 * max(abs(time), 1.0e-300),

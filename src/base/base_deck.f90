@@ -43,6 +43,7 @@ module base_deck
       generic :: settle => settle_numbers, settle_number, settle_whole, settle_wholes, &
          settle_switch, settle_text
       procedure :: errors => deck_errors                 !! Number of errors so far
+      procedure :: sound => deck_sound                   !! No error in groups of a kind
       procedure :: warnings => deck_warnings             !! Number of warnings so far
       procedure :: report => deck_report                 !! All errors and warnings, and their count
       procedure :: verdict => deck_verdict               !! An error if there were any
@@ -251,6 +252,36 @@ contains
 
       errors = self%problems%errors
    end function deck_errors
+
+   !> True if no error has been found in the groups of a kind, or in one of them, so that what they
+   !! say can be followed further although other groups have errors.
+   pure logical function deck_sound(self, name, place) result(sound)
+      class(deck_t), intent(in) :: self                  !! The deck
+      character(len=*), intent(in) :: name               !! The kind, without &
+      integer, intent(in), optional :: place             !! Number among those of its kind, or all
+      integer :: i, other, last, seen
+
+      sound = .not. self%problems%about("&"//name)
+      seen = 0
+      do i = 1, size(self%groups)
+         if (self%groups(i)%group /= name) cycle
+         seen = seen + 1
+         if (present(place)) then
+            if (seen /= place) cycle
+         end if
+         if (self%groups(i)%first_line == 0) cycle
+         last = huge(last)
+         do other = 1, size(self%groups)
+            if (self%groups(other)%first_line > self%groups(i)%first_line .and. &
+               self%groups(other)%path == self%groups(i)%path) &
+               last = min(last, self%groups(other)%first_line - 1)
+         end do
+         ! groups may share a line
+         last = max(last, self%groups(i)%first_line)
+         if (self%problems%within(self%groups(i)%path, self%groups(i)%first_line, last)) &
+            sound = .false.
+      end do
+   end function deck_sound
 
    !> Number of warnings so far.
    pure integer function deck_warnings(self) result(warnings)

@@ -28,6 +28,8 @@ module base_deck_problems
       procedure :: error => problems_error               !! Something that stops the run
       procedure :: warning => problems_warning           !! Something that looks wrong
       procedure :: report => problems_report             !! All as text, in the order of the lines
+      procedure :: within => problems_within             !! An error in some lines of a file
+      procedure :: about => problems_about               !! An error that belongs to no line
    end type problems_t
 
 contains
@@ -53,6 +55,39 @@ contains
       self%warnings = self%warnings + 1
       call note(self, file, line, .false., text)
    end subroutine problems_warning
+
+   !> True if there is an error in some lines of a file.
+   pure logical function problems_within(self, file, first, last) result(found)
+      class(problems_t), intent(in) :: self              !! The list
+      character(len=*), intent(in) :: file               !! Name of the file
+      integer, intent(in) :: first                       !! First line
+      integer, intent(in) :: last                        !! Last line
+      integer :: i
+
+      found = .false.
+      do i = 1, self%errors + self%warnings
+         associate (entry => self%entries(i))
+            if (entry%is_error .and. entry%line >= first .and. entry%line <= last) &
+               found = found .or. entry%file == file
+         end associate
+      end do
+   end function problems_within
+
+   !> True if there is an error that begins with a word and belongs to no line, as it came with the
+   !! command line or is about what is missing.
+   pure logical function problems_about(self, word) result(found)
+      class(problems_t), intent(in) :: self              !! The list
+      character(len=*), intent(in) :: word               !! Such as &grid
+      integer :: i
+
+      found = .false.
+      do i = 1, self%errors + self%warnings
+         associate (entry => self%entries(i))
+            if (entry%is_error .and. entry%line == 0) &
+               found = found .or. index(entry%text, word) == 1
+         end associate
+      end do
+   end function problems_about
 
    !> Append an entry.
    pure subroutine note(self, file, line, is_error, text)

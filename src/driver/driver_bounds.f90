@@ -8,7 +8,8 @@ module driver_bounds
    implicit none
    private
 
-   public :: bounds_t, count_bad, fault_of, find_steepest, guard_t, read_bounds
+   public :: bounds_t, count_bad, fault_of, find_steepest, guard_t, read_bounds, &
+      slow_nodes, steep_enough
 
    integer, parameter, public :: rule_signal = 1      !! A step is as long as signal and motion let
    integer, parameter, public :: rule_growth = 2      !! ... as growth from the one before lets
@@ -16,10 +17,11 @@ module driver_bounds
    integer, parameter, public :: rule_conduction = 4  !! ... as conduction of heat lets
    integer, parameter, public :: rule_deck = 5        !! ... as dt_max or dt_fixed say
    integer, parameter, public :: rule_end = 6         !! ... as t_end lets
-   integer, parameter, public :: rules = 6            !! Number of these
+   integer, parameter, public :: rule_retry = 7       !! ... as nodes let that would go too far
+   integer, parameter, public :: rules = 7            !! Number of these
    !> Their names in the summary.
    character(len=10), parameter, public :: rule_names(rules) = [character(len=10) :: "signal", &
-      "growth", "strain", "conduction", "deck", "end"]
+      "growth", "strain", "conduction", "deck", "end", "retry"]
 
    integer, parameter, public :: fault_none = 0       !! All is well
    integer, parameter, public :: fault_velocity = 1   !! Velocity is not a finite number
@@ -37,6 +39,10 @@ module driver_bounds
       real(wp) :: speed_max = sqrt(huge(1.0_wp))     !! Greatest speed of a particle [m/s]
       real(wp) :: strain_max = 0.3_wp                !! Greatest dt |grad v| of a step [1]
       real(wp) :: collapse = 1.0e-3_wp               !! Least step over the longest so far [1]
+      real(wp) :: dt_min = 0.0_wp                    !! Least step [s]
+      logical :: dt_free = .true.                    !! May a step be shorter than was chosen?
+      logical :: retire = .false.                    !! Do bad particles go, and the run on?
+      real(wp) :: retire_max = 0.0_wp                !! Greatest share of the mass that may [1]
    end type bounds_t
 
    !> What a run knows about the length of its steps.
@@ -47,6 +53,7 @@ module driver_bounds
       integer(int64) :: steepest = huge(1_int64)     !! Identity of that particle if on this rank
       integer :: rule = rule_signal                  !! What limits the step that comes
       integer(int64) :: steps(rules) = 0             !! Steps that each rule has limited
+      integer :: counted = rule_signal               !! Rule for which the present one was counted
    end type guard_t
 
 contains
@@ -56,6 +63,7 @@ contains
       type(deck_t), intent(in) :: deck               !! The deck
       type(bounds_t), intent(out) :: bounds          !! What it says
       type(group_t) :: group
+      character(len=:), allocatable :: word
       real(wp) :: number
 
       group = deck%group("time", 1)
@@ -65,6 +73,14 @@ contains
       if (number > unset) bounds%speed_max = number
       call group%get("strain_max", bounds%strain_max)
       call group%get("dt_collapse", bounds%collapse)
+      call group%get("dt_min", number)
+      if (number > unset) bounds%dt_min = number
+      call group%get("dt_fixed", number)
+      call group%get("retry", bounds%dt_free)
+      if (number > unset) bounds%dt_free = .false.
+      call group%get("on_bad", word)
+      bounds%retire = word == "retire"
+      call group%get("retire_max", bounds%retire_max)
    end subroutine read_bounds
 
    !> Particles of a tile that are not as they should be. A number that is none fails every
@@ -84,8 +100,9 @@ contains
          bad = bad + count_inverted(first, last, store%matter%deformation_gradient)
    end function count_bad
 
-   !> Bad velocities, stresses and volumes in a range. Each comparison counts for itself, which
-   !! makes vectors of it.
+   !> Bad velocities and volumes in a range, and one more if the sum of all stresses is no finite
+   !! number, which it is not if one of them is none. Each comparison counts for itself, which makes
+   !! vectors of it.
    pure real(wp) function count_states(first, last, velocity, stress, volume, mass, fastest, &
       least, most) result(bad)
       integer, intent(in) :: first                   !! First particle of the range
@@ -101,16 +118,17 @@ contains
       integer :: p
 
       bad = 0.0_wp
-      !$omp simd private(square, load) reduction(+:bad)
+      load = 0.0_wp
+      !$omp simd private(square) reduction(+:bad, load)
       do p = first, last
          square = velocity(p, 1)**2 + velocity(p, 2)**2 + velocity(p, 3)**2
-         load = abs(stress(p, 1)) + abs(stress(p, 2)) + abs(stress(p, 3)) + abs(stress(p, 4)) &
-            + abs(stress(p, 5)) + abs(stress(p, 6))
+         load = load + (stress(p, 1) + stress(p, 2) + stress(p, 3) + stress(p, 4) &
+            + stress(p, 5) + stress(p, 6))
          bad = bad + merge(0.0_wp, 1.0_wp, square <= fastest) &
-            + merge(0.0_wp, 1.0_wp, load <= huge(load)) &
             + merge(0.0_wp, 1.0_wp, volume(p) >= mass(p)*least) &
             + merge(0.0_wp, 1.0_wp, volume(p) <= mass(p)*most)
       end do
+      if (.not. abs(load) <= huge(load)) bad = bad + 1.0_wp
    end function count_states
 
    !> Particles of a range that have turned inside out.
@@ -173,17 +191,22 @@ contains
       end if
    end subroutine fault_of
 
-   !> Note the steepest velocity gradient of a tile if it is the steepest so far. Equal ones go to
-   !! the lowest identity, so that the order of tiles does not matter.
-   pure subroutine find_steepest(gradient, identity, dt, steepest, who)
+   !> Note the steepest velocity gradient of a tile if it is the steepest so far and may limit the
+   !! next step. Equal ones go to the lowest identity, so that the order of tiles does not matter.
+   !! Most tiles have none that matters, which counting in vectors tells.
+   pure subroutine find_steepest(gradient, identity, dt, matters, steepest, who)
       real(wp), contiguous, intent(in) :: gradient(:, :)    !! (particle, 9) dt du_k/dx_l [1]
       integer(int64), contiguous, intent(in) :: identity(:) !! (particle) Who they are
       real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: matters                !! Smaller |grad v| do not limit steps [1/s]
       real(wp), intent(inout) :: steepest            !! Square of |grad v| so far [1/s2]
       integer(int64), intent(inout) :: who           !! Its particle
-      real(wp) :: most
+      real(wp), parameter :: rounding = 1.0e-12_wp
+      real(wp) :: most, enough
       integer :: p
 
+      enough = (1.0_wp - rounding)*max(steepest, matters**2)*dt**2
+      if (.not. count_steep(size(identity), gradient, enough) > 0.5_wp) return
       most = 0.0_wp
       do p = 1, size(identity)
          most = max(most, square(gradient, p))
@@ -195,6 +218,50 @@ contains
          if (square(gradient, p) >= most) who = min(who, identity(p))
       end do
    end subroutine find_steepest
+
+   !> Particles whose gradient has at least a norm.
+   pure real(wp) function count_steep(count, gradient, enough) result(steep)
+      integer, intent(in) :: count                   !! Particles
+      real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle, 9)
+      real(wp), intent(in) :: enough                 !! Square of the norm
+      integer :: p
+
+      steep = 0.0_wp
+      !$omp simd reduction(+:steep)
+      do p = 1, count
+         steep = steep + merge(1.0_wp, 0.0_wp, gradient(p, 1)**2 + gradient(p, 2)**2 &
+            + gradient(p, 3)**2 + gradient(p, 4)**2 + gradient(p, 5)**2 + gradient(p, 6)**2 &
+            + gradient(p, 7)**2 + gradient(p, 8)**2 + gradient(p, 9)**2 >= enough)
+      end do
+   end function count_steep
+
+   !> Is every component of the velocities of nodes within a bound? Counted in vectors.
+   pure logical function slow_nodes(components, velocity, most) result(slow)
+      integer, intent(in) :: components              !! Three for each node
+      real(wp), intent(in) :: velocity(components)   !! One node after another [m/s]
+      real(wp), intent(in) :: most                   !! The bound [m/s]
+      real(wp) :: fast
+      integer :: k
+
+      fast = 0.0_wp
+      !$omp simd reduction(+:fast)
+      do k = 1, components
+         fast = fast + merge(0.0_wp, 1.0_wp, abs(velocity(k)) <= most)
+      end do
+      slow = fast < 0.5_wp
+   end function slow_nodes
+
+   !> Velocity gradient from which on it may be what limits the next step, however the others come
+   !! out: the step before has grown as far as it may [1/s].
+   pure real(wp) function steep_enough(bounds, growth, dt) result(rate)
+      type(bounds_t), intent(in) :: bounds           !! What may happen
+      real(wp), intent(in) :: growth                 !! Greatest ratio of two steps [1]
+      real(wp), intent(in) :: dt                     !! Stable step that was [s]
+      real(wp), parameter :: rounding = 1.0e-12_wp
+
+      rate = 0.0_wp
+      if (growth*dt < huge(dt)) rate = (1.0_wp - rounding)*bounds%strain_max/(growth*dt)
+   end function steep_enough
 
    !> Square of the norm of a gradient.
    pure real(wp) function square(gradient, p) result(norm)

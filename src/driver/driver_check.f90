@@ -3,6 +3,7 @@
 module driver_check
    use base_kinds, only: int64, wp
    use base_text, only: number, size_text
+   use driver_contact_deck, only: contact_columns, contact_text
    use driver_heat, only: conduction_step
    use driver_output, only: snapshot_bytes
    use driver_run, only: limits_t
@@ -35,7 +36,9 @@ contains
       steps = expected_steps(simulation, bodies, limits)
       bytes = memory(simulation, survey)
       text = grid_line(simulation, survey)//new_line("a")//points_text(bodies, survey) &
-         //fields_text(simulation, survey) &
+         //fields_text(simulation, survey)
+      if (allocated(simulation%contact)) text = text//contact_text(simulation, bodies)
+      text = text &
          //"step       first dt "//short(dt)//" s"//cause//"; about "// &
          number(nint(steps, int64))//" steps"// &
          new_line("a")// &
@@ -118,7 +121,7 @@ contains
       if (allocated(simulation%exact)) text = text//", reference (exact solution)"
       text = text//new_line("a")
       do n = 1, size(simulation%materials)
-         text = text//"  "//simulation%materials(n)%name//new_line("a")
+         text = text//"  "//simulation%stores(n)%name//new_line("a")
          wishes = simulation%materials(n)%wishes()
          lines = wishes%report()
          first = 1
@@ -147,6 +150,7 @@ contains
          if (allocated(store%domain)) bytes = bytes + 72
          if (allocated(store%affine)) bytes = bytes + 72
          if (allocated(store%spin)) bytes = bytes + 24
+         if (allocated(store%bond)) bytes = bytes + 8
       end associate
       if (allocated(simulation%exact)) bytes = bytes + 24
    end function base_bytes
@@ -182,8 +186,12 @@ contains
       if (simulation%method%dual .and. simulation%carries_energy) columns = columns + 9.0_wp
       if (simulation%method%controlled()) columns = columns + real(7 + 6, wp)
       if (simulation%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 + 3, wp)
+      if (allocated(simulation%contact)) columns = real(contact_columns(simulation%contact), wp) &
+         + real(size(simulation%contact%field), wp)*columns
       if (allocated(simulation%conduction)) columns = columns &
          + merge(26.0_wp, 7.0_wp, simulation%method%dual)
+      if (simulation%repacks) columns = columns + 1.0_wp
+      if (simulation%method%heat_flux > 0.0_wp) columns = columns + 5.0_wp
       bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
          + real(size(survey%key), wp)*(17.0_wp/16.0_wp*8.0_wp*columns &
          *real(simulation%grid%tile_nodes, wp) &

@@ -25,6 +25,12 @@ module driver_command_line
       logical :: template = .false.                      !! Print all keys
       character(len=:), allocatable :: explain           !! Key to be explained
       character(len=:), allocatable :: list              !! What is to be listed
+      character(len=:), allocatable :: example           !! Example to be copied
+      character(len=:), allocatable :: folder            !! Where the copy goes
+      character(len=:), allocatable :: job               !! Scheduler that wants a script
+      integer :: ranks = 0                               !! Ranks of the job, 0 = a suggestion
+      integer :: threads = 0                             !! Threads of each, 0 = a suggestion
+      character(len=:), allocatable :: job_time          !! Its wall time, hours:minutes:seconds
       logical :: help = .false.                          !! Print the help
       logical :: version = .false.                       !! Print the version
    end type command_t
@@ -37,7 +43,7 @@ module driver_command_line
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(15) = [ &
+   type(option_t), parameter :: options(20) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
@@ -45,8 +51,12 @@ module driver_command_line
       option_t("verbose ", "v", nothing), option_t("digest  ", " ", a_value), &
       option_t("template", " ", nothing), option_t("explain ", " ", a_value), &
       option_t("list    ", " ", a_value), option_t("point   ", " ", nothing), &
-      option_t("force   ", " ", nothing)]
-   character(len=9), parameter :: lists(3) = [character(len=9) :: "materials", "fields", "shapes"]
+      option_t("force   ", " ", nothing), option_t("new     ", " ", a_value), &
+      option_t("job     ", " ", a_value), option_t("ranks   ", " ", a_value), &
+      option_t("threads ", " ", a_value), option_t("time    ", " ", a_value)]
+   character(len=9), parameter :: lists(4) = [character(len=9) :: "materials", "fields", &
+      "shapes", "examples"]
+   character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
 
 contains
 
@@ -267,34 +277,89 @@ contains
          command%template = .true.
       case ("explain")
          command%explain = value
-      case default
+      case ("list")
          command%list = value
+      case ("new")
+         command%example = value
+      case default
+         call apply_job_option(option, value, command, error)
       end select
    end subroutine apply_option
+
+   !> Do what an option says of the script of a job.
+   subroutine apply_job_option(option, value, command, error)
+      type(option_t), intent(in) :: option               !! The option
+      character(len=*), intent(in) :: value              !! Its value
+      type(command_t), intent(inout) :: command          !! Gets what it says
+      type(error_t), allocatable, intent(out) :: error   !! The value is none of its kind
+
+      select case (option%name)
+      case ("ranks")
+         call read_count(option, value, command%ranks, error)
+      case ("threads")
+         call read_count(option, value, command%threads, error)
+      case ("time")
+         command%job_time = value
+         if (.not. is_clock(value)) call complain(error, "--time = '"//value// &
+            "' must be hours, minutes and seconds such as 04:00:00")
+      case default
+         command%job = value
+         if (all(schedulers /= value)) call complain(error, &
+            "--job knows slurm and pbs, not '"//value//"'")
+      end select
+   end subroutine apply_job_option
+
+   !> A whole number above 0.
+   subroutine read_count(option, value, count, error)
+      type(option_t), intent(in) :: option               !! The option
+      character(len=*), intent(in) :: value              !! Its value
+      integer, intent(out) :: count                      !! The number
+      type(error_t), allocatable, intent(out) :: error   !! It is none
+      integer, parameter :: most_digits = 8
+
+      count = 0
+      if (verify(value, "0123456789") == 0 .and. len(value) <= most_digits) read (value, *) count
+      if (count <= 0) call complain(error, "--"//trim(option%name)//" = '"//value// &
+         "' must be a whole number above 0")
+   end subroutine read_count
+
+   !> The text for two digits below 60.
+   pure logical function below_sixty(text) result(right)
+      character(len=*), intent(in) :: text               !! Two characters
+
+      right = verify(text, "0123456789") == 0 .and. llt(text, "60")
+   end function below_sixty
+
+   !> True for hours:minutes:seconds, and not all of them 0.
+   pure logical function is_clock(text) result(right)
+      character(len=*), intent(in) :: text               !! Perhaps a time
+      integer :: last
+
+      last = len(text)
+      right = .false.
+      if (last < 7 .or. last > 9) return
+      right = verify(text(:last - 6), "0123456789") == 0 .and. text(last - 5:last - 5) == ":" &
+         .and. text(last - 2:last - 2) == ":" .and. below_sixty(text(last - 4:last - 3)) .and. &
+         below_sixty(text(last - 1:)) .and. verify(text, "0:") > 0
+   end function is_clock
 
    !> The parts must fit each other.
    subroutine check_command(command, error)
       type(command_t), intent(inout) :: command          !! What the command line says
       type(error_t), allocatable, intent(out) :: error   !! Something is missing or too much
-      type(text_t), allocatable :: names(:)
-      character(len=:), allocatable :: near
-      integer :: i
 
       if (command%help .or. command%version) return
       if (allocated(command%list)) then
-         if (any(lists == command%list)) return
-         allocate (names(0))
-         do i = 1, size(lists)
-            call append(names, trim(lists(i)))
-         end do
-         near = closest(command%list, names)
-         if (near /= "") near = "; did you mean "//near//"?"
-         call complain(error, "--list knows materials, fields and shapes, not '"//command%list// &
-            "'"//near)
+         call check_list(command%list, error)
          return
       end if
       if (allocated(command%explain) .or. command%template .or. allocated(command%digest)) return
-      if (command%quiet .and. command%verbose) then
+      if (allocated(command%example)) then
+         call move_alloc(command%deck, command%folder)
+         if (.not. allocated(command%folder)) call complain(error, &
+            "--new needs a folder behind the example; usage: scree --new "//command%example// &
+            " FOLDER")
+      else if (command%quiet .and. command%verbose) then
          call complain(error, "--quiet and --verbose exclude each other")
       else if (command%point .and. (command%check .or. command%restart)) then
          call complain(error, "--point excludes --check and --restart")
@@ -302,10 +367,49 @@ contains
          call complain(error, "--check and --restart exclude each other")
       else if (.not. allocated(command%deck)) then
          call complain(error, "no deck; usage: scree [options] DECK.nml, and scree --help for more")
-      else if (allocated(command%case_name)) then
-         call append(command%overrides, "run.case="//command%case_name)
+      else
+         call check_job(command, error)
       end if
+      if (allocated(command%case_name)) &
+         call append(command%overrides, "run.case="//command%case_name)
    end subroutine check_command
+
+   !> There must be a list of that name.
+   subroutine check_list(name, error)
+      character(len=*), intent(in) :: name               !! What is to be listed
+      type(error_t), allocatable, intent(out) :: error   !! There is none
+      type(text_t), allocatable :: names(:)
+      character(len=:), allocatable :: near
+      integer :: i
+
+      if (any(lists == name)) return
+      allocate (names(0))
+      do i = 1, size(lists)
+         call append(names, trim(lists(i)))
+      end do
+      near = closest(name, names)
+      if (near /= "") near = "; did you mean "//near//"?"
+      call complain(error, "--list knows materials, fields, shapes and examples, not '"//name// &
+         "'"//near)
+   end subroutine check_list
+
+   !> A job is printed, not run; numbers of it need it.
+   subroutine check_job(command, error)
+      type(command_t), intent(in) :: command             !! What the command line says
+      type(error_t), allocatable, intent(out) :: error   !! Something is missing or too much
+
+      if (.not. allocated(command%job)) then
+         if (command%ranks > 0) call complain(error, &
+            "--ranks needs --job; a run has those of mpirun")
+         if (command%threads > 0) call complain(error, &
+            "--threads needs --job; a run takes OMP_NUM_THREADS")
+         if (allocated(command%job_time)) call complain(error, &
+            "--time needs --job; a run takes wall_limit of &time")
+      else if (command%check .or. command%point .or. command%restart) then
+         call complain(error, "--job excludes --check, --point and --restart; the script goes "// &
+            "on from checkpoints by itself")
+      end if
+   end subroutine check_job
 
    !> Make an error of the command line.
    subroutine complain(error, message)
@@ -333,7 +437,10 @@ contains
          "      --explain KEY      what a key or group of the deck means"//newline// &
          "      --point            drive one material along &point, write CASE_point.csv"// &
          newline// &
-         "      --list WHAT        materials, fields or shapes"//newline// &
+         "      --list WHAT        materials, fields, shapes or examples"//newline// &
+         "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
+         "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
+         newline//"                         --threads N and --time HH:MM:SS"//newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
          "  -h, --help             this text"//newline// &
          "  -V, --version          version, compiler and libraries"//newline//newline

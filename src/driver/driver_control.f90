@@ -59,7 +59,7 @@ contains
       integer :: index, p, q, k
 
       call clear_patch(patch)
-      do index = 1, size(simulation%stores)
+      do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
             call find_places(simulation, scratch, store, tile)

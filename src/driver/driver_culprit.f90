@@ -5,10 +5,12 @@ module driver_culprit
    use driver_bounds, only: bounds_t, fault_fast, fault_inverted, fault_large, fault_none, &
       fault_of, fault_small, fault_stress, fault_velocity, rule_conduction, rule_strain
    use driver_simulation, only: simulation_t
+   use particle_split, only: generation_of, root_of
+   use particle_store, only: moved_off
    implicit none
    private
 
-   public :: name_bad, name_limiting, replay_text, tile_bounds
+   public :: name_bad, name_limiting, replay_text, spread, step_text, tile_bounds
 
    !> A particle of this rank, or none.
    type :: found_t
@@ -116,7 +118,7 @@ contains
             density => simulation%materials(index)%density)
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  if (store%identity(p) > found%identity) cycle
+                  if (store%identity(p) > found%identity .or. store%home(p) == moved_off) cycle
                   call fault_of(store, p, density, bounds, fault, value)
                   if (fault /= fault_none) found = found_t(store%identity(p), index, tile, p)
                end do
@@ -214,7 +216,12 @@ contains
       associate (store => simulation%stores(found%store), p => found%particle)
          body = 1
          if (allocated(store%body)) body = int(store%body(p))
-         write (line, "(a,i0,a)") "particle ", store%identity(p), " of body "
+         if (generation_of(store%identity(p)) > 0) then
+            write (line, "(a,i0,a,i0,a)") "particle ", store%identity(p), ", a part of ", &
+               root_of(store%identity(p)), ", of body "
+         else
+            write (line, "(a,i0,a)") "particle ", store%identity(p), " of body "
+         end if
          text = trim(line)//" "
          write (line, "(i0)") body
          if (allocated(simulation%body_names)) line = "'"//simulation%body_names(body)%text//"'"

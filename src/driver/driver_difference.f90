@@ -74,7 +74,7 @@ contains
       integer :: index, p, k
 
       call clear_patch(patch)
-      do index = 1, size(simulation%stores)
+      do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index), grid => simulation%grid, &
             method => simulation%method, places => scratch%places, pushed => scratch%pushed, &

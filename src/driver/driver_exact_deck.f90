@@ -58,6 +58,8 @@ contains
             "'plane_strain' or '3d' in &run", "solution")
          return
       end if
+      if (allocated(simulation%method%splitting)) call deck%complain(group, "halves of "// &
+         "particles have no place at rest; write split = .false. in &method", "solution")
       call find_followers(deck, group, bodies, follows)
       allocate (simulation%exact)
       allocate (simulation%exact%material(size(simulation%materials)))

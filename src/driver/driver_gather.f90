@@ -3,12 +3,14 @@
 !! cache from the first to the last of these.
 module driver_gather
    use base_kinds, only: int64, wp
-   use driver_bounds, only: count_bad, find_steepest
+   use driver_bounds, only: count_bad, find_steepest, slow_nodes, steep_enough
    use driver_cost, only: book_cost, cost_clock
    use driver_culprit, only: tile_bounds
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
    use driver_method, only: method_t, stress_before
    use driver_nodes, only: node_gradient
+   use driver_packing, only: excess_fill, repack
+   use driver_retire, only: erode_tile, fastest_left, retire_tile
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use driver_sweep, only: find_filtered, find_slopes
@@ -17,7 +19,8 @@ module driver_gather
    use material_type, only: material_t
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
-   use particle_store, only: store_t
+   use particle_split, only: find_opening
+   use particle_store, only: moved_off, store_t
    use particle_stretch, only: stretch_tile
    use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
    use transfer_basis, only: expand_spin
@@ -46,6 +49,9 @@ module driver_gather
       real(wp), allocatable :: scalar(:, :)          !! (1, node) The same [J/kg]
       real(wp), allocatable :: turn(:, :) !! (3, node) The same for linear velocity fields [m/s]
       real(wp), allocatable :: moments(:, :)         !! (9, node) Its moments [m2/s]
+      real(wp), allocatable :: excess(:, :)          !! (1, node) Fill less 1, for loose matter [1]
+      real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
+      logical :: slow = .false.                      !! Is no gradient that steep?
    end type view_t
 
 contains
@@ -59,6 +65,8 @@ contains
       real(wp) :: began
 
       call simulation%timer%start(simulation%phase%gather)
+      if (allocated(simulation%method%splitting) .and. parts%strain) &
+         call ensure_opening(simulation%stores)
       !$omp parallel do default(none) shared(simulation, parts, dt) private(tile, began) &
       !$omp schedule(dynamic, 1)
       do tile = 1, simulation%tiles%own
@@ -70,6 +78,17 @@ contains
       call simulation%timer%stop(simulation%phase%gather)
    end subroutine gather_particles
 
+   !> Make room for the rates at which particles grow.
+   pure subroutine ensure_opening(stores)
+      type(store_t), intent(inout) :: stores(:)      !! The particles
+      integer :: index
+
+      do index = 1, size(stores)
+         if (allocated(stores(index)%opening)) deallocate (stores(index)%opening)
+         allocate (stores(index)%opening(size(stores(index)%home)))
+      end do
+   end subroutine ensure_opening
+
    !> One tile.
    subroutine gather_tile(simulation, scratch, tile, parts, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
@@ -78,10 +97,14 @@ contains
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t) :: view
+      real(wp) :: fastest, steepest
       integer :: index
 
+      if (allocated(simulation%contact)) then
+         if (all(counts(simulation, tile) == 0)) return
+      end if
       call look(simulation, tile, parts, view)
-      do index = 1, size(simulation%stores)
+      do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
             call find_places(simulation, scratch, store, tile)
@@ -91,17 +114,90 @@ contains
             ! before the strain, which may renew the linear velocity fields
             if (parts%motion .and. allocated(store%matter%energy)) &
                call add_heat(simulation, scratch, store, tile, view)
-            if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt)
+            if (parts%motion .and. simulation%materials(index)%repacks) &
+               call repack_particles(simulation, scratch, index, tile, view)
+            if (parts%motion .and. allocated(simulation%contact)) &
+               call add_rubbed(simulation, scratch, store, tile)
+            fastest = 0.0_wp
+            steepest = scratch%steepest
+            if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt, &
+               fastest)
             if (parts%motion) then
                call move_particles(simulation, scratch, store, tile, view, dt)
                call place_tile(simulation%grid, simulation%boundary, &
                   simulation%tiles%coordinate(:, tile), store, tile)
-               scratch%sound = scratch%sound .and. count_bad(store, tile, &
-                  simulation%materials(index)%density, tile_bounds(simulation, index)) < 0.5_wp
+               call judge_particles(simulation, scratch, index, tile, fastest, steepest)
             end if
+            scratch%fastest = max(scratch%fastest, fastest)
          end associate
       end do
    end subroutine gather_tile
+
+   !> Particles of the velocity field at hand in a tile, by store.
+   pure function counts(simulation, tile) result(particles)
+      type(simulation_t), intent(in) :: simulation   !! The run with contact
+      integer, intent(in) :: tile                    !! Which tile
+      integer :: particles(simulation%first_store:simulation%last_store)
+      integer :: index
+
+      do index = simulation%first_store, simulation%last_store
+         particles(index) = simulation%stores(index)%count(tile)
+      end do
+   end function counts
+
+   !> Heat of contact to the particles of a tile; matter that carries no internal energy books it.
+   subroutine add_rubbed(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! The run with contact
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: lost
+      integer :: p, q
+
+      associate (rubbed => simulation%nodes%rubbed(:, :, tile), places => scratch%places)
+         if (.not. any(abs(rubbed) > 0.0_wp)) return
+         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), places, &
+            rubbed, places%values)
+      end associate
+      lost = 0.0_wp
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         if (allocated(store%matter%energy)) then
+            store%matter%energy(q) = store%matter%energy(q) + scratch%places%values(p, 1)
+         else
+            lost = lost + store%matter%mass(q)*scratch%places%values(p, 1)
+         end if
+      end do
+      call scratch%ledger%sums(dissipated)%add(lost)
+   end subroutine add_rubbed
+   !> Look for particles that have left their bounds or are to go since they failed, and take them
+   !! out if the deck says so. What is left limits the next step.
+   subroutine judge_particles(simulation, scratch, index, tile, fastest, steepest)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(inout) :: fastest             !! Fastest signal and motion in it [m/s]
+      real(wp), intent(in) :: steepest               !! Square of |grad v| without it [1/s2]
+      logical :: sound
+
+      associate (store => simulation%stores(index))
+         sound = count_bad(store, tile, simulation%materials(index)%density, &
+            tile_bounds(simulation, index)) < 0.5_wp
+         if (.not. sound .and. simulation%guard%bounds%retire) then
+            call retire_tile(simulation, scratch, index, tile, sound)
+            scratch%retired = .true.
+         end if
+         scratch%sound = scratch%sound .and. sound
+         if (simulation%erosion .and. allocated(store%matter%failed)) &
+            call erode_tile(simulation, scratch, index, tile)
+         if (.not. (simulation%erosion .or. simulation%guard%bounds%retire)) return
+         if (.not. any(store%home(store%first(tile):store%first(tile) + store%count(tile) - 1) &
+            == moved_off)) return
+         if (fastest > 0.0_wp) fastest = fastest_left(store, tile, scratch%deformation%wave_speed)
+         scratch%steepest = steepest
+      end associate
+   end subroutine judge_particles
 
    !> The node fields of a tile as the particles see them.
    subroutine look(simulation, tile, parts, view)
@@ -113,12 +209,33 @@ contains
       if (parts%work) view%centre = simulation%nodes%velocity(:, :, tile) &
          + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, :, tile)
       if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
+      if (parts%strain) call look_steep(simulation, tile, view)
       if (.not. simulation%method%dual) return
+      if (parts%motion .and. simulation%repacks) call excess_fill(simulation%grid, &
+         simulation%boundary, simulation%tiles%coordinate(:, tile), &
+         simulation%nodes%filled(:, :, tile), simulation%nodes%volume(:, :, tile), view%excess)
       if (parts%strain .or. (parts%motion .and. simulation%method%transfer%affine())) &
          call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
       if (parts%work .and. simulation%carries_energy) &
          call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
    end subroutine look
+
+   !> Which velocity gradients matter for the next step, and whether the nodes can have such. Only
+   !! where gradients are those of functions between nodes their velocities alone tell.
+   subroutine look_steep(simulation, tile, view)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(inout) :: view            !! What the particles see
+
+      associate (method => simulation%method, grid => simulation%grid)
+         view%matters = steep_enough(simulation%guard%bounds, method%step_growth, &
+            simulation%dt_next)
+         if (method%dual .or. grid%axisymmetric .or. allocated(simulation%stores(1)%domain)) return
+         ! nine components, each at most twice the greatest velocity over the edge of a cell
+         view%slow = slow_nodes(3*grid%tile_nodes, simulation%nodes%strain(:, :, tile), &
+            0.9_wp/6.0_wp*grid%spacing*view%matters)
+      end associate
+   end subroutine look_steep
 
    !> The node fields that move the particles of a tile, and those of the kinetic energy that the
    !! way to the nodes and back loses.
@@ -185,6 +302,22 @@ contains
             view%moments, store%matter%energy)
       end associate
    end subroutine add_heat
+
+   !> Volumes of the loose particles of a tile from the fill of the nodes.
+   subroutine repack_particles(simulation, scratch, index, tile, view)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(in) :: view               !! Node fields
+
+      associate (store => simulation%stores(index))
+         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), &
+            scratch%places, view%excess, scratch%places%values)
+         call repack(store, tile, simulation%materials(index), scratch%places%values, &
+            scratch%ledger)
+      end associate
+   end subroutine repack_particles
 
    !> New velocities and positions of the particles of a tile.
    subroutine move_particles(simulation, scratch, store, tile, view, dt)
@@ -266,14 +399,14 @@ contains
    end subroutine find_gradient
 
    !> Strain the particles of a tile and let their material answer.
-   subroutine strain_particles(simulation, scratch, index, tile, view, dt)
+   subroutine strain_particles(simulation, scratch, index, tile, view, dt, fastest)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: fastest
+      real(wp), intent(out) :: fastest               !! Fastest signal and motion [m/s]
       integer :: p, first, n
 
       associate (store => simulation%stores(index), deformation => scratch%deformation, &
@@ -282,9 +415,12 @@ contains
          n = store%count(tile)
          call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
             view%gradient, dt)
-         call find_steepest(deformation%gradient, store%identity(first:first + n - 1), dt, &
-            scratch%steepest, scratch%steepest_identity)
+         if (.not. view%slow) call find_steepest(deformation%gradient, &
+            store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
+            scratch%steepest_identity)
          call stretch_tile(store, tile, deformation%gradient)
+         if (allocated(method%splitting)) call find_opening(method%splitting, &
+            simulation%grid%spacing, store, tile, deformation%gradient, dt)
          if (method%transfer%affine() .and. strained(method)) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          if (method%stress == stress_before .and. method%leapfrog) then
@@ -300,7 +436,6 @@ contains
             deformation%wave_speed(p) + sqrt(store%velocity(first + p - 1, 1)**2 &
                + store%velocity(first + p - 1, 2)**2 + store%velocity(first + p - 1, 3)**2))
          end do
-         scratch%fastest = max(scratch%fastest, fastest)
          call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
       end associate
    end subroutine strain_particles

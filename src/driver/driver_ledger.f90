@@ -3,7 +3,7 @@
 !! from outside. All sums are exact, so they are the same for any ranks and threads.
 module driver_ledger
    use base_communicator, only: communicator_t
-   use base_error, only: error_t
+   use base_error, only: error_t, exit_file, fail
    use base_exact_sum, only: exact_sum_t, exact_sum_words
    use base_kinds, only: int64, wp
    use io_state, only: state_t
@@ -32,25 +32,35 @@ module driver_ledger
    integer, parameter, public :: torque = 25 !! First of three components from walls and gravity
    !> Viscous and plastic work in materials that carry no internal energy, since the start
    integer, parameter, public :: dissipated = 28
-   integer, parameter, public :: entries = 28        !! Number of entries
+   integer, parameter, public :: removed_mass = 29   !! Mass of particles that were taken out
+   integer, parameter, public :: removed_momentum = 30 !! First of three components of its momentum
+   integer, parameter, public :: removed_energy = 33 !! Its energy
+   integer, parameter, public :: removed_angular = 34 !! First of three components of the same
+   integer, parameter, public :: removed_particles = 37 !! Number of these particles
+   integer, parameter, public :: retired_mass = 38   !! Mass of those that had left their bounds
+   integer, parameter, public :: entries = 38        !! Number of entries
 
-   character(len=23), parameter :: entry_names(entries) = [character(len=23) :: "mass", &
+   character(len=26), parameter :: entry_names(entries) = [character(len=26) :: "mass", &
       "momentum_x", "momentum_y", "momentum_z", "angular_momentum_x", "angular_momentum_y", &
       "angular_momentum_z", "kinetic", "internal", "viscous", "plastic", "lost_mass", &
       "lost_momentum_x", "lost_momentum_y", "lost_momentum_z", "lost_energy", "impulse_x", &
       "impulse_y", "impulse_z", "external_work", "failed_mass", "lost_angular_momentum_x", &
       "lost_angular_momentum_y", "lost_angular_momentum_z", "torque_impulse_x", &
-      "torque_impulse_y", "torque_impulse_z", "dissipated"]
+      "torque_impulse_y", "torque_impulse_z", "dissipated", "removed_mass", "removed_momentum_x", &
+      "removed_momentum_y", "removed_momentum_z", "removed_energy", "removed_angular_momentum_x", &
+      "removed_angular_momentum_y", "removed_angular_momentum_z", "removed_particles", &
+      "retired_mass"]
    character(len=7), parameter :: entry_units(entries) = [character(len=7) :: "kg", &
       "kg m/s", "kg m/s", "kg m/s", "kg m2/s", "kg m2/s", "kg m2/s", "J", "J", "J", "J", "kg", &
       "kg m/s", "kg m/s", "kg m/s", "J", "N s", "N s", "N s", "J", "kg", "kg m2/s", "kg m2/s", &
-      "kg m2/s", "N m s", "N m s", "N m s", "J"]
+      "kg m2/s", "N m s", "N m s", "N m s", "J", "kg", "kg m/s", "kg m/s", "kg m/s", "J", &
+      "kg m2/s", "kg m2/s", "kg m2/s", "1", "kg"]
 
    !> The entries at one time and the errors of the books.
    type :: balance_t
       real(wp) :: entry(entries) = 0.0_wp            !! Values in SI
       real(wp) :: speed_scale = 0.0_wp               !! Sum of mass times speed, for errors [kg m/s]
-      real(wp) :: total = 0.0_wp !! Kinetic, internal, dissipated, lost energy [J]
+      real(wp) :: total = 0.0_wp !! Kinetic, internal, dissipated, lost, removed energy [J]
       real(wp) :: mass_error = 0.0_wp                !! Relative to the mass at the start
       real(wp) :: momentum_error = 0.0_wp            !! Relative to the greatest sum of m |v| so far
       real(wp) :: angular_error = 0.0_wp !! Relative to the greatest sum of m |x||v| so far
@@ -65,16 +75,19 @@ module driver_ledger
       real(wp) :: angular_scale = 0.0_wp !! Greatest sum of mass, arm and speed [kg m2/s]
    contains
       procedure :: book_lost => ledger_book_lost     !! Book the particles that left the box
+      procedure :: book_gone => ledger_book_gone     !! Book one particle that goes
       procedure :: merge => ledger_merge             !! Add the sums of another ledger
       procedure :: balance => ledger_balance         !! Entries and errors of now
       procedure :: save => ledger_save               !! Into a checkpoint
       procedure :: load => ledger_load               !! From a checkpoint
    end type ledger_t
 
-   integer, parameter :: accumulated(18) = [viscous, plastic, lost_mass, lost_momentum, &
+   integer, parameter :: accumulated(28) = [viscous, plastic, lost_mass, lost_momentum, &
       lost_momentum + 1, lost_momentum + 2, lost_energy, impulse, impulse + 1, impulse + 2, &
       external_work, lost_angular, lost_angular + 1, lost_angular + 2, torque, torque + 1, &
-      torque + 2, dissipated]
+      torque + 2, dissipated, removed_mass, removed_momentum, removed_momentum + 1, &
+      removed_momentum + 2, removed_energy, removed_angular, removed_angular + 1, &
+      removed_angular + 2, removed_particles, retired_mass]
 
 contains
 
@@ -83,8 +96,7 @@ contains
       class(ledger_t), intent(inout) :: self         !! The books
       type(store_t), intent(in) :: stores(:)         !! The particles
       type(material_t), intent(in) :: materials(:)   !! Their materials
-      real(wp) :: energy(1), turn(3)
-      integer :: index, tile, p, k
+      integer :: index, tile, p
 
       do index = 1, size(stores)
          associate (store => stores(index))
@@ -92,25 +104,37 @@ contains
                if (store%leaving(tile) == 0) cycle
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   if (store%home(p) /= moved_out) cycle
-                  call materials(index)%stored_energy(store%matter, p, p, energy)
-                  call self%sums(lost_mass)%add(store%matter%mass(p))
-                  do k = 1, 3
-                     call self%sums(lost_momentum + k - 1)%add(store%matter%mass(p) &
-                        *store%velocity(p, k))
-                     energy = energy + 0.5_wp*store%matter%mass(p)*store%velocity(p, k)**2
-                  end do
-                  call self%sums(lost_energy)%add(energy(1))
-                  turn = store%matter%mass(p)*cross([store%position(p, 1), store%position(p, 2), &
-                     store%position(p, 3)], [store%velocity(p, 1), store%velocity(p, 2), &
-                     store%velocity(p, 3)])
-                  do k = 1, 3
-                     call self%sums(lost_angular + k - 1)%add(turn(k))
-                  end do
+                  call self%book_gone(store, materials(index), p, [lost_mass, lost_momentum, &
+                     lost_energy, lost_angular])
                end do
             end do
          end associate
       end do
    end subroutine ledger_book_lost
+
+   !> Book a particle that goes.
+   subroutine ledger_book_gone(self, store, material, p, rows)
+      class(ledger_t), intent(inout) :: self         !! The books
+      type(store_t), intent(in) :: store             !! The particles
+      type(material_t), intent(in) :: material       !! Their material
+      integer, intent(in) :: p                       !! Which one
+      integer, intent(in) :: rows(4) !! Entries for mass, momentum, energy, angular momentum
+      real(wp) :: energy(1), turn(3)
+      integer :: k
+
+      call material%stored_energy(store%matter, p, p, energy)
+      call self%sums(rows(1))%add(store%matter%mass(p))
+      do k = 1, 3
+         call self%sums(rows(2) + k - 1)%add(store%matter%mass(p)*store%velocity(p, k))
+         energy = energy + 0.5_wp*store%matter%mass(p)*store%velocity(p, k)**2
+      end do
+      call self%sums(rows(3))%add(energy(1))
+      turn = store%matter%mass(p)*cross([store%position(p, 1), store%position(p, 2), &
+         store%position(p, 3)], [store%velocity(p, 1), store%velocity(p, 2), store%velocity(p, 3)])
+      do k = 1, 3
+         call self%sums(rows(4) + k - 1)%add(turn(k))
+      end do
+   end subroutine ledger_book_gone
 
    !> Add the sums of another ledger, such as that of a thread.
    subroutine ledger_merge(self, other)
@@ -162,16 +186,19 @@ contains
       call total%merge(sums(kinetic))
       call total%merge(sums(internal))
       call total%merge(sums(lost_energy))
+      call total%merge(sums(removed_energy))
       call total%merge(sums(dissipated))
       now%total = total%value()
       self%momentum_scale = max(self%momentum_scale, scales(1)%value())
       self%angular_scale = max(self%angular_scale, scales(2)%value())
-      now%mass_error = ratio(now%entry(mass) + now%entry(lost_mass) - self%start%entry(mass), &
-         self%start%entry(mass))
+      now%mass_error = ratio(now%entry(mass) + now%entry(lost_mass) + now%entry(removed_mass) &
+         - self%start%entry(mass), self%start%entry(mass))
       drift = now%entry(momentum:momentum + 2) + now%entry(lost_momentum:lost_momentum + 2) &
-         - now%entry(impulse:impulse + 2) - self%start%entry(momentum:momentum + 2)
+         + now%entry(removed_momentum:removed_momentum + 2) - now%entry(impulse:impulse + 2) &
+         - self%start%entry(momentum:momentum + 2)
       now%momentum_error = ratio(norm2(drift), self%momentum_scale)
       drift = now%entry(angular:angular + 2) + now%entry(lost_angular:lost_angular + 2) &
+         + now%entry(removed_angular:removed_angular + 2) &
          - now%entry(torque:torque + 2) - self%start%entry(angular:angular + 2)
       ! in a periodic box angular momentum has no meaning
       if (any(grid%periodic)) drift = 0.0_wp
@@ -186,8 +213,8 @@ contains
       type(grid_t), intent(in) :: grid               !! The grid
       real(wp), intent(inout) :: entry(:)            !! Entries of the books
       logical :: keep(3), turns(3)
-      integer, parameter :: vectors(3) = [momentum, lost_momentum, impulse]
-      integer, parameter :: moments(3) = [angular, lost_angular, torque]
+      integer, parameter :: vectors(4) = [momentum, lost_momentum, impulse, removed_momentum]
+      integer, parameter :: moments(4) = [angular, lost_angular, torque, removed_angular]
       integer :: n
 
       keep = grid%active
@@ -195,7 +222,7 @@ contains
       turns = .true.
       if (grid%dimensions == 2) turns = [.false., .true., .false.]
       if (grid%axisymmetric .or. grid%dimensions == 1) turns = .false.
-      do n = 1, 3
+      do n = 1, 4
          where (.not. keep) entry(vectors(n):vectors(n) + 2) = 0.0_wp
          where (.not. turns) entry(moments(n):moments(n) + 2) = 0.0_wp
       end do
@@ -288,6 +315,10 @@ contains
       if (allocated(error)) return
       call state%get("ledger_scales", scales, error)
       if (allocated(error)) return
+      if (size(start) /= entries + 1) then
+         call fail(error, exit_file, "the checkpoint has the books of another version of scree")
+         return
+      end if
       self%start%entry = start(:entries)
       self%start%total = start(entries + 1)
       self%momentum_scale = scales(1)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What the program can list: materials, fields, shapes.
+!> What the program can list of itself: materials, fields, shapes.
 module driver_lists
    use base_schema, only: schema_t
    use exact_catalogue, only: exact_names

@@ -10,6 +10,7 @@ module driver_method
    use ddmp_quadrature, only: quadrature_t
    use particle_store, only: traits_t
    use transfer_basis, only: basis_t
+   use particle_split, only: splitting_t
    use transfer_catalogue, only: basis_names, choose_basis, choose_velocity, velocity_names
    use transfer_velocity, only: velocity_t
    implicit none
@@ -31,6 +32,8 @@ module driver_method
       integer :: stress = stress_after               !! When the stress is updated
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
+      real(wp) :: heat_flux = 0.0_wp                 !! Coefficient of artificial heat flux [1]
+      type(splitting_t), allocatable :: splitting    !! When long particles are halved, if they are
       class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
       real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
@@ -87,6 +90,15 @@ contains
       call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
          "material in a cell share their mean dilatation and pressure", default="none", &
          words="none bbar")
+      call schema%real("method", "heat_flux", "coefficient of an artificial heat flux in "// &
+         "shocks, against walls that are too hot; about 2", default="0", range=">= 0 <= 100", &
+         owner="effects.artificial_viscosity")
+      call schema%logical("method", "split", "particles that have become long are halved, so "// &
+         "that stretched matter stays in one piece", default=".false.")
+      call schema%real("method", "split_at", "edge of a particle in cells at which it is halved", &
+         default="0.55", range="> 0 <= 2", owner="split")
+      call schema%integer("method", "split_max", "times that a particle and its parts are "// &
+         "halved", default="10", range="> 0 <= 20", owner="split")
    end subroutine declare_method
 
    !> Make the method from the deck.
@@ -119,9 +131,31 @@ contains
          "' gain energy without bound; write basis = 'quadratic'", "transfer")
       call group%get("antilock", word)
       self%even = word == "bbar"
+      call group%get("heat_flux", self%heat_flux)
+      call read_splitting(self, deck, group)
       group = deck%group("time", 1)
       call group%get("cfl", self%cfl)
    end subroutine method_read
+
+   !> When long particles are halved.
+   subroutine read_splitting(method, deck, group)
+      class(method_t), intent(inout) :: method       !! The method
+      type(deck_t), intent(inout) :: deck            !! Collects complaints
+      type(group_t), intent(in) :: group             !! &method
+      character(len=:), allocatable :: dimension
+      logical :: split
+      type(group_t) :: run
+
+      call group%get("split", split)
+      if (.not. split) return
+      allocate (method%splitting)
+      call group%get("split_at", method%splitting%longest)
+      call group%get("split_max", method%splitting%generations)
+      run = deck%group("run", 1)
+      call run%get("dimension", dimension)
+      if (dimension == "axisymmetric") call deck%complain(group, "split = .true. does not know "// &
+         "rings; with dimension = 'axisymmetric' write .false.", "split")
+   end subroutine read_splitting
 
    !> Settle the defaults that depend on other keys; all are by measurement: see
    !! doc/theory/choice_of_defaults.md.
@@ -275,6 +309,7 @@ contains
       type(traits_t), intent(inout) :: traits        !! Fields of the stores
 
       call self%basis%request(traits)
+      traits%domain = traits%domain .or. allocated(self%splitting)
       if (self%transfer%turning()) then
          traits%spin = .true.
       else

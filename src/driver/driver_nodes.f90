@@ -15,10 +15,12 @@ module driver_nodes
    implicit none
    private
 
-   public :: node_gradient, book_push, divide, dual_fields, ensure_weights, move_nodes, remap_nodes
+   public :: node_gradient, book_push, divide, dual_fields, ensure_weights, finish_nodes, &
+      move_nodes, remap_nodes, renew_sums, start_nodes, strain_nodes
 
-   !> Nodes with less mass than this are empty; far below any mass, far above underflow.
-   real(wp), parameter, public :: empty_mass = 1.0e-200_wp
+   !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
+   !! divides stays finite.
+   real(wp), parameter, public :: empty_mass = 1.0e-290_wp
 
 contains
 
@@ -37,6 +39,7 @@ contains
          call ensure_patch(nodes%volume, 1, number, all)
          call ensure_patch(nodes%force, 3, number, all)
          call ensure_patch(nodes%gradient, 9, number, all)
+         if (simulation%repacks) call ensure_patch(nodes%filled, 1, number, all)
       end associate
       !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
@@ -79,6 +82,20 @@ contains
       nodes%acceleration(:, :, tile) = sums(5:7, :)
    end subroutine keep_sums
 
+   !> Sums over the particles around the nodes as before the nodes were moved.
+   subroutine renew_sums(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp) :: sums(size(simulation%nodes%motion, 1), simulation%grid%tile_nodes)
+      integer :: tile
+
+      !$omp parallel do default(none) shared(simulation) private(tile, sums) schedule(static)
+      do tile = 1, simulation%tiles%all
+         call assemble(simulation%grid, simulation%tiles, simulation%nodes%motion, tile, sums)
+         call keep_sums(simulation%nodes, tile, sums)
+      end do
+      !$omp end parallel do
+   end subroutine renew_sums
+
    !> Make room for the weights of the cells of all tiles.
    pure subroutine ensure_weights(weight, cells, tiles)
       real(wp), allocatable, intent(inout) :: weight(:, :) !! (cell, tile)
@@ -106,6 +123,7 @@ contains
          call assemble(grid, simulation%tiles, nodes%motion, tile, sums)
          call keep_sums(nodes, tile, sums)
          nodes%gradient(:, :, tile) = sums(first:last, :)
+         if (simulation%repacks) nodes%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
          call dual%cell_weights(grid, sums, filled, around, nodes%weight(:, tile))
          call clear_patch(nodes%share(:, :, tile))
@@ -173,6 +191,65 @@ contains
       real(wp) :: began
 
       call simulation%timer%start(simulation%phase%grid)
+      call ensure_moved(simulation)
+      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
+      do tile = 1, simulation%tiles%all
+         began = cost_clock(simulation)
+         call start_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
+         call finish_tile(simulation, tile, dt)
+         call book_cost(simulation, tile, began)
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%grid)
+   end subroutine move_nodes
+
+   !> The first part of the same, for a velocity field that other bodies may change.
+   subroutine start_nodes(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run, the velocity field at hand
+      real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
+      integer :: tile
+      real(wp) :: began
+
+      call simulation%timer%start(simulation%phase%grid)
+      call ensure_moved(simulation)
+      call ensure_patch(simulation%nodes%push, 3, simulation%grid%tile_nodes, simulation%tiles%own)
+      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
+      do tile = 1, simulation%tiles%all
+         began = cost_clock(simulation)
+         if (tile <= simulation%tiles%own) call clear_patch(simulation%nodes%push(:, :, tile))
+         call start_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
+         call book_cost(simulation, tile, began)
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%grid)
+   end subroutine start_nodes
+
+   !> The second part, after contact: books and gradients.
+   subroutine finish_nodes(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run, the velocity field at hand
+      real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
+      integer :: tile
+      real(wp) :: began
+
+      call simulation%timer%start(simulation%phase%grid)
+      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
+      do tile = 1, simulation%tiles%all
+         began = cost_clock(simulation)
+         if (dt > 0.0_wp .and. tile <= simulation%tiles%own) call book_push(simulation, &
+            simulation%scratch(omp_get_thread_num())%ledger, tile, &
+            simulation%nodes%push(:, :, tile), simulation%nodes%velocity(:, :, tile) &
+            + 0.5_wp*dt*simulation%nodes%acceleration(:, :, tile))
+         call finish_tile(simulation, tile, dt)
+         call book_cost(simulation, tile, began)
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%grid)
+   end subroutine finish_nodes
+
+   !> Make room for what moves and strains the particles.
+   subroutine ensure_moved(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
          all => simulation%tiles%all)
          if (.not. simulation%method%dual) call ensure_sums(simulation)
@@ -180,18 +257,10 @@ contains
          if (simulation%method%dual .and. simulation%carries_energy) &
             call ensure_patch(nodes%middle, 9, number, all)
       end associate
-      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
-      do tile = 1, simulation%tiles%all
-         began = cost_clock(simulation)
-         call move_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
-         call book_cost(simulation, tile, began)
-      end do
-      !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%grid)
-   end subroutine move_nodes
+   end subroutine ensure_moved
 
-   !> One tile.
-   subroutine move_tile(simulation, scratch, tile, dt)
+   !> Velocity and acceleration of the nodes of a tile, and the velocity that strains.
+   subroutine start_tile(simulation, scratch, tile, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
       integer, intent(in) :: tile                    !! Which tile
@@ -224,25 +293,39 @@ contains
          end if
          call constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
          nodes%strain(:, :, tile) = velocity + dt*acceleration
-         if (simulation%method%dual .and. simulation%method%stress == stress_after) &
+      end associate
+   end subroutine start_tile
+
+   !> Gradients of the velocities that strain the particles of a tile.
+   subroutine finish_tile(simulation, tile, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp) :: centre(3, simulation%grid%tile_nodes)
+
+      if (.not. simulation%method%dual) return
+      associate (grid => simulation%grid, nodes => simulation%nodes, &
+         coordinate => simulation%tiles%coordinate(:, tile), &
+         velocity => simulation%nodes%velocity(:, :, tile), &
+         acceleration => simulation%nodes%acceleration(:, :, tile))
+         if (simulation%method%stress == stress_after) &
             call calm_light_nodes(grid, coordinate, nodes%volume(1, :, tile), dt, velocity, &
             acceleration, nodes%strain(:, :, tile))
-         if (.not. simulation%method%dual) return
          call clear_patch(nodes%gradient(:, :, tile))
          call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), &
             nodes%strain(:, :, tile), nodes%gradient(:, :, tile))
          if (.not. simulation%carries_energy) return
          call clear_patch(nodes%middle(:, :, tile))
-         force = velocity + 0.5_wp*dt*acceleration
-         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), force, &
+         centre = velocity + 0.5_wp*dt*acceleration
+         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), centre, &
             nodes%middle(:, :, tile))
       end associate
-   end subroutine move_tile
+   end subroutine finish_tile
 
    !> Impose the faces of the box and book what they and gravity do. A tile books its own particles'
    !! share of each node, so that all shares add up to the node.
    subroutine constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
@@ -273,6 +356,11 @@ contains
          free_velocity(2, :) = free_velocity(2, :) + dt*simulation%gravity(2)
          free_velocity(3, :) = free_velocity(3, :) + dt*simulation%gravity(3)
       else if (.not. ruled) then
+         return
+      end if
+      if (allocated(simulation%nodes%push)) then
+         ! contact will change the velocities with which it works
+         simulation%nodes%push(:, :, tile) = free_velocity
          return
       end if
       call book_push(simulation, scratch%ledger, tile, free_velocity, &
@@ -340,7 +428,7 @@ contains
    end subroutine calm_light_nodes
 
    !> Node velocities from the momentum that was mapped a second time, as the velocity that strains
-   !! the particles.
+   !! the particles, where no other body may change it.
    subroutine remap_nodes(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp) :: none(3, simulation%grid%tile_nodes)
@@ -359,16 +447,31 @@ contains
             call divide(simulation%nodes%mass(:, :, tile), 1, strain)
             none = 0.0_wp
             call simulation%boundary%constrain(simulation%grid, coordinate, strain, none)
-            if (simulation%method%dual) then
-               call clear_patch(simulation%nodes%gradient(:, :, tile))
-               call simulation%dual%add_gradient(simulation%grid, coordinate, &
-                  simulation%nodes%weight(:, tile), strain, simulation%nodes%gradient(:, :, tile))
-            end if
          end associate
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
+      call strain_nodes(simulation)
    end subroutine remap_nodes
+
+   !> Node gradient of the velocity that strains the particles, which was mapped anew.
+   subroutine strain_nodes(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: tile
+
+      if (.not. simulation%method%dual) return
+      call simulation%timer%start(simulation%phase%grid)
+      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+      do tile = 1, simulation%tiles%all
+         call clear_patch(simulation%nodes%gradient(:, :, tile))
+         call simulation%dual%add_gradient(simulation%grid, simulation%tiles%coordinate(:, tile), &
+            simulation%nodes%weight(:, tile), simulation%nodes%strain(:, :, tile), &
+            simulation%nodes%gradient(:, :, tile))
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%grid)
+   end subroutine strain_nodes
+
    !> Sum of the patches of a node gradient, divided by the volumes of the nodes.
    subroutine node_gradient(simulation, tile, patch, gradient)
       type(simulation_t), intent(in) :: simulation   !! The run

@@ -2,20 +2,21 @@
 !> The streams of files that a run writes: snapshots of particles and histories.
 module driver_output
    use base_communicator, only: communicator_t
-   use base_deck, only: deck_t, group_t
+   use base_deck, only: deck_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use base_text, only: brief, size_text, text_t
+   use base_text, only: brief, size_text
    use driver_exact_error, only: error_columns, take_errors
    use driver_ledger, only: balance_t, entries, entry_names, entry_units
-   use driver_schedule, only: read_schedule, schedule_t
+   use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
-   use io_fields, only: choose_columns, column_t
-   use io_history, only: history_t
-   use io_snapshot, only: snapshot_format_t, snapshot_header_t, snapshot_write
+   use driver_streams, only: of_bins, of_cells, of_fragments, of_particles, plan_streams, &
+      snapshots_t, tables_t
+   use io_fragments, only: fragment_columns, fragment_rows
+   use io_grid, only: grid_write
+   use io_profile, only: profile_columns, profile_rows
+   use io_snapshot, only: snapshot_header_t, snapshot_write
    use io_state, only: state_t
-   use io_xdmf, only: series_t
-   use particle_store, only: store_t
    implicit none
    private
 
@@ -24,36 +25,17 @@ module driver_output
    real(wp), parameter, public :: snapshot_bytes = 60.0_wp !! Default fields, compressed
    real(wp), parameter :: most_bytes = 1.0e12_wp     !! A stream with more needs --force
    real(wp), parameter :: most_files = 1.0e6_wp      !! The same for its files
-   real(wp), parameter :: most_rows = 1.0e9_wp       !! The same for rows of a history
+   real(wp), parameter :: most_rows = 1.0e9_wp       !! The same for rows of a table
+   real(wp), parameter :: most_cells = 1.0e9_wp      !! The same for cells of a file
+   real(wp), parameter :: cell_bytes = 0.5_wp        !! A number of a cell, most of them empty
    integer, parameter :: column_width = 40           !! Longest name of a column
-
-   !> One stream of snapshots.
-   type :: snapshots_t
-      integer :: place = 0                           !! Number of its &output, 0 = none
-      character(len=:), allocatable :: prefix        !! CASE_p, or CASE_NAME_p for further streams
-      character(len=64), allocatable :: fields(:)    !! Names, or "default"
-      type(snapshot_format_t) :: format              !! Precision, compression
-      type(schedule_t) :: schedule                   !! When
-      type(series_t) :: series                       !! Index files
-      integer :: next = 0                            !! Number of the next snapshot
-      integer(int64) :: last_step = -1               !! Step of the last snapshot
-   end type snapshots_t
-
-   !> One history.
-   type :: histories_t
-      integer :: place = 0                           !! Number of its &output, 0 = none
-      character(len=:), allocatable :: path          !! CASE_history.csv
-      type(schedule_t) :: schedule                   !! When
-      type(history_t) :: file                        !! The file
-      integer(int64) :: last_step = -1               !! Step of the last row
-   end type histories_t
 
    !> All streams of a run.
    type :: outputs_t
       character(len=:), allocatable :: folder        !! Where results go
       character(len=:), allocatable :: case          !! Prefix of all files
-      type(snapshots_t), allocatable :: snapshots(:) !! Streams of particles
-      type(histories_t), allocatable :: histories(:) !! Histories
+      type(snapshots_t), allocatable :: snapshots(:) !! Streams of particles and grids
+      type(tables_t), allocatable :: tables(:)       !! Histories, profiles, fragments
       type(snapshot_header_t) :: header              !! What every snapshot says of the run
    contains
       procedure :: plan => outputs_plan              !! Read the streams from the deck
@@ -69,113 +51,68 @@ module driver_output
 contains
 
    !> Read the streams. Without any, a run still keeps a history and its first and last state.
-   subroutine outputs_plan(self, deck, stores, time_end)
+   subroutine outputs_plan(self, deck, simulation, shapes, time_end)
       class(outputs_t), intent(inout) :: self        !! The streams; folder and case are set
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      type(store_t), intent(inout) :: stores(:)      !! With their fields, for the names
+      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
       real(wp), intent(in) :: time_end               !! End of the run [s]
-      type(group_t) :: group
-      character(len=:), allocatable :: kind, name
-      integer :: index, snapshots, histories
 
-      snapshots = 0
-      histories = 0
-      do index = 1, deck%count("output")
-         group = deck%group("output", index)
-         call group%get("kind", kind)
-         if (kind == "particles") snapshots = snapshots + 1
-         if (kind == "history") histories = histories + 1
-      end do
-      allocate (self%snapshots(snapshots), self%histories(histories))
-      snapshots = 0
-      histories = 0
-      do index = 1, deck%count("output")
-         group = deck%group("output", index)
-         call group%get("kind", kind)
-         call group%get("name", name)
-         if (kind == "particles") then
-            snapshots = snapshots + 1
-            self%snapshots(snapshots)%place = index
-            call plan_snapshots(group, deck, stores, self%snapshots(snapshots))
-            self%snapshots(snapshots)%prefix = self%case//"_p"
-            if (snapshots > 1) self%snapshots(snapshots)%prefix = self%case//"_"//name//"_p"
-            call read_schedule(group, time_end, self%snapshots(snapshots)%schedule)
-         else if (kind == "history") then
-            histories = histories + 1
-            self%histories(histories)%place = index
-            self%histories(histories)%path = self%folder//"/"//self%case//"_history.csv"
-            if (histories > 1) self%histories(histories)%path = &
-               self%folder//"/"//self%case//"_"//name//"_history.csv"
-            call read_schedule(group, time_end, self%histories(histories)%schedule)
-         end if
-      end do
-      if (size(self%snapshots) + size(self%histories) > 0) return
-      deallocate (self%snapshots, self%histories)
-      allocate (self%snapshots(1), self%histories(1))
+      call plan_streams(deck, simulation, shapes, time_end, self%case, self%snapshots, &
+         self%tables)
+      if (size(self%snapshots) + size(self%tables) > 0) return
+      deallocate (self%snapshots, self%tables)
+      allocate (self%snapshots(1), self%tables(1))
       self%snapshots(1)%prefix = self%case//"_p"
       self%snapshots(1)%fields = [character(len=64) :: "default"]
       self%snapshots(1)%schedule%interval = time_end
-      self%histories(1)%path = self%folder//"/"//self%case//"_history.csv"
-      self%histories(1)%schedule%interval = time_end/100.0_wp
+      self%tables(1)%name = self%case//"_history.csv"
+      self%tables(1)%schedule%interval = time_end/100.0_wp
    end subroutine outputs_plan
 
-   !> Fields and format of one stream of snapshots.
-   subroutine plan_snapshots(group, deck, stores, stream)
-      type(group_t), intent(in) :: group             !! The &output
-      type(deck_t), intent(inout) :: deck            !! The deck, for bodies and complaints
-      type(store_t), intent(inout) :: stores(:)      !! With their fields, for the names
-      type(snapshots_t), intent(inout) :: stream     !! The stream
-      character(len=:), allocatable :: word
-      type(text_t), allocatable :: names(:)
-      type(column_t), allocatable :: columns(:)
-      type(error_t), allocatable :: error
-      integer :: n, place
-
-      call group%list("fields", names)
-      allocate (stream%fields(max(size(names), 1)))
-      stream%fields = "default"
-      do n = 1, size(names)
-         stream%fields(n) = names(n)%text
-      end do
-      call choose_columns(stores, stream%fields, columns, error)
-      if (allocated(error)) call deck%complain(group, error%message, "fields")
-      call group%get("precision", word)
-      stream%format%single = word == "single"
-      call group%get("compress", stream%format%compress)
-      call group%get("stride", stream%format%stride)
-      call group%list("bodies", names)
-      if (size(names) == 0) return
-      allocate (stream%format%bodies(0))
-      do n = 1, size(names)
-         place = deck%named("body", names(n)%text)
-         if (place > 0) stream%format%bodies = [stream%format%bodies, int(place, int64)]
-      end do
-   end subroutine plan_snapshots
-
    !> Open the streams; after a restart what was written later than the checkpoint is cut away.
-   subroutine outputs_open(self, simulation, restarted, error)
+   subroutine outputs_open(self, simulation, restarted, note, error)
       class(outputs_t), intent(inout) :: self        !! The streams
       type(simulation_t), intent(inout) :: simulation !! The run
       logical, intent(in) :: restarted               !! Does the run go on from a checkpoint?
+      character(len=:), allocatable, intent(out) :: note !! Snapshots left out, or empty
       type(error_t), allocatable, intent(out) :: error !! A file cannot be written
-      character(len=column_width) :: columns(entries + 8 &
-         + merge(size(error_columns), 0, allocated(simulation%exact)))
+      character(len=:), allocatable :: left_out
       integer :: n
 
-      columns(:entries + 8) = column_names()
-      if (allocated(simulation%exact)) columns(entries + 9:) = error_columns
+      note = ""
       do n = 1, size(self%snapshots)
+         self%snapshots(n)%series%of_grids = self%snapshots(n)%kind == of_cells
          call self%snapshots(n)%series%open(simulation%communicator, self%folder, &
-            self%snapshots(n)%prefix, self%snapshots(n)%next, error)
+            self%snapshots(n)%prefix, self%snapshots(n)%next, left_out, error)
          if (allocated(error)) return
+         note = note//left_out
       end do
-      do n = 1, size(self%histories)
-         call self%histories(n)%file%open(simulation%communicator, self%histories(n)%path, &
-            columns, &
+      do n = 1, size(self%tables)
+         call self%tables(n)%file%open(simulation%communicator, &
+            self%folder//"/"//self%tables(n)%name, headings(self%tables(n), simulation), &
             merge(simulation%step, -1_int64, restarted), error)
          if (allocated(error)) return
       end do
    end subroutine outputs_open
+
+   !> Headings of the columns of a table.
+   function headings(table, simulation) result(columns)
+      type(tables_t), intent(in) :: table            !! Which one
+      type(simulation_t), intent(in) :: simulation   !! The run
+      character(len=column_width), allocatable :: columns(:)
+
+      select case (table%kind)
+      case (of_bins)
+         columns = profile_columns(table%profile)
+      case (of_fragments)
+         columns = fragment_columns()
+      case default
+         columns = column_names()
+         if (allocated(simulation%exact)) columns = &
+            [character(len=column_width) :: columns, error_columns]
+      end select
+   end function headings
 
    !> Columns of a history, names with units.
    pure function column_names() result(columns)
@@ -198,20 +135,16 @@ contains
       logical, intent(in) :: last                    !! Is this the final state?
       character(len=:), allocatable, intent(out) :: note !! What the log should say
       type(error_t), allocatable, intent(out) :: error !! A file cannot be written
-      type(balance_t) :: now
       logical :: due
       integer :: n
 
       note = ""
-      do n = 1, size(self%histories)
-         associate (stream => self%histories(n))
+      do n = 1, size(self%tables)
+         associate (stream => self%tables(n))
             due = stream%schedule%due(simulation%step, simulation%time)
             if (.not. (due .or. last) .or. stream%last_step == simulation%step) cycle
             call simulation%timer%start(simulation%phase%ledger)
-            call simulation%ledger%balance(simulation%communicator, simulation%grid, &
-               simulation%stores, simulation%materials, now)
-            if (allocated(simulation%exact)) call take_errors(simulation)
-            call stream%file%row(simulation%communicator, row_of(simulation, now), error)
+            call write_rows(stream, simulation, error)
             call simulation%timer%stop(simulation%phase%ledger)
             if (allocated(error)) return
             stream%last_step = simulation%step
@@ -229,6 +162,32 @@ contains
       end do
    end subroutine outputs_write_due
 
+   !> Write the rows of a table for this time.
+   subroutine write_rows(stream, simulation, error)
+      type(tables_t), intent(inout) :: stream        !! The table
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(error_t), allocatable, intent(out) :: error !! The file cannot be written
+      type(balance_t) :: now
+      real(wp), allocatable :: rows(:, :)
+
+      select case (stream%kind)
+      case (of_bins)
+         call profile_rows(simulation%communicator, simulation%stores, stream%profile, rows)
+      case (of_fragments)
+         call fragment_rows(simulation%communicator, simulation%grid, &
+            simulation%tiles%coordinate(:, :simulation%tiles%own), simulation%stores, &
+            stream%fragments, rows)
+      case default
+         call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+            simulation%stores, simulation%materials, now)
+         if (allocated(simulation%exact)) call take_errors(simulation)
+         call stream%file%row(simulation%communicator, row_of(simulation, now), error)
+         return
+      end select
+      call stream%file%rows(simulation%communicator, [simulation%time, real(simulation%step, &
+         wp)], rows, error)
+   end subroutine write_rows
+
    !> Write one snapshot and bring the index files up to date.
    subroutine write_snapshot(self, stream, simulation, note, error)
       class(outputs_t), intent(inout) :: self        !! For the header
@@ -243,8 +202,14 @@ contains
       self%header%dt = simulation%dt
       self%header%step = simulation%step
       path = stream%series%path(stream%next)
-      call snapshot_write(simulation%communicator, path, simulation%stores, stream%fields, &
-         stream%format, self%header, error)
+      if (stream%kind == of_cells) then
+         call grid_write(simulation%communicator, path, simulation%grid, &
+            simulation%tiles%coordinate(:, :simulation%tiles%own), simulation%stores, &
+            stream%means, stream%format, self%header, error)
+      else
+         call snapshot_write(simulation%communicator, path, simulation%stores, stream%fields, &
+            stream%format, self%header, error)
+      end if
       if (allocated(error)) return
       call stream%series%add(simulation%communicator, path, error)
       if (allocated(error)) return
@@ -275,7 +240,8 @@ contains
 
       number = 0
       do n = 1, size(self%snapshots)
-         number = number + int(self%snapshots(n)%schedule%expected(time_end, 0.0_wp), int64)
+         if (self%snapshots(n)%kind == of_particles) &
+            number = number + int(self%snapshots(n)%schedule%expected(time_end, 0.0_wp), int64)
       end do
    end function outputs_expected
 
@@ -293,14 +259,20 @@ contains
          associate (stream => self%snapshots(n))
             rows = stream%schedule%expected(time_end, steps)
             bytes = rows*real(particles, wp)*snapshot_bytes
+            if (stream%kind == of_cells) bytes = rows*stream%cells &
+               *real(sum(stream%means%column%components), wp)*cell_bytes
+            if (stream%kind == of_cells .and. stream%cells > most_cells) call deck%complain( &
+               "output", stream%place, "would write up to "//brief(stream%cells)// &
+               " cells at a time; give a region to stay in, or continue with --force")
             if (stream%place == 0 .or. (bytes <= most_bytes .and. rows <= most_files)) cycle
             call deck%complain("output", stream%place, "would write "//size_text(bytes)//" in "// &
                brief(rows)//" files; write less often, or continue with --force")
          end associate
       end do
-      do n = 1, size(self%histories)
-         associate (stream => self%histories(n))
+      do n = 1, size(self%tables)
+         associate (stream => self%tables(n))
             rows = stream%schedule%expected(time_end, steps)
+            if (stream%kind == of_bins) rows = rows*real(stream%profile%bins, wp)
             if (stream%place == 0 .or. rows <= most_rows) cycle
             call deck%complain("output", stream%place, "would write "//brief(rows)// &
                " rows; write less often, or continue with --force")
@@ -315,9 +287,9 @@ contains
       type(error_t), allocatable, intent(out) :: error !! An index cannot be written
       integer :: n
 
-      if (.not. allocated(self%histories)) return
-      do n = 1, size(self%histories)
-         call self%histories(n)%file%close()
+      if (.not. allocated(self%tables)) return
+      do n = 1, size(self%tables)
+         call self%tables(n)%file%close()
       end do
       do n = 1, size(self%snapshots)
          call self%snapshots(n)%series%close(communicator, error)
@@ -329,7 +301,7 @@ contains
    subroutine outputs_save(self, state)
       class(outputs_t), intent(in) :: self           !! The streams
       type(state_t), intent(inout) :: state          !! Of the checkpoint
-      integer(int64) :: counters(3*size(self%snapshots) + 2*size(self%histories))
+      integer(int64) :: counters(3*size(self%snapshots) + 2*size(self%tables))
       integer :: n, at
 
       at = 0
@@ -338,8 +310,8 @@ contains
             int(self%snapshots(n)%next, int64), self%snapshots(n)%last_step]
          at = at + 3
       end do
-      do n = 1, size(self%histories)
-         counters(at + 1:at + 2) = [self%histories(n)%schedule%done, self%histories(n)%last_step]
+      do n = 1, size(self%tables)
+         counters(at + 1:at + 2) = [self%tables(n)%schedule%done, self%tables(n)%last_step]
          at = at + 2
       end do
       call state%set("output_counters", counters)
@@ -355,7 +327,7 @@ contains
 
       call state%get("output_counters", counters, error)
       if (allocated(error)) return
-      if (size(counters) /= 3*size(self%snapshots) + 2*size(self%histories)) return
+      if (size(counters) /= 3*size(self%snapshots) + 2*size(self%tables)) return
       at = 0
       do n = 1, size(self%snapshots)
          self%snapshots(n)%schedule%done = counters(at + 1)
@@ -363,9 +335,9 @@ contains
          self%snapshots(n)%last_step = counters(at + 3)
          at = at + 3
       end do
-      do n = 1, size(self%histories)
-         self%histories(n)%schedule%done = counters(at + 1)
-         self%histories(n)%last_step = counters(at + 2)
+      do n = 1, size(self%tables)
+         self%tables(n)%schedule%done = counters(at + 1)
+         self%tables(n)%last_step = counters(at + 2)
          at = at + 2
       end do
    end subroutine outputs_load

@@ -16,6 +16,7 @@ module driver_plan
    use driver_point, only: declare_point, relieve
    use driver_run, only: limits_t, read_limits
    use driver_scene, only: build_scene, describe_run
+   use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
    use driver_start, only: survey_t, take_survey
    use base_kinds, only: wp
@@ -38,6 +39,7 @@ module driver_plan
       character(len=:), allocatable :: deck_text     !! As written, for files
       type(simulation_t) :: simulation               !! The run
       type(body_t), allocatable :: bodies(:)         !! What fills it
+      type(named_shape_t), allocatable :: shapes(:)  !! Its regions
       real(wp) :: most_points = default_most_points  !! Bodies with more need --force
       type(survey_t) :: survey                       !! Counts of it
       type(limits_t) :: limits                       !! When it ends
@@ -83,19 +85,20 @@ contains
       class(plan_t), intent(inout) :: plan           !! The deck is read
       type(error_t), allocatable, intent(out) :: error !! The deck is wrong
 
-      call build_scene(plan%deck, plan%simulation, plan%bodies)
+      call build_scene(plan%deck, plan%simulation, plan%bodies, plan%shapes)
+      ! Errors elsewhere do not hide those of places; the deck is refused after them.
+      if (allocated(plan%bodies) .and. plan%deck%sound("body")) call check_size(plan%deck, &
+         plan%simulation%grid, plan%bodies, plan%most_points, plan%command%force)
+      if (allocated(plan%bodies) .and. plan%deck%sound("body")) then
+         call take_survey(plan%simulation, plan%bodies, plan%survey)
+         call check_places(plan%deck, plan%simulation, plan%bodies, plan%survey)
+      end if
       call plan%deck%verdict(error)
       if (allocated(error)) return
-      call check_size(plan%deck, plan%simulation%grid, plan%bodies, plan%most_points, &
-         plan%command%force)
-      call plan%deck%verdict(error)
-      if (allocated(error)) return
-      call take_survey(plan%simulation, plan%bodies, plan%survey)
-      call check_places(plan%deck, plan%simulation, plan%bodies, plan%survey)
       call read_limits(plan%deck, plan%limits)
       call describe_run(plan%deck, plan%simulation, plan%bodies, plan%deck_text, &
          plan%command%output_folder, plan%outputs, plan%place)
-      call plan%outputs%plan(plan%deck, plan%simulation%stores, plan%limits%time_end)
+      call plan%outputs%plan(plan%deck, plan%simulation, plan%shapes, plan%limits%time_end)
       if (.not. plan%command%force) call plan%outputs%limit(plan%deck, plan%survey%particles, &
          plan%limits%time_end, expected_steps(plan%simulation, plan%bodies, plan%limits))
       call plan%deck%verdict(error)

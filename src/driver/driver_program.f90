@@ -8,6 +8,7 @@ module driver_program
    use base_kinds, only: wp
    use base_log, only: log_debug, log_error, log_info, log_t, log_warn
    use base_schema_text, only: explain, template
+   use base_text, only: append
    use base_timer, only: wall_seconds
    use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
       git_commit, version_text
@@ -15,6 +16,8 @@ module driver_program
    use driver_command_line, only: command_t, help_text, parse, program_arguments
    use driver_effects, only: effects_text
    use driver_exact_start, only: place_exact, strain_exact
+   use driver_example, only: copied_t, copy_example, examples_text, next_steps
+   use driver_job, only: job_text
    use driver_lists, only: list_text
    use driver_plan, only: declare_all, lay_out, plan_t, read_plan
    use driver_point, only: drive_point
@@ -25,7 +28,7 @@ module driver_program
    use driver_trial, only: most_particles, trial_text
    use io_deck_check, only: check_case
    use io_digest, only: file_digest
-   use io_file, only: make_folder, write_file
+   use io_file, only: join_path, make_folder, write_file
    use omp_lib, only: omp_get_max_threads
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    implicit none
@@ -51,6 +54,8 @@ contains
       if (.not. allocated(error)) then
          if (only_talks(session%command)) then
             call talk(session, error)
+         else if (allocated(session%command%example)) then
+            call begin_folder(session, error)
          else
             call compute(session, code, error)
          end if
@@ -89,7 +94,11 @@ contains
          else if (allocated(command%explain)) then
             call explain(session%schema, command%explain, text, error)
          else if (allocated(command%list)) then
-            text = list_text(command%list)
+            if (command%list == "examples") then
+               call examples_text(text, error)
+            else
+               text = list_text(command%list)
+            end if
          else
             call file_digest(session%simulation%communicator, command%digest, digest, error)
             text = digest
@@ -99,6 +108,38 @@ contains
       if (text(max(len(text), 1):) == new_line("a")) text = text(:len(text) - 1)
       write (output_unit, "(a)") text
    end subroutine talk
+
+   !> Copy an example into a folder of its own, with the script of a job.
+   subroutine begin_folder(session, error)
+      type(session_t), intent(inout) :: session      !! The command line
+      type(error_t), allocatable, intent(out) :: error !! No such example, or not writable
+      character(len=*), parameter :: job_file = "job.slurm"
+      character(len=:), allocatable :: text
+      type(copied_t) :: copied
+
+      call copy_example(session%command%example, session%command%folder, copied, error)
+      if (allocated(error)) return
+      session%command%deck = join_path(copied%folder, copied%deck)
+      session%command%job = "slurm"
+      call read_plan(session, error)
+      if (.not. allocated(error)) call lay_out(session, error)
+      if (.not. allocated(error)) call job_text(session, copied%deck, text, error)
+      if (.not. allocated(error)) &
+         call write_file(join_path(copied%folder, job_file), text, error)
+      if (allocated(error)) return
+      call append(copied%files, job_file)
+      write (output_unit, "(a)", advance="no") next_steps(copied)
+   end subroutine begin_folder
+
+   !> Print the script of a job.
+   subroutine print_job(session, error)
+      type(session_t), intent(in) :: session         !! The deck
+      type(error_t), allocatable, intent(out) :: error !! It could not be called back
+      character(len=:), allocatable :: text
+
+      call job_text(session, session%command%deck, text, error)
+      if (.not. allocated(error)) write (output_unit, "(a)", advance="no") text
+   end subroutine print_job
 
    !> Version of everything that decides the numbers.
    function version_line() result(text)
@@ -116,8 +157,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! What stopped it
 
       code = exit_success
-      if (.not. (session%command%check .or. session%command%point)) &
-         call session%simulation%communicator%start()
+      if (.not. (session%command%check .or. session%command%point .or. &
+         allocated(session%command%job))) call session%simulation%communicator%start()
       call read_plan(session, error)
       if (allocated(error)) return
       if (session%command%point) then
@@ -126,6 +167,10 @@ contains
       end if
       call lay_out(session, error)
       if (allocated(error)) return
+      if (allocated(session%command%job)) then
+         call print_job(session, error)
+         return
+      end if
       if (session%command%check) then
          write (output_unit, "(a)") session%deck%report()
          write (output_unit, "(a)", advance="no") effects_text(session%deck)
@@ -189,8 +234,9 @@ contains
          call fill_bodies(session, error)
       end if
       if (allocated(error)) return
-      call session%outputs%open(session%simulation, session%command%restart, error)
+      call session%outputs%open(session%simulation, session%command%restart, note, error)
       if (allocated(error)) return
+      if (len(note) > 0) call session%log%warn(note//"left out of the series; the run goes on")
       call run_to_end(session%simulation, session%outputs, session%place, session%limits, &
          session%log, code, reason, error)
       if (allocated(error)) then

@@ -304,6 +304,7 @@ contains
             dt = limits%time_end - simulation%time
             rule = rule_end
          end if
+         guard%counted = rule
          guard%steps(rule) = guard%steps(rule) + 1
       end associate
    end subroutine choose_step

@@ -56,7 +56,7 @@ contains
       integer :: index
 
       call clear_patch(patch)
-      do index = 1, size(simulation%stores)
+      do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%grid, store => simulation%stores(index), &
             method => simulation%method, places => scratch%places, &

@@ -5,6 +5,7 @@ module driver_scene
    use base_kinds, only: int64, wp
    use base_text, only: text_t
    use driver_bounds, only: read_bounds
+   use driver_contact_deck, only: read_contact
    use driver_exact_deck, only: read_exact
    use driver_method, only: position_of
    use driver_output, only: outputs_t
@@ -29,13 +30,14 @@ module driver_scene
 contains
 
    !> Build grid, faces, materials, method and bodies; particles come later. Faults go into the
-   !! deck's
-   !! list of problems.
-   subroutine build_scene(deck, simulation, bodies)
+   !! deck's list of problems. Where there are some, what does not depend on them is built and
+   !! checked all the same, so that one look at the deck tells as much as can be known; bodies are
+   !! then there if their places are sound.
+   subroutine build_scene(deck, simulation, bodies, shapes)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
-      type(named_shape_t), allocatable :: shapes(:)
+      type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
       type(traits_t) :: traits
       integer :: n
 
@@ -43,14 +45,23 @@ contains
       call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
       call read_materials(deck, simulation)
-      if (deck%errors() > 0) return
+      if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
+         deck%sound("effects") .and. deck%sound("boundary"))) return
+      if (deck%sound("material")) then
+         call check_volumes(deck, simulation)
+         call check_heat_flux(deck, simulation)
+      end if
       call read_boundary(deck, simulation)
       simulation%grid%margin = simulation%method%margin()
       call simulation%grid%start(block_of(deck))
       call check_periodic(deck, simulation%grid)
-      call read_gravity(deck, simulation)
+      call read_effects(deck, simulation)
+      if (.not. deck%sound("region")) return
       call read_shapes(deck, simulation%grid, shapes)
+      if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
+      if (deck%errors() > 0) return
+      call read_contact(deck, simulation, bodies)
       if (deck%errors() > 0) return
       call read_exact(deck, simulation, bodies)
       if (deck%errors() > 0) return
@@ -146,6 +157,35 @@ contains
       end associate
    end subroutine read_boundary
 
+   !> The fill of nodes, which corrects volumes, is found with the dual gradient.
+   subroutine check_volumes(deck, simulation)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
+      integer :: n
+
+      if (simulation%method%dual) return
+      do n = 1, size(simulation%materials)
+         if (simulation%materials(n)%repacks) call deck%complain("material", n, &
+            "volume_from = 'grid' needs method = 'ddmp' in &run; remove it", "volume_from")
+      end do
+   end subroutine check_volumes
+
+   !> An artificial heat flux needs matter that carries an internal energy.
+   subroutine check_heat_flux(deck, simulation)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
+      type(wishes_t) :: wishes
+      integer :: n
+
+      if (.not. simulation%method%heat_flux > 0.0_wp) return
+      do n = 1, size(simulation%materials)
+         wishes = simulation%materials(n)%wishes()
+         if (wishes%asked("energy")) return
+      end do
+      call deck%complain(deck%group("method", 1), "no material carries an internal energy; "// &
+         "remove heat_flux", "heat_flux")
+   end subroutine check_heat_flux
+
    !> Node functions that reach beyond a cell must not meet themselves round a periodic box.
    subroutine check_periodic(deck, grid)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
@@ -169,19 +209,20 @@ contains
    end subroutine check_periodic
 
    !> Gravity, if it acts.
-   subroutine read_gravity(deck, simulation)
+   subroutine read_effects(deck, simulation)
       type(deck_t), intent(in) :: deck               !! The deck
       type(simulation_t), intent(inout) :: simulation !! The run
       type(group_t) :: group
       logical :: acts
 
       group = deck%group("effects", 1)
+      call group%get("erosion", simulation%erosion)
       call group%get("gravity", acts)
       if (.not. acts) return
       allocate (simulation%gravity(3))
       call group%get("gravity_vector", simulation%gravity)
       where (.not. simulation%grid%active) simulation%gravity = 0.0_wp
-   end subroutine read_gravity
+   end subroutine read_effects
 
    !> The materials.
    subroutine read_materials(deck, simulation)
@@ -224,7 +265,8 @@ contains
             call group%get("velocity", body%velocity)
             call group%get("spin", body%spin)
             call group%get("temperature", body%temperature)
-            call read_energy(deck, group, simulation%materials(body%store), body)
+            if (deck%sound("material", body%store)) &
+               call read_energy(deck, group, simulation%materials(body%store), body)
             body%density = simulation%materials(body%store)%density
             where (.not. simulation%grid%active)
                body%per_cell = 1

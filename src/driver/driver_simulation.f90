@@ -17,12 +17,13 @@ module driver_simulation
    use mesh_halo, only: halo_t
    use mesh_tiles, only: tiles_t
    use particle_store, only: store_t
+   use transfer_contact, only: pair_law_t
    use transfer_places, only: places_t
    use transfer_pushed, only: pushed_t
    implicit none
    private
 
-   public :: conduction_t, load_t, nodes_t, phases_t, requests_t, scratch_t, simulation_t
+   public :: conduction_t, contact_t, load_t, nodes_t, phases_t, requests_t, scratch_t, simulation_t
 
    !> Node fields, all as patches of tiles: (component, node, tile). What the method does not need
    !! is
@@ -48,11 +49,44 @@ module driver_simulation
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
+      real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if asked for [m3]
       real(wp), allocatable :: force(:, :, :)        !! Patch (3): force of the node stress [N]
       !> Patch (9): node gradient of strain [m3/s]; before the nodes move, sums of the stresses [J]
       real(wp), allocatable :: gradient(:, :, :)
       real(wp), allocatable :: middle(:, :, :) !! Patch (9): that of the mid-step velocity [m3/s]
+      !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): first sum
+      real(wp), allocatable :: heat(:, :, :), flux(:, :, :), warmth(:, :, :)
+      !> (3) What faces and gravity add to the velocities [m/s]; only with contact
+      real(wp), allocatable :: push(:, :, :)
+      real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
+   contains
+      procedure :: move_to => nodes_move_to          !! Hand all fields over to another
    end type nodes_t
+
+   integer, parameter, public :: guesses = 3         !! Of the normal between two bodies
+
+   !> Bodies that move with one velocity where they meet.
+   type :: velocity_field_t
+      integer :: first = 1                           !! First of its stores
+      integer :: last = 0                            !! Last of its stores
+      type(nodes_t) :: nodes                         !! While others are worked on
+   end type velocity_field_t
+
+   !> Contact between bodies: each velocity field has node fields of its own.
+   type :: contact_t
+      type(velocity_field_t), allocatable :: field(:) !! The velocity fields
+      type(pair_law_t), allocatable :: law(:, :)     !! (field, field) What holds between two
+      logical :: bonded = .false.                    !! Can bonds break?
+      integer, allocatable :: field_of_body(:)       !! (body) Its velocity field
+      !> Patch (row, field): outward area of the particles [m2], with bonds the mass of those that
+      !! hold [kg]
+      real(wp), allocatable :: outward(:, :, :)
+      real(wp), allocatable :: area(:, :, :)         !! The sums of these
+      !> Patch (guess, field, field): farthest place towards another field [m]
+      real(wp), allocatable :: reach(:, :, :)
+      logical, allocatable :: meets(:)               !! (tile) Are there nodes of several fields?
+      logical, allocatable :: broken(:, :, :)        !! (field, node, tile) Does a bond break now?
+   end type contact_t
 
    !> Conduction of heat: node fields as above; those of the dual gradient only with it.
    type :: conduction_t
@@ -76,6 +110,7 @@ module driver_simulation
       type(ledger_t) :: ledger                       !! Sums of this thread
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
       logical :: sound = .true.                      !! Are all particles in their bounds?
+      logical :: retired = .false.                   !! Has one been taken out for leaving them?
       real(wp) :: steepest = 0.0_wp                  !! Square of steepest velocity gradient [1/s2]
       integer(int64) :: steepest_identity = huge(1_int64) !! Its particle
    end type scratch_t
@@ -102,7 +137,7 @@ module driver_simulation
    !> Indices of the timed phases.
    type :: phases_t
       integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
-         ledger = 0, output = 0, checkpoint = 0, conduction = 0 !! One each
+         ledger = 0, output = 0, checkpoint = 0, conduction = 0, contact = 0 !! One each
    end type phases_t
 
    !> A run.
@@ -121,6 +156,11 @@ module driver_simulation
       real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       type(conduction_t), allocatable :: conduction  !! If some material conducts heat
+      logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
+      type(contact_t), allocatable :: contact        !! If bodies have velocities of their own
+      integer :: first_store = 1                     !! First store of the velocity field at hand
+      integer :: last_store = huge(1)                !! Its last one, if there are so many
+      logical :: erosion = .false.                   !! Are failed particles taken out?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
       integer(int64) :: step = 0                     !! Steps done
       real(wp) :: time = 0.0_wp                      !! [s]
@@ -129,6 +169,7 @@ module driver_simulation
       real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
       type(guard_t) :: guard                         !! What limits steps and particles
       type(text_t), allocatable :: body_names(:)     !! (body) For messages
+      integer(int64) :: halved = 0                   !! Particles halved on this rank
       integer(int64) :: updates = 0                  !! Particle updates of this rank
       real(wp) :: worked = 0.0_wp                    !! Of the processor in its steps [s]
       real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
@@ -138,9 +179,69 @@ module driver_simulation
       type(ledger_t) :: ledger                       !! The books
       type(timer_t) :: timer                         !! Wall time by phase
       type(phases_t) :: phase                        !! Indices of the phases
+   contains
+      procedure :: end_store => simulation_end_store !! Last store of the velocity field at hand
+      procedure :: take_field => simulation_take_field !! Work on a velocity field
+      procedure :: return_field => simulation_return_field !! Put it back
    end type simulation_t
 
 contains
+
+   !> Last store of the velocity field at hand; without contact the last of all.
+   pure integer function simulation_end_store(self) result(last)
+      class(simulation_t), intent(in) :: self        !! The run
+
+      last = min(self%last_store, size(self%stores))
+   end function simulation_end_store
+
+   !> Work on a velocity field: its node fields become those of the run.
+   pure subroutine simulation_take_field(self, field)
+      class(simulation_t), intent(inout) :: self     !! The run with contact
+      integer, intent(in) :: field                   !! Which field
+
+      self%first_store = self%contact%field(field)%first
+      self%last_store = self%contact%field(field)%last
+      call self%contact%field(field)%nodes%move_to(self%nodes)
+   end subroutine simulation_take_field
+
+   !> Put the velocity field at hand back, and see all stores again.
+   pure subroutine simulation_return_field(self, field)
+      class(simulation_t), intent(inout) :: self     !! The run with contact
+      integer, intent(in) :: field                   !! Which field
+
+      self%first_store = 1
+      self%last_store = huge(1)
+      call self%nodes%move_to(self%contact%field(field)%nodes)
+   end subroutine simulation_return_field
+
+   !> Hand all fields over to another holder, without a copy.
+   pure subroutine nodes_move_to(self, other)
+      class(nodes_t), intent(inout) :: self          !! Empty afterwards
+      type(nodes_t), intent(inout) :: other          !! Gets them
+
+      call move_alloc(self%motion, other%motion)
+      call move_alloc(self%mass, other%mass)
+      call move_alloc(self%velocity, other%velocity)
+      call move_alloc(self%acceleration, other%acceleration)
+      call move_alloc(self%extra, other%extra)
+      call move_alloc(self%filtered, other%filtered)
+      call move_alloc(self%term, other%term)
+      call move_alloc(self%loss, other%loss)
+      call move_alloc(self%strain, other%strain)
+      call move_alloc(self%mean, other%mean)
+      call move_alloc(self%star, other%star)
+      call move_alloc(self%unit, other%unit)
+      call move_alloc(self%difference, other%difference)
+      call move_alloc(self%weight, other%weight)
+      call move_alloc(self%share, other%share)
+      call move_alloc(self%volume, other%volume)
+      call move_alloc(self%filled, other%filled)
+      call move_alloc(self%force, other%force)
+      call move_alloc(self%gradient, other%gradient)
+      call move_alloc(self%middle, other%middle)
+      call move_alloc(self%push, other%push)
+      call move_alloc(self%rubbed, other%rubbed)
+   end subroutine nodes_move_to
 
    !> Note how evenly the ranks worked in a step.
    pure subroutine load_look(self, step, ratio)

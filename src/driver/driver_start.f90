@@ -4,6 +4,7 @@ module driver_start
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
+   use driver_contact_deck, only: bond_stores, store_name
    use driver_heat, only: greatest_diffusivity
    use driver_ledger, only: cross
    use driver_simulation, only: simulation_t
@@ -51,6 +52,7 @@ contains
          if (simulation%materials(material)%heat%conductivity > 0.0_wp .and. &
             .not. allocated(simulation%conduction)) allocate (simulation%conduction)
       end do
+      simulation%repacks = any(simulation%materials%repacks)
       call name_phases(simulation)
    end subroutine prepare
 
@@ -66,6 +68,7 @@ contains
          phase%grid = timer%phase("grid")
          phase%gather = timer%phase("nodes to points, law")
          if (allocated(simulation%conduction)) phase%conduction = timer%phase("heat conduction")
+         if (allocated(simulation%contact)) phase%contact = timer%phase("contact")
          phase%ledger = timer%phase("ledger, history")
          phase%output = timer%phase("output")
          phase%checkpoint = timer%phase("checkpoint")
@@ -84,7 +87,7 @@ contains
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
             call simulation%materials(index)%request(store%matter)
-            call store%start(simulation%materials(index)%name, simulation%grid%tile_cells, &
+            call store%start(store_name(simulation%materials, index), simulation%grid%tile_cells, &
                traits)
             if (allocated(simulation%exact)) then
                if (allocated(simulation%exact%material(index)%solution)) &
@@ -94,6 +97,7 @@ contains
                allocated(store%matter%energy)
          end associate
       end do
+      if (allocated(simulation%contact)) call bond_stores(simulation)
    end subroutine make_stores
 
    !> Count the particles of bodies and tiles.

@@ -4,18 +4,17 @@ module driver_step
    use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: int64, wp
    use driver_bounds, only: rule_conduction, rule_growth, rule_signal, rule_strain
-   use driver_control, only: find_star
    use driver_culprit, only: name_bad
-   use driver_difference, only: find_difference
-   use driver_exact_force, only: book_body_force
-   use driver_gather, only: gather_particles, gather_parts_t
+   use driver_fields, only: gather_all, push_nodes, strain_before
+   use driver_gather, only: gather_parts_t
    use driver_heat, only: conduct_heat, conduction_step, greatest_diffusivity
-   use driver_method, only: stress_before, stress_remapped
-   use driver_nodes, only: dual_fields, move_nodes, remap_nodes
-   use driver_scatter, only: scatter_particles
+   use driver_heat_flux, only: smear_heat
+   use driver_ledger, only: dissipated
+   use driver_method, only: stress_before
+   use driver_retire, only: check_retired
    use driver_simulation, only: simulation_t
-   use driver_sweep, only: filter_nodes, scatter_again
    use particle_migrate, only: migrate
+   use particle_split, only: split_store
    implicit none
    private
 
@@ -24,36 +23,28 @@ module driver_step
 contains
 
    !> Advance the run by one time step. The particles are sorted before and after.
-   subroutine advance(simulation, dt, error)
+   subroutine advance(simulation, wish, error)
       type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: wish                   !! Time step, unless nodes go too far in it [s]
       type(error_t), allocatable, intent(out) :: error !! If numbers went bad
       type(gather_parts_t) :: parts
-      real(wp) :: moved
+      real(wp) :: moved, dt
 
+      dt = wish
       parts%work = simulation%carries_energy
       if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time
-      simulation%kick = simulation%method%kick(simulation%dt, dt)
       associate (method => simulation%method)
          ! time for which positions have moved already with the velocity before the step
          moved = merge(simulation%dt, dt, method%leapfrog)
-         if (method%stress == stress_before .and. moved > 0.0_wp) then
-            call find_force(simulation)
-            call move_nodes(simulation, 0.0_wp)
-            call gather_particles(simulation, gather_parts_t(strain=.true.), moved)
-         end if
-         call find_force(simulation)
-         call move_nodes(simulation, simulation%kick)
-         if (allocated(simulation%exact)) call book_body_force(simulation, simulation%kick)
-         if (method%transfer%sweeps() > 0) call filter_nodes(simulation, simulation%kick)
-         if (method%stress == stress_remapped) then
-            call scatter_again(simulation, simulation%kick)
-            call remap_nodes(simulation)
-         end if
+         if (method%stress == stress_before .and. moved > 0.0_wp) &
+            call strain_before(simulation, moved)
+         call push_nodes(simulation, dt, error)
+         if (allocated(error)) return
          if (allocated(simulation%conduction)) call conduct_heat(simulation, dt)
+         if (method%heat_flux > 0.0_wp) call smear_heat(simulation, dt)
          parts%strain = method%stress /= stress_before
          parts%motion = .true.
-         call gather_particles(simulation, parts, dt)
+         call gather_all(simulation, parts, dt)
       end associate
       simulation%updates = simulation%updates + count_particles(simulation)
       simulation%time = simulation%time + dt
@@ -61,18 +52,27 @@ contains
       simulation%dt = dt
       call close_step(simulation, error)
       if (allocated(error)) return
+      if (allocated(simulation%method%splitting)) call halve_particles(simulation)
       call sort_particles(simulation)
    end subroutine advance
 
-   !> Mass, momentum and force of the nodes from the particles.
-   subroutine find_force(simulation)
+   !> Halve the particles that have become long.
+   subroutine halve_particles(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), allocatable :: gain(:)
+      integer :: index, n
 
-      if (simulation%method%controlled()) call find_star(simulation)
-      call scatter_particles(simulation)
-      if (simulation%method%dual) call dual_fields(simulation)
-      if (simulation%method%differing()) call find_difference(simulation)
-   end subroutine find_force
+      call simulation%timer%start(simulation%phase%sort)
+      do index = 1, size(simulation%stores)
+         call split_store(simulation%method%splitting, simulation%grid, simulation%boundary, &
+            simulation%tiles, simulation%stores(index), gain)
+         simulation%halved = simulation%halved + size(gain)
+         do n = 1, size(gain)
+            call simulation%ledger%sums(dissipated)%add(-gain(n))
+         end do
+      end do
+      call simulation%timer%stop(simulation%phase%sort)
+   end subroutine halve_particles
 
    !> Collect what the threads saw: the books, the next time step, bad numbers.
    subroutine close_step(simulation, error)
@@ -80,34 +80,39 @@ contains
       type(error_t), allocatable, intent(out) :: error !! If numbers went bad
       real(wp) :: fastest, diffusivity, rate
       character(len=:), allocatable :: text
-      logical :: sound
+      logical :: sound, retired
       integer :: thread, n
 
       fastest = 0.0_wp
       sound = .true.
+      retired = .false.
       call find_rate(simulation, rate)
       do thread = 0, ubound(simulation%scratch, 1)
          associate (scratch => simulation%scratch(thread))
             fastest = max(fastest, scratch%fastest)
             sound = sound .and. scratch%sound
+            retired = retired .or. scratch%retired
             call simulation%ledger%merge(scratch%ledger)
             do n = 1, size(scratch%ledger%sums)
                call scratch%ledger%sums(n)%clear()
             end do
             scratch%fastest = 0.0_wp
             scratch%sound = .true.
+            scratch%retired = .false.
          end associate
       end do
       ! a number gone bad on one rank must stop all: it travels as an infinite speed
       if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
       diffusivity = 0.0_wp
       if (allocated(simulation%conduction)) diffusivity = greatest_diffusivity(simulation)
-      call agree(simulation, fastest, diffusivity, rate)
+      call agree(simulation, fastest, diffusivity, rate, retired)
       if (fastest >= huge(fastest)) then
          call name_bad(simulation, text)
          call fail(error, exit_physics, text)
          return
       end if
+      if (retired) call check_retired(simulation, error)
+      if (allocated(error)) return
       call set_next_step(simulation, fastest, rate)
       if (allocated(simulation%conduction)) call limit_step(simulation, diffusivity)
    end subroutine close_step
@@ -149,17 +154,18 @@ contains
 
    !> Agree with the other ranks on the fastest signal and on what they ask for: the only time in a
    !! step that all ranks wait for all.
-   subroutine agree(simulation, fastest, diffusivity, rate)
+   subroutine agree(simulation, fastest, diffusivity, rate, retired)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
       real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
       real(wp), intent(inout) :: rate                !! The same, of velocity gradients [1/s]
-      real(wp) :: asked(6)
+      logical, intent(inout) :: retired              !! The same: have particles been taken out?
+      real(wp) :: asked(7)
 
       if (simulation%communicator%size == 1) return
       associate (requests => simulation%requests)
          asked = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity, &
-            rate]
+            rate, merge(1.0_wp, 0.0_wp, retired)]
          call simulation%timer%start(simulation%phase%wait)
          call simulation%communicator%maxima(asked)
          call simulation%timer%stop(simulation%phase%wait)
@@ -170,6 +176,7 @@ contains
          diffusivity = asked(5)
          if (rate < asked(6)) simulation%guard%steepest = huge(1_int64)
          rate = asked(6)
+         retired = asked(7) > 0.0_wp
       end associate
    end subroutine agree
 

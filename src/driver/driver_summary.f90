@@ -7,7 +7,8 @@ module driver_summary
    use base_version, only: git_commit, version_text
    use driver_bounds, only: guard_t, rule_names, rules
    use driver_exact_error, only: take_errors
-   use driver_ledger, only: balance_t, entries, entry_names
+   use driver_ledger, only: balance_t, entries, entry_names, removed_mass, &
+      removed_particles
    use driver_output, only: outputs_t
    use driver_restart, only: describe_state
    use driver_simulation, only: simulation_t
@@ -45,7 +46,7 @@ contains
       type(balance_t) :: now
       type(state_t) :: state
       character(len=16) :: digest
-      integer(int64) :: counts(3), traffic(kinds)
+      integer(int64) :: counts(4), traffic(kinds)
       real(wp) :: rate, bytes, range(extremes)
       real(wp), allocatable :: least(:), mean(:), greatest(:)
 
@@ -53,7 +54,7 @@ contains
          simulation%materials, now)
       call describe_state(simulation, state)
       digest = state_digest(simulation%communicator, simulation%stores, state)
-      counts = [count_particles(simulation), simulation%updates, &
+      counts = [count_particles(simulation), simulation%updates, simulation%halved, &
          nint(simulation%worked/nano, int64)]
       call simulation%communicator%total(counts)
       call spread_timers(simulation, wall, least, mean, greatest)
@@ -76,15 +77,14 @@ contains
       call json%add("time", simulation%time)
       call json%add("particles", counts(1))
       call json%add("wall_s", wall)
-      call json%add("processor_s", nano*real(counts(3), wp))
-      call json%add("particle_updates", counts(2))
-      call json%add("particle_updates_per_s", rate)
+      call add_work(json, counts(2), nano*real(counts(4), wp), rate)
       call json%add("bytes_per_particle", bytes)
       call json%add("ranks", simulation%communicator%size)
       call json%add("threads", omp_get_max_threads())
       call json%add("digest", digest)
       call add_extremes(json, range)
       call add_rules(json, simulation%guard)
+      call json%add("particles_halved", counts(3))
       call add_timers(json, simulation, least, mean, greatest)
       call add_ledger(json, simulation, now)
       if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
@@ -92,6 +92,18 @@ contains
       call add_files(json, outputs)
       call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
    end subroutine summarise
+
+   !> What was done in the steps, and how fast.
+   subroutine add_work(json, updates, worked, rate)
+      type(json_t), intent(inout) :: json            !! The summary
+      integer(int64), intent(in) :: updates          !! Of particles, on all ranks
+      real(wp), intent(in) :: worked                 !! Of the processor, on all ranks [s]
+      real(wp), intent(in) :: rate                   !! Updates a second of wall time
+
+      call json%add("processor_s", worked)
+      call json%add("particle_updates", updates)
+      call json%add("particle_updates_per_s", rate)
+   end subroutine add_work
 
    !> Times of all phases over the ranks. Collective.
    subroutine spread_timers(simulation, wall, least, mean, greatest)
@@ -209,6 +221,12 @@ contains
       write (line, "(4(a,es10.2))") "balance   error of mass", now%mass_error, ", momentum", &
          now%momentum_error, ", angular momentum", now%angular_error, ", energy", now%energy_error
       text = trim(line)//new_line("a")
+      if (now%entry(removed_particles) > 0.0_wp) then
+         write (line, "(a,i0,a,es10.3,a)") "removed   ", &
+            nint(now%entry(removed_particles), int64), &
+            " particles that had failed or left their bounds, with", now%entry(removed_mass), " kg"
+         text = text//trim(line)//new_line("a")
+      end if
       write (line, "(a,f8.2,a,i0,a)") "speed     ", 1.0e-6_wp*rate, &
          " million particle updates/s in the steps, ", nint(bytes, int64), " bytes/particle"
       text = text//trim(line)
@@ -397,11 +415,9 @@ contains
          write (number, "(i0)") n
          call json%add("particles_"//trim(number), outputs%snapshots(n)%prefix//".hdf.series")
       end do
-      do n = 1, size(outputs%histories)
+      do n = 1, size(outputs%tables)
          write (number, "(i0)") n
-         associate (path => outputs%histories(n)%path)
-            call json%add("history_"//trim(number), path(index(path, "/", back=.true.) + 1:))
-         end associate
+         call json%add("history_"//trim(number), outputs%tables(n)%name)
       end do
       call json%end()
    end subroutine add_files

@@ -84,7 +84,7 @@ contains
       integer :: index
 
       call clear_patch(patch)
-      do index = 1, size(simulation%stores)
+      do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%grid, store => simulation%stores(index), &
             basis => simulation%method%basis, places => scratch%places, &
@@ -190,7 +190,7 @@ contains
          filtered, push)
       after = simulation%nodes%velocity(:, :, tile) &
          + dt*simulation%nodes%acceleration(:, :, tile)
-      do index = 1, size(simulation%stores)
+      do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%grid, store => simulation%stores(index), &
             basis => simulation%method%basis, places => scratch%places, &

@@ -7,7 +7,9 @@ module io_deck_output
 
    public :: declare_checkpoint, declare_log, declare_output, declare_parallel
 
-   character(len=*), parameter :: particles = "kind = particles" !! Output of particles only
+   character(len=*), parameter :: files = "kind = particles slice grid" !! Outputs of many files
+   character(len=*), parameter :: points = "kind = particles slice" !! Outputs of single particles
+   character(len=*), parameter :: matter = "kind = particles slice grid profile fragments"
 
 contains
 
@@ -18,20 +20,38 @@ contains
       call schema%group("output", "one stream of files; give one of dt, every, times, count", &
          many=.true.)
       call schema%text("output", "name", "name of the stream")
-      call schema%text("output", "kind", "what is written", words="particles history")
+      call schema%text("output", "kind", "what is written: particles, those near a plane, "// &
+         "means on cells, the ledger, means in bins along an axis, or a table of fragments", &
+         words="particles slice grid history profile fragments")
       call schema%real("output", "dt", "time between two outputs", unit="s", range="> 0")
       call schema%integer("output", "every", "steps between two outputs", range="> 0")
       call schema%real("output", "times(:50)", "times of output", unit="s", range=">= 0")
       call schema%integer("output", "count", "number of outputs, evenly over t_end", range="> 0")
-      call schema%text("output", "fields(:40)", "names from scree --list fields", default="default")
+      call schema%text("output", "fields(:40)", "names from scree --list fields", &
+         default="default", owner="kind = particles slice grid history profile")
       call schema%text("output", "bodies(:20)", "only points of these bodies; default: all", &
-         owner=particles)
+         owner=matter)
+      call schema%text("output", "region", "only points in this region; default: everywhere", &
+         owner=matter)
+      call schema%integer("output", "stride", "every so many points, by identity", default="1", &
+         range="> 0", owner=points)
+      call schema%text("output", "axis", "normal of the plane of a slice; direction of a profile", &
+         default="x", words="x y z", owner="kind = slice profile")
+      call schema%real("output", "at", "where the plane is; points within half a cell of it", &
+         unit="m", owner="kind = slice")
+      call schema%integer("output", "bins", "bins of equal width from one end of the grid to "// &
+         "the other", default="100", range="> 0 <= 10000", owner="kind = profile")
+      call schema%real("output", "velocity_cut", "cells part where their mean velocities "// &
+         "differ by more; default: never", unit="m/s", range="> 0", owner="kind = fragments")
+      call schema%text("output", "matter", "what fragments are made of; intact: what has not "// &
+         "failed", default="all", words="all intact", owner="kind = fragments")
       call schema%text("output", "precision", "kind of numbers", default="single", &
-         words="single double", owner=particles)
+         words="single double", owner=files)
       call schema%integer("output", "compress", "level of gzip, 0 = off", default="1", &
-         range=">= 0 <= 9", owner=particles)
-      call schema%require("output", "name kind")
+         range=">= 0 <= 9", owner=files)
+      call schema%require("output", "name kind at")
       call schema%refer("output", "bodies", "body")
+      call schema%refer("output", "region", "region")
    end subroutine declare_output
 
    !> Declare &checkpoint.

@@ -6,7 +6,7 @@ module io_deck_scene
    implicit none
    private
 
-   public :: declare_body, declare_boundary, declare_region
+   public :: declare_body, declare_boundary, declare_contact, declare_region
 
    character(len=*), parameter :: solids = "shape = sphere cylinder" !! Shapes with a centre
    character(len=*), parameter :: sets = "shape = union difference intersection"
@@ -65,6 +65,9 @@ contains
          range=">= 0", owner="effects.thermal")
       call schema%real("body", "specific_energy", "internal energy per mass at the start; for "// &
          "materials that carry it", unit="J/kg", default="0.0", range=">= 0")
+      call schema%integer("body", "field", "velocity field: bodies of the same number move as "// &
+         "one where they meet; 0 = one of its own", default="0", range=">= 0", &
+         owner="effects.contact")
       call schema%require("body", "name region material")
       call schema%refer("body", "region", "region")
       call schema%refer("body", "material", "material")
@@ -88,4 +91,23 @@ contains
          range=">= 0", owner="type = friction")
       call schema%require("boundary", "face type friction")
    end subroutine declare_boundary
+
+   !> Declare &contact.
+   subroutine declare_contact(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("contact", &
+         "what holds between two bodies; pairs without one slip freely", many=.true.)
+      call schema%text("contact", "bodies(:2)", "names of the two, '*' for any other; pairs of "// &
+         "names win over '*'", default="*", owner="effects.contact")
+      call schema%text("contact", "law", "friction: Coulomb; stick: no slip while pressed "// &
+         "together; bonded: one body until the bond breaks, friction then", default="friction", &
+         words="friction stick frictionless bonded", owner="effects.contact")
+      call schema%real("contact", "friction", "coefficient of friction", default="0.0", &
+         range=">= 0", owner="effects.contact & law = friction bonded")
+      call schema%real("contact", "bond_strength", "stress that breaks the bond, by tension "// &
+         "and shear together; without it the bond holds for ever", unit="Pa", range="> 0", &
+         owner="effects.contact & law = bonded")
+      call schema%refer("contact", "bodies", "body")
+   end subroutine declare_contact
 end module io_deck_scene

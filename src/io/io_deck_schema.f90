@@ -4,7 +4,8 @@ module io_deck_schema
    use base_schema, only: schema_t
    use base_units, only: system_names
    use io_deck_output, only: declare_checkpoint, declare_log, declare_output, declare_parallel
-   use io_deck_scene, only: declare_body, declare_boundary, declare_region
+   use io_deck_scene, only: declare_body, declare_boundary, declare_contact, &
+      declare_region
    implicit none
    private
 
@@ -31,6 +32,7 @@ contains
       call declare_region(schema)
       call declare_body(schema)
       call declare_boundary(schema)
+      call declare_contact(schema)
       call schema%group("exact", "a solution that is known: it gives the first state and, if "// &
          "it was made up, a body force; histories get its errors")
       call declare_output(schema)
@@ -97,12 +99,21 @@ contains
          "so far ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
       call schema%real("time", "strain_max", "greatest strain and rotation of a particle in a "// &
          "step; shorter steps where more would come", default="0.3", range="> 0 <= 1")
+      call schema%logical("time", "retry", "a step in which nodes would move by more than half "// &
+         "a cell, or part by more than twice strain_max of one, is done again with a shorter "// &
+         "time", &
+         default=".true.")
       call schema%real("time", "speed_max", "a faster particle ends the run with exit code 4", &
          unit="m/s", range="> 0")
       call schema%real("time", "volume_ratio_min", "a particle of less than this share of its "// &
          "volume at rest ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
       call schema%real("time", "volume_ratio_max", "a particle of more ends it too", &
          default="1e12", range="> 1")
+      call schema%text("time", "on_bad", "what becomes of a particle that leaves these bounds: "// &
+         "it ends the run, or is taken out and booked", default="stop", words="stop retire")
+      call schema%real("time", "retire_max", "share of the mass at the start that may be taken "// &
+         "out so before the run ends with exit code 4", default="0.01", range=">= 0 <= 1", &
+         owner="on_bad = retire")
       call schema%integer("time", "max_steps", "stop after so many steps", range=">= 0")
       call schema%text("time", "wall_limit", "hh:mm:ss of wall time, or slurm for the end of "// &
          "the job, then checkpoint and exit code 75", default="none")
@@ -124,5 +135,9 @@ contains
       call schema%logical("effects", "gravity", "constant acceleration", default=".false.")
       call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &
          default="0 0 -9.80665", owner="gravity")
+      call schema%logical("effects", "contact", "bodies have velocities of their own, and touch", &
+         default=".false.")
+      call schema%logical("effects", "erosion", "failed particles are taken out and booked", &
+         default=".false.", owner="effects.damage")
    end subroutine declare_effects
 end module io_deck_schema

@@ -7,15 +7,15 @@ module io_file
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use io_libc, only: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, c_open, &
-      c_read, c_rename, c_truncate, c_unlink, c_write, failure_number, failure_text, &
+      c_read, c_readlink, c_rename, c_truncate, c_unlink, c_write, failure_number, failure_text, &
       folder_entries, longest_name
    use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_loc, c_null_char, c_size_t
    implicit none
    private
 
    public :: file_exists, file_size, folder_of, join_path, list_folder, longest_name, make_folder, &
-      name_of, output_file_t, read_file, remove_file, rename_file, reserve_file, sync_file, &
-      sync_folder, truncate_file, write_file
+      name_of, output_file_t, program_path, read_file, remove_file, rename_file, reserve_file, &
+      sync_file, sync_folder, truncate_file, write_file
 
    integer, parameter, public :: longest_path = 1024     !! Letters of a path with folder
    integer(c_int32_t), parameter :: file_mode = int(o"666", c_int32_t)
@@ -107,6 +107,17 @@ contains
          path = folder//"/"//name
       end if
    end function join_path
+
+   !> Path of the program that runs, with its folder; empty where the system does not tell.
+   function program_path() result(path)
+      character(len=:), allocatable :: path
+      character(len=longest_path), target :: letters
+      integer(c_size_t) :: length
+
+      length = c_readlink("/proc/self/exe"//c_null_char, c_loc(letters(1:1)), &
+         int(longest_path, c_size_t))
+      path = letters(:max(int(length), 0))
+   end function program_path
 
    !> Make a folder and those above it; one that is there is fine.
    subroutine make_folder(path, error)

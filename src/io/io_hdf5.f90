@@ -60,9 +60,10 @@ module io_hdf5
       procedure :: group => hdf5_group                    !! Make a group
       procedure :: settle => hdf5_settle                  !! Share what went wrong
       procedure :: works => hdf5_works                    !! Nothing has gone wrong
-      procedure, private :: attach_text, attach_real, attach_shorts, attach_whole, attach
+      procedure, private :: attach_text, attach_real, attach_reals, attach_shorts, &
+         attach_whole, attach
       !> Attach an attribute to a group or data set. Must be the same on all ranks.
-      generic :: attribute => attach_text, attach_real, attach_shorts, attach_whole
+      generic :: attribute => attach_text, attach_real, attach_reals, attach_shorts, attach_whole
    end type hdf5_file_t
 
 contains
@@ -295,6 +296,18 @@ contains
       copy = value
       call self%attach(object, name, h5t_native_double, 0, c_loc(copy))
    end subroutine attach_real
+
+   !> Attach a row of real numbers.
+   subroutine attach_reals(self, object, name, values)
+      class(hdf5_file_t), intent(inout) :: self           !! The file
+      character(len=*), intent(in) :: object              !! Group or data set, from the root
+      character(len=*), intent(in) :: name                !! Name of the attribute
+      real(wp), intent(in) :: values(:)                   !! Its values
+      real(wp), allocatable, target :: copy(:)
+
+      allocate (copy, source=values)
+      call self%attach(object, name, h5t_native_double, size(copy), c_loc(copy))
+   end subroutine attach_reals
 
    !> Attach a row of short whole numbers.
    subroutine attach_shorts(self, object, name, values)

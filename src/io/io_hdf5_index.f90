@@ -3,7 +3,7 @@
 !! which viewers with VTKHDF 2 open as one data set in time. Done by one rank.
 module io_hdf5_index
    use base_communicator, only: communicator_t
-   use base_error, only: error_t
+   use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int32, int64, wp
    use hdf5, only: h5dclose_f, h5dcreate_f, h5p_dataset_create_f, h5pclose_f, h5pcreate_f, &
       h5pset_obj_track_times_f, h5pset_virtual_f, h5s_select_set_f, h5sclose_f, &
@@ -32,24 +32,35 @@ module io_hdf5_index
 contains
 
    !> Learn what a snapshot holds.
-   subroutine read_snapshot(path, info, error)
+   subroutine read_snapshot(path, info, error, of_grid)
       character(len=*), intent(in) :: path               !! The file
       type(snapshot_info_t), intent(out) :: info         !! What it holds
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      logical, intent(in) :: of_grid                     !! It holds no particles, only the time
       type(hdf5_source_t) :: source
       real(wp) :: times(1)
       integer(int64) :: counts(1)
 
+      counts = 0
       info%path = path
       call source%open(path, error)
-      if (.not. allocated(error)) &
-         call source%read(root//"/FieldData/TimeValue", 0_int64, times, error)
-      if (.not. allocated(error)) call source%read(root//"/NumberOfPoints", 0_int64, counts, error)
-      if (.not. allocated(error)) call source%members(root//"/PointData", info%fields, error)
+      if (.not. allocated(error)) then
+         if (of_grid) then
+            call source%attribute("/provenance", "time", times(1), error)
+         else
+            call source%read(root//"/FieldData/TimeValue", 0_int64, times, error)
+         end if
+      end if
+      if (.not. (allocated(error) .or. of_grid)) &
+         call source%read(root//"/NumberOfPoints", 0_int64, counts, error)
+      if (.not. (allocated(error) .or. of_grid)) &
+         call source%members(root//"/PointData", info%fields, error)
       call source%close()
       if (allocated(error)) return
       info%time = times(1)
       info%points = counts(1)
+      if (info%points >= 0 .and. abs(info%time) <= huge(1.0_wp)) return
+      call fail(error, exit_file, path//" is damaged: its time or its number of particles is none")
    end subroutine read_snapshot
 
    !> Write the index of a series. Fields that not all snapshots have are left out.

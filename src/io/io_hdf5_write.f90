@@ -17,9 +17,11 @@ module io_hdf5_write
    implicit none
    private
 
-   public :: data_bytes, even_rows, rows_of_root, rows_t, write_bytes, write_data, write_names
+   public :: data_bytes, even_rows, rows_of_root, rows_t, write_bytes, write_data, write_names, &
+      write_planes
 
    integer(int64), parameter, public :: chunk_rows = 65536 !! Rows that are compressed together
+   integer, parameter :: plain(0) = 0                    !! Extents of a row that is one number
 
    !> The rows of a data set and which of them this rank holds.
    type :: rows_t
@@ -27,6 +29,7 @@ module io_hdf5_write
       integer(int64), allocatable :: before(:)           !! (piece) Rows in the file before it
       integer(int64), allocatable :: count(:)            !! (piece) Its rows, in the file's order
       integer :: compress = 0                            !! gzip level, 0: contiguous, as it is
+      integer(int64) :: chunk = chunk_rows               !! Rows that are compressed together
    end type rows_t
 
    !> Write a data set: numbers (row) or vectors and tensors (component, row). Collective.
@@ -34,6 +37,11 @@ module io_hdf5_write
       module procedure write_reals, write_vectors, write_singles, write_single_vectors
       module procedure write_wholes, write_whole_vectors, write_shorts
    end interface write_data
+
+   !> Write a data set of more dimensions: (all of a row, row). Collective.
+   interface write_planes
+      module procedure write_real_planes, write_single_planes
+   end interface write_planes
 
 contains
 
@@ -78,34 +86,33 @@ contains
 
       bytes = rows%total*bytes_per_row + heading
       if (rows%compress == 0 .or. rows%total == 0) return
-      length = min(rows%total, chunk_rows)
+      length = min(rows%total, rows%chunk)
       chunks = (rows%total + length - 1)/length
       bytes = chunks*(length*bytes_per_row*(zeros_ratio + 1)/zeros_ratio + chunk_heading) + heading
    end function data_bytes
 
    !> Write one data set of any type. Collective.
-   subroutine write_any(file, name, rows, components, kind, address)
+   subroutine write_any(file, name, rows, inner, kind, address)
       class(hdf5_file_t), intent(inout) :: file          !! The file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
-      integer, intent(in) :: components                  !! Of a row; 0: a plain number
+      integer, intent(in) :: inner(:)                    !! Extents of a row; none: a plain number
       integer(hid_t), intent(in) :: kind                 !! Type in memory and file
       type(c_ptr), intent(in) :: address                 !! The values
       integer(hid_t) :: data_set, plan, space
-      integer(hsize_t) :: extent(2)
-      integer :: dimensions, ignored, status
+      integer(hsize_t) :: extent(size(inner) + 1)
+      integer :: ignored, status
 
       if (.not. file%works()) return
-      dimensions = merge(1, 2, components == 0)
-      extent = rows%total
-      if (components > 0) extent(1) = components
-      call h5screate_simple_f(dimensions, extent(:dimensions), space, status)
-      call creation_plan(rows, extent(:dimensions), plan)
+      extent(:size(inner)) = inner
+      extent(size(extent)) = rows%total
+      call h5screate_simple_f(size(extent), extent, space, status)
+      call creation_plan(rows, extent, plan)
       call h5dcreate_f(file%id, name, kind, space, data_set, status, dcpl_id=plan)
       call h5pclose_f(plan, ignored)
       call file%settle("write", name, status)
       if (file%works() .and. rows%total > 0) then
-         call write_pieces(file, data_set, space, rows, extent(:dimensions), kind, address, status)
+         call write_pieces(file, data_set, space, rows, extent, kind, address, status)
          call file%settle("write", name, status)
       end if
       if (data_set >= 0) call h5dclose_f(data_set, ignored)
@@ -126,7 +133,7 @@ contains
       call h5pset_fill_time_f(plan, h5d_fill_time_never_f, status)
       if (rows%compress == 0 .or. rows%total == 0) return
       chunk = extent
-      chunk(size(chunk)) = min(rows%total, chunk_rows)
+      chunk(size(chunk)) = min(rows%total, rows%chunk)
       call h5pset_chunk_f(plan, size(chunk), chunk, status)
       call h5pset_shuffle_f(plan, status)
       call h5pset_deflate_f(plan, rows%compress, status)
@@ -180,7 +187,7 @@ contains
 
       address = c_null_ptr
       if (size(values) > 0) address = c_loc(values)
-      call write_any(file, name, rows, 0, h5t_ieee_f64le, address)
+      call write_any(file, name, rows, plain, h5t_ieee_f64le, address)
    end subroutine write_reals
 
    !> Write vectors or tensors of real numbers.
@@ -193,7 +200,7 @@ contains
 
       address = c_null_ptr
       if (size(values) > 0) address = c_loc(values)
-      call write_any(file, name, rows, size(values, 1), h5t_ieee_f64le, address)
+      call write_any(file, name, rows, [size(values, 1)], h5t_ieee_f64le, address)
    end subroutine write_vectors
 
    !> Write real numbers of single precision.
@@ -206,7 +213,7 @@ contains
 
       address = c_null_ptr
       if (size(values) > 0) address = c_loc(values)
-      call write_any(file, name, rows, 0, h5t_ieee_f32le, address)
+      call write_any(file, name, rows, plain, h5t_ieee_f32le, address)
    end subroutine write_singles
 
    !> Write vectors or tensors of single precision.
@@ -219,7 +226,7 @@ contains
 
       address = c_null_ptr
       if (size(values) > 0) address = c_loc(values)
-      call write_any(file, name, rows, size(values, 1), h5t_ieee_f32le, address)
+      call write_any(file, name, rows, [size(values, 1)], h5t_ieee_f32le, address)
    end subroutine write_single_vectors
 
    !> Write whole numbers.
@@ -232,7 +239,7 @@ contains
 
       address = c_null_ptr
       if (size(values) > 0) address = c_loc(values)
-      call write_any(file, name, rows, 0, h5t_std_i64le, address)
+      call write_any(file, name, rows, plain, h5t_std_i64le, address)
    end subroutine write_wholes
 
    !> Write vectors of whole numbers.
@@ -245,7 +252,7 @@ contains
 
       address = c_null_ptr
       if (size(values) > 0) address = c_loc(values)
-      call write_any(file, name, rows, size(values, 1), h5t_std_i64le, address)
+      call write_any(file, name, rows, [size(values, 1)], h5t_std_i64le, address)
    end subroutine write_whole_vectors
 
    !> Write short whole numbers.
@@ -258,8 +265,36 @@ contains
 
       address = c_null_ptr
       if (size(values) > 0) address = c_loc(values)
-      call write_any(file, name, rows, 0, h5t_std_i32le, address)
+      call write_any(file, name, rows, plain, h5t_std_i32le, address)
    end subroutine write_shorts
+
+   !> Write rows of several dimensions.
+   subroutine write_real_planes(file, name, rows, inner, values)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      integer, intent(in) :: inner(:)                    !! Extents of a row, the fastest first
+      real(wp), contiguous, target, intent(in) :: values(:, :) !! (all of a row, row)
+      type(c_ptr) :: address
+
+      address = c_null_ptr
+      if (size(values) > 0) address = c_loc(values)
+      call write_any(file, name, rows, inner, h5t_ieee_f64le, address)
+   end subroutine write_real_planes
+
+   !> Write rows of several dimensions in single precision.
+   subroutine write_single_planes(file, name, rows, inner, values)
+      class(hdf5_file_t), intent(inout) :: file          !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      integer, intent(in) :: inner(:)                    !! Extents of a row, the fastest first
+      real(real32), contiguous, target, intent(in) :: values(:, :) !! (all of a row, row)
+      type(c_ptr) :: address
+
+      address = c_null_ptr
+      if (size(values) > 0) address = c_loc(values)
+      call write_any(file, name, rows, inner, h5t_ieee_f32le, address)
+   end subroutine write_single_planes
 
    !> Write bytes, given as letters. Collective.
    subroutine write_bytes(file, name, rows, letters)
@@ -270,7 +305,7 @@ contains
       character(len=:), allocatable, target :: copy
 
       copy = letters//" "
-      call write_any(file, name, rows, 0, h5t_std_u8le, c_loc(copy(1:1)))
+      call write_any(file, name, rows, plain, h5t_std_u8le, c_loc(copy(1:1)))
    end subroutine write_bytes
 
    !> Write a table of texts that all ranks know. Collective.
@@ -289,7 +324,7 @@ contains
       end do
       joined = joined//" "
       call text_type(len(names), kind)
-      call write_any(file, name, rows_of_root(file%communicator, size(names)), 0, kind, &
+      call write_any(file, name, rows_of_root(file%communicator, size(names)), plain, kind, &
          c_loc(joined(1:1)))
       call h5tclose_f(kind, status)
    end subroutine write_names

@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Time histories as CSV: a heading with units, one row a time, cut back on restart.
+!> Time histories and other tables as CSV: a heading with units, one row a time or several, cut back
+!! on restart. A column without a unit holds whole numbers.
 module io_history
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
+   use base_text, only: buffer_t
    use io_file, only: file_exists, output_file_t, read_file, write_file
    use io_text, only: real_text, whole_text
    implicit none
@@ -17,11 +19,12 @@ module io_history
    !> A file of histories. Rank 0 writes; the values must be the same on all ranks.
    type :: history_t
       integer, private :: key_place = 0                  !! Place of the column "step"
-      integer, private :: columns = 0                    !! Number of columns
+      logical, allocatable, private :: whole(:)          !! (column) Whole numbers
       type(output_file_t), private :: file               !! Open on rank 0
    contains
       procedure :: open => history_open                  !! Begin, or go on
       procedure :: row => history_row                    !! Write a row
+      procedure :: rows => history_rows                  !! Write several rows of one time
       procedure :: close => history_close                !! Close
    end type history_t
 
@@ -40,10 +43,12 @@ contains
       logical :: going_on
 
       self%key_place = 0
-      self%columns = size(columns)
+      if (allocated(self%whole)) deallocate (self%whole)
+      allocate (self%whole(size(columns)))
       heading = ""
       do column = 1, size(columns)
          if (columns(column) == key) self%key_place = column
+         self%whole(column) = index(columns(column), "[") == 0
          if (column > 1) heading = heading//","
          heading = heading//trim(columns(column))
       end do
@@ -114,23 +119,50 @@ contains
       type(communicator_t), intent(in) :: communicator   !! The ranks
       real(wp), intent(in) :: values(:)                  !! (column)
       type(error_t), allocatable, intent(out) :: error   !! Not written, say on a full disk
+
+      if (communicator%rank == 0) &
+         call self%file%write(line_of(values, self%whole)//new_line("a"), error)
+      call agree(communicator, error)
+   end subroutine history_row
+
+   !> Write several rows that begin alike, at once. Collective.
+   subroutine history_rows(self, communicator, begin, values, error)
+      class(history_t), intent(inout) :: self            !! The file
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      real(wp), intent(in) :: begin(:)                   !! (column) First columns of all
+      real(wp), intent(in) :: values(:, :)               !! (column behind them, row)
+      type(error_t), allocatable, intent(out) :: error   !! Not written, say on a full disk
+      type(buffer_t) :: buffer
+      character(len=:), allocatable :: front
+      integer :: row
+
+      if (communicator%rank == 0) then
+         front = line_of(begin, self%whole)//","
+         do row = 1, size(values, 2)
+            call buffer%line(front//line_of(values(:, row), self%whole(size(begin) + 1:)))
+         end do
+         call self%file%write(buffer%content(), error)
+      end if
+      call agree(communicator, error)
+   end subroutine history_rows
+
+   !> Numbers with commas between them.
+   function line_of(values, whole) result(line)
+      real(wp), intent(in) :: values(:)                  !! (column)
+      logical, intent(in) :: whole(:)                    !! (column) Whole numbers
       character(len=:), allocatable :: line
       integer :: column
 
-      if (communicator%rank == 0) then
-         line = ""
-         do column = 1, size(values)
-            if (column > 1) line = line//","
-            if (column == self%key_place) then
-               line = line//whole_text(nint(values(column), int64))
-            else
-               line = line//real_text(values(column))
-            end if
-         end do
-         call self%file%write(line//new_line("a"), error)
-      end if
-      call agree(communicator, error)
-   end subroutine history_row
+      line = ""
+      do column = 1, size(values)
+         if (column > 1) line = line//","
+         if (whole(column)) then
+            line = line//whole_text(nint(values(column), int64))
+         else
+            line = line//real_text(values(column))
+         end if
+      end do
+   end function line_of
 
    !> Close the file.
    subroutine history_close(self)

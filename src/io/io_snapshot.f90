@@ -12,25 +12,25 @@ module io_snapshot
    use io_hdf5_write, only: data_bytes, rows_of_root, rows_t, write_bytes, write_data, &
       write_names
    use io_level, only: even_chunks, level_reals, level_rows, level_wholes
-   use io_order, only: store_rows, tile_order
+   use io_order, only: store_rows
+   use io_pick, only: pick_rule_t
    use particle_store, only: store_t
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: real32
    implicit none
    private
 
-   public :: snapshot_format_t, snapshot_header_t, snapshot_write
+   public :: rounded, snapshot_format_t, snapshot_header_t, snapshot_write, write_bodies, &
+      write_provenance, write_units
 
    character(len=*), parameter :: root = "/VTKHDF"       !! Where viewers look
    character(len=*), parameter :: about = "/provenance"  !! Where the file came from
    integer, parameter, public :: body_name_length = 64   !! Longest name of a body
 
    !> How a snapshot is written.
-   type :: snapshot_format_t
+   type, extends(pick_rule_t) :: snapshot_format_t
       logical :: single = .true.                         !! Fields in single precision
       integer :: compress = 1                            !! gzip level, 0: off
-      integer :: stride = 1                              !! Only every so many identities
-      integer(int64), allocatable :: bodies(:)           !! Only these, if allocated
    end type snapshot_format_t
 
    !> What stands in a snapshot beside the particles. The same on all ranks. Texts that are not
@@ -86,8 +86,7 @@ contains
       if (allocated(error)) return
       allocate (picks(size(stores)))
       do index = 1, size(stores)
-         call tile_order(stores(index), picks(index)%order)
-         call thin_out(stores(index), format, picks(index)%order)
+         call format%pick(stores(index), picks(index)%order)
          counts(index) = size(picks(index)%order)
       end do
       rows = store_rows(communicator, counts, format%compress)
@@ -105,30 +104,6 @@ contains
       call write_bodies(file, header)
       call file%finish(error)
    end subroutine snapshot_write
-
-   !> Keep only the particles that the format asks for. The choice goes by identity, so that it does
-   !! not depend on ranks.
-   subroutine thin_out(store, format, order)
-      type(store_t), intent(in) :: store                 !! The particles
-      type(snapshot_format_t), intent(in) :: format      !! What is wanted
-      integer, allocatable, intent(inout) :: order(:)    !! Places; those not wanted are taken out
-      integer :: kept, row
-      integer, allocatable :: shorter(:)
-
-      if (format%stride <= 1 .and. .not. allocated(format%bodies)) return
-      kept = 0
-      do row = 1, size(order)
-         if (mod(store%identity(order(row)), int(max(format%stride, 1), int64)) /= 0_int64) cycle
-         if (allocated(format%bodies) .and. allocated(store%body)) then
-            if (all(format%bodies /= store%body(order(row)))) cycle
-         end if
-         kept = kept + 1
-         order(kept) = order(row)
-      end do
-      allocate (shorter(kept))
-      shorter(:) = order(:kept)
-      call move_alloc(shorter, order)
-   end subroutine thin_out
 
    !> Greatest length that the file can get [byte].
    pure function greatest_length(rows, columns, header) result(bytes)
@@ -281,7 +256,7 @@ contains
    end subroutine write_single
 
    !> The nearest number of single precision; what is out of range goes to its end.
-   pure function rounded(number) result(single)
+   pure elemental function rounded(number) result(single)
       real(wp), intent(in) :: number                     !! Any number
       real(real32) :: single
       real(wp), parameter :: most = real(huge(1.0_real32), wp)

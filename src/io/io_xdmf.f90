@@ -21,6 +21,7 @@ module io_xdmf
    type :: series_t
       character(len=:), allocatable :: folder            !! Where the files are
       character(len=:), allocatable :: prefix            !! As "CASE_p"
+      logical :: of_grids = .false.                      !! No particles: a list is all there is
       type(snapshot_info_t), allocatable, private :: steps(:) !! On rank 0 only
    contains
       procedure :: open => series_open                   !! Find the snapshots of an earlier run
@@ -31,18 +32,20 @@ module io_xdmf
 
 contains
 
-   !> Begin a series, with the snapshots of an earlier run before a number. Collective.
-   subroutine series_open(self, communicator, folder, prefix, next_number, error)
+   !> Begin a series, with the snapshots of an earlier run before a number. One that cannot be read
+   !! is left out: a run that goes on does not need it. Collective.
+   subroutine series_open(self, communicator, folder, prefix, next_number, note, error)
       class(series_t), intent(inout) :: self             !! The series
       type(communicator_t), intent(in) :: communicator   !! The ranks
       character(len=*), intent(in) :: folder             !! Where the files are
       character(len=*), intent(in) :: prefix             !! As "CASE_p"
       integer, intent(in) :: next_number                 !! Number of the next snapshot
-      type(error_t), allocatable, intent(out) :: error   !! A snapshot cannot be read
+      character(len=:), allocatable, intent(out) :: note !! Rank 0: what was left out, or empty
+      type(error_t), allocatable, intent(out) :: error   !! The folder cannot be read
       character(len=longest_name), allocatable :: names(:)
-      type(snapshot_info_t) :: info
-      integer :: index
+      integer :: length
 
+      note = ""
       self%folder = folder
       self%prefix = prefix
       if (allocated(self%steps)) deallocate (self%steps)
@@ -50,30 +53,50 @@ contains
       if (communicator%rank == 0 .and. next_number > 0) then
          call list_folder(folder, prefix//"_", ".hdf", names, error)
          if (.not. allocated(error)) then
-            do index = 1, size(names)
-               if (.not. is_before(names(index), self%path(next_number))) cycle
-               call read_snapshot(join_path(folder, trim(names(index))), info, error)
-               if (allocated(error)) exit
-               call append(self%steps, info)
+            ! numbers of seven digits come after those of six
+            do length = len(prefix) + len("_000000.hdf"), len(name_of(self%path(next_number)))
+               call collect(self, names, length, next_number, note)
             end do
          end if
       end if
       call agree(communicator, error)
    end subroutine series_open
 
-   !> Is a name that of a snapshot before another one.
-   pure logical function is_before(name, path) result(before)
-      character(len=*), intent(in) :: name               !! Name of a file
-      character(len=*), intent(in) :: path               !! Path of the later snapshot
-      character(len=:), allocatable :: later
-      integer :: first
+   !> Take the snapshots whose names have a length and whose numbers are below another.
+   subroutine collect(series, names, length, next_number, note)
+      type(series_t), intent(inout) :: series            !! Gets the snapshots
+      character(len=*), intent(in) :: names(:)           !! Names in the folder, sorted
+      integer, intent(in) :: length                      !! Of the names that are wanted
+      integer, intent(in) :: next_number                 !! Number of the next snapshot
+      character(len=:), allocatable, intent(inout) :: note !! What was left out
+      type(snapshot_info_t) :: info
+      type(error_t), allocatable :: error
+      integer :: index
 
-      later = name_of(path)
-      before = len_trim(name) == len(later)
-      if (.not. before) return
-      first = len(later) - len("000000.hdf") + 1
-      before = verify(name(first:first + 5), "0123456789") == 0 .and. llt(name, later)
-   end function is_before
+      do index = 1, size(names)
+         if (len_trim(names(index)) /= length) cycle
+         if (verify(names(index)(len(series%prefix) + 2:length - len(".hdf")), "0123456789") > 0) &
+            cycle
+         if (.not. comes_before(join_path(series%folder, trim(names(index))), &
+            series%path(next_number))) cycle
+         call read_snapshot(join_path(series%folder, trim(names(index))), info, error, &
+            series%of_grids)
+         if (allocated(error)) then
+            note = note//error%message//new_line("a")
+         else
+            call append(series%steps, info)
+         end if
+      end do
+   end subroutine collect
+
+   !> True if a snapshot of a series is before another one: of two numbers with at least six digits
+   !! the longer one is greater.
+   pure logical function comes_before(path, other) result(before)
+      character(len=*), intent(in) :: path               !! Its path
+      character(len=*), intent(in) :: other              !! Path of the other one
+
+      before = len(path) < len(other) .or. (len(path) == len(other) .and. llt(path, other))
+   end function comes_before
 
    !> Path of a snapshot.
    function series_path(self, number) result(path)
@@ -97,15 +120,16 @@ contains
       integer :: count
 
       if (communicator%rank == 0) then
-         call read_snapshot(path, info, error)
+         call read_snapshot(path, info, error, self%of_grids)
          if (.not. allocated(error)) then
             call append(self%steps, info)
             count = size(self%steps)
             base = join_path(self%folder, self%prefix)
             call write_file(base//".hdf.series", series_text(self%steps), error)
-            if (.not. allocated(error)) &
+            if (.not. (allocated(error) .or. self%of_grids)) &
                call write_file(base//".xdmf", xdmf_text(self%steps), error)
-            if (.not. allocated(error) .and. (count <= often .or. mod(count, often) == 0)) &
+            if (.not. (allocated(error) .or. self%of_grids) .and. &
+               (count <= often .or. mod(count, often) == 0)) &
                call write_index(base//".vtkhdf", self%steps, error)
          end if
       end if
@@ -119,7 +143,7 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! The index cannot be written
 
       if (communicator%rank == 0 .and. allocated(self%steps)) then
-         if (size(self%steps) > 0) &
+         if (size(self%steps) > 0 .and. .not. self%of_grids) &
             call write_index(join_path(self%folder, self%prefix//".vtkhdf"), self%steps, error)
       end if
       call agree(communicator, error)
@@ -134,7 +158,7 @@ contains
 
       kept = size(steps)
       do while (kept > 0)
-         if (llt(steps(kept)%path, info%path)) exit
+         if (comes_before(steps(kept)%path, info%path)) exit
          kept = kept - 1
       end do
       allocate (larger(kept + 1))

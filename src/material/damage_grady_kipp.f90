@@ -142,6 +142,8 @@ contains
       real(wp) :: strain, speed, volume, number, radius, greatest, least
       integer :: i, k
 
+      ! A gas has no bulk modulus at rest and no elastic strain.
+      if (.not. model%bulk > 0.0_wp) return
       speed = model%share*sqrt((model%bulk + 4.0_wp/3.0_wp*model%shear)/model%density)
       do i = 1, last - first + 1
          k = first - 1 + i

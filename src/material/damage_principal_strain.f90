@@ -65,6 +65,8 @@ contains
       type(effects_t), intent(in) :: effects              !! What is asked for
 
       call group%get("failure_strain", self%limit)
+      ! Then cracks open, and nothing fails at once.
+      if (group%given("fracture_energy")) self%limit = sqrt(huge(1.0_wp))
       call group%get("failure_delay", self%delay)
       if (.not. effects%size_scatter) return
       allocate (self%weibull)
@@ -130,6 +132,8 @@ contains
       real(wp) :: greatest, least
       integer :: i, k
 
+      ! A gas has no bulk modulus at rest and no elastic strain.
+      if (.not. model%bulk > 0.0_wp) return
       do i = 1, last - first + 1
          if (0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk) &
             < model%limit*factor(i)) cycle

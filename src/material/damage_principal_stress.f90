@@ -10,6 +10,7 @@ module damage_principal_stress
    use material_damage, only: damage_t
    use material_effects, only: effects_t
    use material_matter, only: deformation_t, matter_t
+   use material_softening, only: declare_softening
    use material_wishes, only: wishes_t
    implicit none
    private
@@ -47,6 +48,7 @@ contains
          "the difference of the principal stresses", unit="Pa", range="> 0", owner=owner)
       call schema%require("material", "failure_stress")
       call declare_brittle(schema)
+      call declare_softening(schema)
    end subroutine principal_declare
 
    !> It does not count plastic strain.
@@ -70,6 +72,8 @@ contains
       type(effects_t), intent(in) :: effects              !! What is asked for
 
       call group%get("failure_stress", self%strength)
+      ! Then cracks open by tension, and this model is left with compression.
+      if (group%given("fracture_energy")) self%strength = sqrt(huge(1.0_wp))
       if (group%given("failure_shear")) call group%get("failure_shear", self%crushing)
       call group%get("failure_delay", self%delay)
       if (.not. effects%size_scatter) return

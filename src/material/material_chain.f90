@@ -9,6 +9,7 @@ module material_chain
    use material_law, only: law_t
    use material_matter, only: deformation_t, matter_t
    use material_remains, only: remains_t, share_t, vanish
+   use material_softening, only: softening_t
    use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
    use material_tension, only: break, cut_tension, drop_failed, drop_melted, fail, fracture_t, &
       open_voids, spall_t
@@ -29,11 +30,13 @@ module material_chain
       class(law_t), allocatable :: law               !! Strength; none: stress is pressure alone
       class(eos_t), allocatable :: eos               !! None: mean stress in rate form
       class(damage_t), allocatable :: damage         !! Lets damage grow
+      type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
       type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
       type(spall_t), allocatable :: spall            !! Tension cut-off without memory
       type(fracture_t), allocatable :: fracture      !! Failure for good
       type(remains_t), allocatable :: remains        !! Law of failed matter
       type(voids_t), allocatable :: voids            !! Voids open and close
+      logical :: repacks = .false.                   !! The fill of nodes corrects volumes
       integer(int64) :: seed = 0                     !! Of random strength
       type(heat_t), allocatable :: heat              !! Temperature follows the work
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]
@@ -218,6 +221,7 @@ contains
 
       count = last - first + 1
       if (count < 1) return
+      if (allocated(self%softening)) call self%softening%recover(matter, first, last)
       if (allocated(self%remains)) &
          call self%remains%collect(matter, deformation, first, last, share)
       if (allocated(self%voids)) call self%voids%choose(matter, deformation, first, last)
@@ -237,6 +241,8 @@ contains
       if (allocated(self%law)) call update_deviator(self, matter, deformation, first, last, dt)
       if (allocated(self%remains)) &
          call self%remains%give_back(share, matter, deformation, first)
+      if (allocated(self%softening)) &
+         call self%softening%open(matter, deformation, first, last, spacing)
       if (allocated(self%damage)) call self%damage%update(matter, deformation, first, last, dt)
       call limit_tension(self, matter, deformation, first, last)
       if (allocated(self%viscosity)) call viscous_losses(first, last, matter%viscous_pressure, &
@@ -445,6 +451,8 @@ contains
             if (allocated(matter%viscous_pressure)) pressure = pressure - matter%viscous_pressure(k)
             energy(i) = energy(i) + matter%volume(k)*pressure**2/(2.0_wp*self%bulk)
          end if
+         if (allocated(self%softening)) energy(i) = energy(i) &
+            + self%softening%missing(matter, k, .not. allocated(self%eos))
       end do
    end subroutine chain_stored_energy
 end module material_chain

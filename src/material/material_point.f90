@@ -101,7 +101,7 @@ contains
       real(wp), intent(in) :: dt                         !! Time step [s]
       type(matter_t), intent(inout) :: matter            !! State of the point
       type(deformation_t), intent(inout) :: deformation  !! Step of the point
-      real(wp), parameter :: spacing = 1.0e-3_wp         !! Of no meaning without viscosity [m]
+      real(wp), parameter :: spacing = 1.0e-3_wp !! Of a cell, for the width of cracks [m]
       type(matter_t) :: before
       real(wp) :: volume, power
       integer :: pass

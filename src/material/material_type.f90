@@ -13,6 +13,7 @@ module material_type
    use material_law, only: law_t
    use material_presets, only: aluminium, glass, grains, metals
    use material_remains, only: choose_remains, declare_remains
+   use material_softening, only: softening_fault
    use material_voids, only: declare_voids, voids_t
    implicit none
    private
@@ -84,6 +85,10 @@ contains
       call schema%words("material", "damage_model", damage_names)
       call schema%real("material", "spall", "greatest tension; with &effects damage a particle "// &
          "that reaches it fails", unit="Pa", range="> 0")
+      call schema%text("material", "volume_from", "volume of loose matter: motion, that of its "// &
+         "motion; grid, corrected where nodes see gaps or too many particles", &
+         default="motion", words="motion grid", owner="effects.eos & "// &
+         "effects.strength & strength_model = drucker_prager mohr_coulomb mu_i")
    end subroutine declare_elasticity
 
    !> Declare temperatures and the rate that several models share.
@@ -129,7 +134,7 @@ contains
    end subroutine declare_models
 
    !> Make a material from its group. What the single keys cannot tell is checked here; the material
-   !> is complete only if the deck has no errors at all.
+   !> is complete only if neither it nor what it depends on has errors.
    subroutine material_read(self, deck, place)
       class(material_t), intent(out) :: self         !! The material
       type(deck_t), intent(inout) :: deck            !! The deck, notes what is wrong
@@ -138,6 +143,7 @@ contains
          "strength_model", "damage_model"]
       type(effects_t) :: effects
       type(group_t) :: group
+      character(len=:), allocatable :: fault
 
       call effects%read(deck%group("effects"))
       group = deck%group("material", place)
@@ -147,11 +153,15 @@ contains
       call choose_models(self, group, effects)
       call check_moduli(self, group, deck)
       call check_models(self, group, effects, deck)
-      if (deck%errors() > 0) return
+      if (.not. (deck%sound("material", place) .and. deck%sound("effects") .and. &
+         deck%sound("method") .and. deck%sound("run"))) return
       call group%get("density", self%density)
       call read_moduli(self, group)
       call read_models(self, group, effects, deck%group("method"))
-      call read_failure(self, group, effects, deck%group("run"))
+      call read_failure(self, group, effects, deck%group("run"), deck%group("method"))
+      if (.not. (allocated(self%softening) .and. deck%sound("grid"))) return
+      fault = self%softening%band_fault(deck%group("run"), deck%group("grid"))
+      if (len(fault) > 0) call deck%complain(group, fault, "fracture_energy")
    end subroutine material_read
 
    !> Allocate the models that are asked for.
@@ -169,6 +179,8 @@ contains
       end if
       call group%get("eos_model", word)
       if (effects%eos .and. .not. gives_whole(material)) call choose_eos(word, material%eos)
+      call group%get("volume_from", word)
+      material%repacks = word == "grid"
       call group%get("damage_model", word)
       if (effects%damage) call choose_damage(word, material%damage)
    end subroutine choose_models
@@ -238,6 +250,7 @@ contains
       plastic = .false.
       if (allocated(material%law)) plastic = material%law%plastic()
       call check_failure(material, group, effects, plastic, deck)
+      call check_packing(material, group, effects, deck)
       if (effects%voids .and. allocated(material%eos)) then
          fault = no_voids%fault(group)
          if (len(fault) > 0) call deck%complain(group, fault)
@@ -279,6 +292,23 @@ contains
       end if
    end subroutine check_models
 
+   !> Only grains that nothing holds together can be as dense as the nodes find them.
+   subroutine check_packing(material, group, effects, deck)
+      class(material_t), intent(in) :: material      !! The material with its models chosen
+      type(group_t), intent(in) :: group             !! Its &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(deck_t), intent(inout) :: deck            !! Notes what is wrong
+      real(wp) :: cohesion
+
+      if (.not. material%repacks) return
+      if (effects%voids) call deck%complain(group, "&effects voids has volumes of its own; "// &
+         "remove volume_from = 'grid' or voids", "volume_from")
+      if (.not. group%given("cohesion")) return
+      call group%get("cohesion", cohesion)
+      if (cohesion > 0.0_wp) call deck%complain(group, "volume_from = 'grid' is for grains "// &
+         "without cohesion; remove one of both", "volume_from")
+   end subroutine check_packing
+
    !> Failure that fits the law and the effects.
    subroutine check_failure(material, group, effects, plastic, deck)
       class(material_t), intent(in) :: material      !! The material with its models chosen
@@ -306,6 +336,8 @@ contains
       if (group%given("weibull_m") .and. effects%damage .and. &
          .not. (effects%size_scatter .or. word == "grady_kipp")) &
          call deck%complain(group, "weibull_m needs &effects size_scatter = .true.", "weibull_m")
+      fault = softening_fault(group)
+      if (len(fault) > 0 .and. allocated(material%damage)) call deck%complain(group, fault)
       if (.not. (group%given("failed_as") .and. effects%damage)) return
       if (.not. (allocated(material%damage) .or. group%given("spall"))) call deck%complain(group, &
          "failed_as is given but nothing fails; give damage_model or spall", "failed_as")
@@ -418,11 +450,12 @@ contains
    end subroutine read_models
 
    !> How the material fails, and what is left then.
-   subroutine read_failure(material, group, effects, run_group)
+   subroutine read_failure(material, group, effects, run_group, method_group)
       class(material_t), intent(inout) :: material   !! The material
       type(group_t), intent(in) :: group             !! Its &material
       type(effects_t), intent(in) :: effects         !! What is asked for
       type(group_t), intent(in) :: run_group         !! &run
+      type(group_t), intent(in) :: method_group      !! &method
       character(len=:), allocatable :: word
       integer :: seed
 
@@ -431,6 +464,11 @@ contains
          material%damage%bulk = material%bulk
          material%damage%density = material%density
          call material%damage%read(group, effects)
+         if (group%given("fracture_energy")) then
+            allocate (material%softening)
+            call material%softening%read(group, run_group, method_group, material%shear, &
+               material%bulk)
+         end if
       end if
       call run_group%get("seed", seed)
       material%seed = int(seed, int64)

@@ -33,6 +33,7 @@ module mesh_boundary
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
       procedure :: insulate => boundary_insulate     !! No flux through the faces
       procedure :: touches => boundary_touches       !! Does a tile have nodes on a ruled face?
+      procedure :: see_gaps => boundary_see_gaps     !! Matter that thins out towards a closed face
    end type boundary_t
 
 contains
@@ -91,6 +92,41 @@ contains
          end do
       end do
    end subroutine boundary_constrain
+
+   !> Fill less 1 of nodes on closed faces, where it is less than that of the next node inwards:
+   !! a gap between the face and matter that bears on it, not a surface of the matter.
+   pure subroutine boundary_see_gaps(self, grid, coordinate, noise, filled, around, excess)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), intent(in) :: noise                  !! Fills so near to 1 count as 1 [1]
+      real(wp), contiguous, intent(in) :: filled(:, :)    !! (1, node) Volume of particles [m3]
+      real(wp), intent(in) :: around(:)              !! (node) Volume of the node [m3]
+      real(wp), contiguous, intent(inout) :: excess(:, :) !! (1, node) Fill less 1 [1]
+      real(wp) :: fill
+      integer :: face, first, length(3), x, y, z, node, inner, normal
+      logical :: here
+
+      do face = 1, 6
+         if (self%kind(face) == face_outflow .or. self%kind(face) == face_periodic) cycle
+         call face_box(grid, coordinate, face, here, first, length)
+         if (.not. here) cycle
+         normal = (face + 1)/2
+         do z = 0, length(3)
+            do y = 0, length(2)
+               do x = 0, length(1)
+                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  inner = node + merge(1, -1, mod(face, 2) == 1)*grid%stride(normal)
+                  if (.not. min(around(node), around(inner)) > 0.0_wp) cycle
+                  fill = filled(1, node)/around(node)
+                  if (fill < filled(1, inner)/around(inner)) &
+                     excess(1, node) = max(0.0_wp, fill - 1.0_wp - noise) &
+                     + min(0.0_wp, fill - 1.0_wp + noise)
+               end do
+            end do
+         end do
+      end do
+   end subroutine boundary_see_gaps
 
    !> Walls with friction after Coulomb. Where the forces of a step press a node on such a wall, the
    !! wall takes its normal velocity and acceleration, and from its velocity along the wall at the

@@ -12,7 +12,7 @@ module mesh_patch
    implicit none
    private
 
-   public :: assemble, clear_patch, ensure_patch
+   public :: assemble, assemble_greatest, clear_patch, ensure_patch
 
 contains
 
@@ -54,27 +54,70 @@ contains
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Contributions
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node) Sums
-      integer :: place, other, shift(3), extent(3), theirs(3), origin(3), margin(3), low(3), high(3)
+      integer :: place, other, mine, theirs, length(3)
 
-      extent = extent_of(tile)
-      margin = merge(grid%margin, 0, grid%active)
       call clear_patch(total)
       do place = 1, neighbors
          other = tiles%neighbor(place, tile)
          if (other == 0) cycle
-         shift(1) = mod(place - 1, 3) - 1
-         shift(2) = mod((place - 1)/3, 3) - 1
-         shift(3) = (place - 1)/9 - 1
-         theirs = extent_of(other)
-         ! lower corner of the other tile, and the box that both have, seen from this one
-         origin = merge(extent, merge(-theirs, 0, shift == -1), shift == 1)
-         low = max(0, origin) - margin
-         high = min(extent, origin + theirs) + margin
-         if (any(high < low)) cycle
-         call add_box(size(patch, 1), size(patch, 2), dot_product(low + margin, grid%stride), &
-            dot_product(low - origin + margin, grid%stride), high - low, grid%stride, &
+         call common_box(grid, tiles, tile, other, place, mine, theirs, length)
+         if (any(length < 0)) cycle
+         call add_box(size(patch, 1), size(patch, 2), mine, theirs, length, grid%stride, &
             patch(:, :, other), total)
       end do
+   end subroutine assemble
+
+   !> Greatest values of the patches that touch the nodes of one tile, its margin included.
+   pure subroutine assemble_greatest(grid, tiles, patch, tile, greatest)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(tiles_t), intent(in) :: tiles             !! The tiles
+      real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Values
+      integer, intent(in) :: tile                    !! Whose nodes
+      real(wp), contiguous, intent(inout) :: greatest(:, :) !! (component, node)
+      integer :: place, other, mine, theirs, length(3), x, y, z, shift
+
+      greatest = -huge(1.0_wp)
+      do place = 1, neighbors
+         other = tiles%neighbor(place, tile)
+         if (other == 0) cycle
+         call common_box(grid, tiles, tile, other, place, mine, theirs, length)
+         do z = 0, length(3)
+            do y = 0, length(2)
+               do x = 0, length(1)
+                  shift = 1 + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  greatest(:, mine + shift) = max(greatest(:, mine + shift), &
+                     patch(:, theirs + shift, other))
+               end do
+            end do
+         end do
+      end do
+   end subroutine assemble_greatest
+
+   !> The box of nodes that a tile has in common with one around it, margins included.
+   ! gate: long kernel because a box is told by two corners and its lengths
+   pure subroutine common_box(grid, tiles, tile, other, place, mine, theirs, length)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(tiles_t), intent(in) :: tiles             !! The tiles
+      integer, intent(in) :: tile                    !! Whose nodes
+      integer, intent(in) :: other                   !! The tile around it
+      integer, intent(in) :: place                   !! Its place, 1 to 27
+      integer, intent(out) :: mine                   !! Nodes before the first one here
+      integer, intent(out) :: theirs                 !! Nodes before the first one there
+      integer, intent(out) :: length(3)              !! Nodes along a direction, less 1; < 0 = none
+      integer :: shift(3), extent(3), reach(3), origin(3), margin(3), low(3)
+
+      extent = extent_of(tile)
+      reach = extent_of(other)
+      margin = merge(grid%margin, 0, grid%active)
+      shift(1) = mod(place - 1, 3) - 1
+      shift(2) = mod((place - 1)/3, 3) - 1
+      shift(3) = (place - 1)/9 - 1
+      ! lower corner of the other tile, and the box that both have, seen from this one
+      origin = merge(extent, merge(-reach, 0, shift == -1), shift == 1)
+      low = max(0, origin) - margin
+      length = min(extent, origin + reach) + margin - low
+      mine = dot_product(low + margin, grid%stride)
+      theirs = dot_product(low - origin + margin, grid%stride)
 
    contains
 
@@ -86,7 +129,7 @@ contains
          cells = merge(min(grid%width, grid%cells - tiles%coordinate(:, index)*grid%width), 0, &
             grid%active)
       end function extent_of
-   end subroutine assemble
+   end subroutine common_box
 
    !> Add a box of nodes of one tile to a box of nodes of another. Nodes of a line along x and their
    !! components are one piece of memory, so a line is added as one vector.

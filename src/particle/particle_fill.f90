@@ -374,6 +374,7 @@ contains
       end if
       if (allocated(store%affine)) store%affine(p, :) = 0.0_wp
       if (allocated(store%spin)) store%spin(p, :) = 0.0_wp
+      if (allocated(store%bond)) store%bond(p) = 1.0_wp
    end subroutine size_particle
 
    !> Volume of a lattice site [m3]; that of the ring in axisymmetry.

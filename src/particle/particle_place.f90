@@ -8,7 +8,7 @@ module particle_place
    implicit none
    private
 
-   public :: find_place, place_tile
+   public :: find_place, place_particle, place_tile
 
 contains
 
@@ -66,6 +66,28 @@ contains
          end if
       end do
    end subroutine place_tile
+
+   !> Find the cell of one particle of a tile; count it if it left it.
+   pure subroutine place_particle(grid, boundary, coordinate, store, tile, p)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! The faces
+      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Index of the tile
+      integer, intent(in) :: p                       !! Which particle, in its tile so far
+      integer :: cells(3), owner(3)
+      logical :: lost
+
+      call find_place(grid, boundary, [store%position(p, 1), store%position(p, 2), &
+         store%position(p, 3)], owner, cells, lost)
+      store%home(p) = moved_out
+      if (.not. lost) then
+         call wrap(grid, boundary, store%position, p)
+         store%home(p) = cells(1) + grid%width(1)*(cells(2) + grid%width(2)*cells(3))
+         if (any(owner /= coordinate)) store%home(p) = moved_away
+      end if
+      if (store%home(p) < 0) store%leaving(tile) = store%leaving(tile) + 1
+   end subroutine place_particle
 
    !> Tile and cell in the tile of a position. Outside of the box a position wraps round, is held at
    !! a closed face, or is lost through an open one.

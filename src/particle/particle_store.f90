@@ -16,6 +16,7 @@ module particle_store
 
    integer, parameter, public :: moved_away = -1      !! Home of a particle that left its tile
    integer, parameter, public :: moved_out = -2       !! Home of a particle that left the box
+   integer, parameter, public :: moved_off = -3       !! Home of a particle that is taken out
 
    !> Fields that a method or a scene asks of all particles.
    type :: traits_t
@@ -41,7 +42,10 @@ module particle_store
       !> (particle, 9) Slope (k, l) of the velocity round it in column k + 3 (l - 1) [1/s]
       real(wp), allocatable :: affine(:, :)
       real(wp), allocatable :: spin(:, :)             !! (particle, 3) Rotation round it [1/s]
+      real(wp), allocatable :: bond(:)                !! 1 = bonds to other bodies hold, 0 = broken
       real(wp), allocatable :: reference(:, :) !! (particle, 3) Position at rest (if asked for) [m]
+      !> Rate at which the longest edge grows, from the strain of a step to its end only [1/s]
+      real(wp), allocatable :: opening(:)
       type(matter_t) :: matter                        !! State that the laws see
       integer, allocatable :: home(:)                 !! Cell after the move, < 0 = left the tile
       integer, allocatable :: first(:)                !! (tile) First particle of the range
@@ -147,6 +151,7 @@ contains
       if (allocated(self%domain)) call worker%vector("domain", "m", self%domain)
       if (allocated(self%affine)) call worker%vector("affine", "1/s", self%affine)
       if (allocated(self%spin)) call worker%vector("spin", "1/s", self%spin)
+      if (allocated(self%bond)) call worker%scalar("bond", "1", self%bond)
       if (allocated(self%reference)) call worker%vector("reference", "m", self%reference)
       call self%matter%walk(worker)
    end subroutine store_walk

@@ -71,6 +71,9 @@ def model(material, base=ELASTIC):
     return None, scene(material=base), scene(material=material)
 
 
+CONTACT = scene(f"{PLAIN}  {{switch}}") + """&region  name='b'  shape='box'  lo=0.25,0,0.5  hi=0.75,1,0.75 /
+&body  name='b'  region='b'  material='m'  ppc=3,3,3  velocity=0.9,0,-0.1 /
+"""
 DAMAGE = f"{PLAIN}  damage=.true."
 THERMAL = f"{PLAIN}  thermal=.true."
 EFFECTS = {
@@ -100,6 +103,8 @@ EFFECTS = {
     "thermal": switch("thermal", material=f"{ELASTIC}  {YIELD}", more=HOT),
     "melting": switch("melting", THERMAL, f"{ELASTIC}  {YIELD}  {HOT}", "t_melt=900"),
     "conduction": (None, scene(THERMAL, f"{ELASTIC}  {HOT}"), scene(THERMAL, f"{ELASTIC}  {HOT}  conductivity=1.0e3")),
+    "contact": (CONTACT.replace("{switch}", "contact=.false."), CONTACT.replace("{switch}", ""),
+                CONTACT.replace("{switch}", "contact=.true.")),
     "antilock": (scene(method="antilock='none'"), scene(), scene(method="antilock='bbar'")),
     "sub_points": (scene(method="quadrature='point'"), scene(), scene(method="quadrature='sub_points'")),
     "lsd": (scene(method="quadrature='point'"), scene(), scene(method="quadrature='lsd'")),

@@ -22,6 +22,8 @@ LINK = re.compile(r"\]\(([^)\s]+)\)")
 NAMED = re.compile(r"`((?:src|scripts|test|cmake|doc|input)/[a-z0-9_./]+)`")
 FIRST_STEPS = ROOT / "doc" / "guide" / "first_steps.md"
 DECK = ROOT / "doc" / "guide" / "deck.md"
+RUNNING = ROOT / "doc" / "guide" / "running.md"
+MATTER_OUTPUTS = ROOT / "doc" / "guide" / "matter_outputs.md"
 OUTPUT = ROOT / "doc" / "guide" / "output.md"
 SCENE = "input/two_discs/scene.nml"
 
@@ -124,6 +126,43 @@ class DocumentGate(unittest.TestCase):
             code, text = scree("--check", "bad.nml", folder=folder)
         self.assertEqual(code, 2, text)
         self.assertIn("$ build/bin/scree --check bad.nml\n" + text, blocks(DECK, "console"))
+
+    def test_printed_job(self):
+        shown = next(block for block in blocks(RUNNING, "console") if "--job slurm" in block)
+        command, script = shown.split("\n", 1)
+        code, text = scree(*command.split()[2:])
+        self.assertEqual(code, 0, text)
+        # the program is named by its whole path, wherever that is here
+        self.assertEqual(text.replace(f"srun {SCREE} ", "srun build/bin/scree "), script)
+
+    def test_printed_examples(self):
+        shown = next(block for block in blocks(RUNNING, "console") if "--list examples" in block)
+        first, *said, last = shown.strip().split("\n")
+        code, text = scree(*first.split()[2:])
+        self.assertEqual(code, 0, text)
+        self.assertGreater(len(said), 3)
+        self.none([f"not listed: {line}" for line in said if line != "..." and line not in text.split("\n")])
+        with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
+            code, text = scree(*last.split()[2:], folder=folder)
+            self.assertEqual(code, 0, text)
+            self.assertTrue((Path(folder) / "my_discs/two_discs.nml").is_file())
+
+    def test_shown_streams(self):
+        shown = blocks(MATTER_OUTPUTS, "fortran")[0]
+        with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
+            scene = (ROOT / "input/debris_cloud/scene.nml").read_text(encoding="utf-8")
+            (Path(folder) / "scene.nml").write_text(scene + shown, encoding="utf-8")
+            code, text = scree("scene.nml", "--quiet", "--set", "time.max_steps=0", "--outdir", ".",
+                               folder=folder)
+            self.assertEqual(code, 0, text)
+            with open(Path(folder) / "debris_cloud_fragments.csv", encoding="utf-8") as lines:
+                columns = [column.split(" [")[0] for column in lines.readline().strip().split(",")]
+            written = {path.name for path in Path(folder).iterdir()}
+        told = " ".join(first_cells(MATTER_OUTPUTS, "Fragments"))
+        self.none([f"{MATTER_OUTPUTS.name} does not name {column}" for column in columns
+                   if column not in told and not column.startswith(("lower_", "upper_"))])
+        self.none([f"there is no {name}" for name in ("debris_cloud_g.hdf.series", "debris_cloud_profile.csv",
+                                                      "debris_cloud_tip_p.hdf.series") if name not in written])
 
     def test_shown_deck(self):
         scene = (ROOT / SCENE).read_text(encoding="utf-8")

@@ -102,7 +102,7 @@ def ends_of_numbers(options, sheet):
     """The same block in units that make all numbers tiny or huge."""
     digits = {}
     for name, length, mass in (("unit", 1.0, 1.0), ("tiny", 2.0**-100, 2.0**-100),
-                               ("huge", 2.0**60, 2.0**100), ("least", 1.0, 2.0**-300)):
+                               ("huge", 2.0**60, 2.0**100), ("least", 1.0, 2.0**-500)):
         speed, end = 2.0 * length, 3.0
         deck = f"""
 &run  dimension='plane_strain' /

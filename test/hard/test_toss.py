@@ -2,11 +2,14 @@
 """Sand is thrown up, comes apart, falls back and packs.
 
 Would catch: loose sand that resists or pulls while it is open, volume that sand gains for good,
-halves of a body that still feel each other when they are apart.
+halves of a body that still feel each other when they are apart,
+gaps between particles that bear pressure.
 
-The volume at the end should be that at the start within 1 %. It is 6.9 % too large (limit 10 %): some layers come to
-rest loose, as the volume of a particle follows the velocity gradient and not the places of its neighbours. With
-`voids` it is the same.
+The volume at the end should be that at the start within 1 %. The volume of a particle follows the velocity
+gradient and not the places of its neighbours, so by default the sum of the volumes is 7 % too large (limit 10 %) and
+the heap, with gaps that bear pressure, 14 %; with `voids` it is the same. With volume_from = 'grid' the sum of the
+volumes is judged at 1 % and the volume under the highest particles at 3 %: particles that lie irregularly are packed
+a little too well. The weight takes 0.5 % of both.
 """
 # timeout: 120
 
@@ -40,37 +43,47 @@ SAND = """
 """
 
 
-def toss(options, sheet):
+def heap(snap):
+    """Mean height of the highest particles over strips of a cell, and half a particle, over the first height."""
+    across, up = snap.points[:, 0], snap.points[:, 2]
+    return float(np.mean([up[(across >= low) & (across < low + 1)].max() for low in range(8)]) + 0.25) / 8.0
+
+
+def toss(options, sheet, name, words, most, highest):
     """The upper half flies up at 9 m/s, the lower one at 5 m/s; both fall and come to rest."""
-    run = case.Case(options, "toss", SAND.format(
-        end=14.0, effects="", words="", slow=5, fast=9)).run("-q")
+    run = case.Case(options, name, SAND.format(
+        end=14.0, effects="", words=words, slow=5, fast=9)).run("-q")
     snaps = run.snapshots()
     aloft = [(time, snap) for time, snap in snaps if 0.5 < time < 0.75]
-    sheet.require(len(aloft) > 1, "toss: snapshots of the flight")
+    sheet.require(len(aloft) > 1, f"{name}: snapshots of the flight")
     for time, snap in aloft:
         upper, lower = (snap.fields["body"] == number for number in (2, 1))
         gap = snap.points[upper, 2].min() - snap.points[lower, 2].max()
-        sheet.note(f"toss, {time:.2f} s: gap of the halves [cell]", float(gap))
+        sheet.note(f"{name}, {time:.2f} s: gap of the halves [cell]", float(gap))
         for half, start in ((upper, 9.0), (lower, 5.0)):
             mean = np.average(snap.fields["velocity"][half, 2], weights=snap.fields["mass"][half])
-            sheet.below(f"toss, {time:.2f} s: velocity of a half off free fall",
+            sheet.below(f"{name}, {time:.2f} s: velocity of a half off free fall",
                         (mean - (start - 10.0 * time)) / start, 0.02)
-        sheet.below(f"toss, {time:.2f} s: stress over weight of the heap",
+        sheet.below(f"{name}, {time:.2f} s: stress over weight of the heap",
                     np.abs(snap.fields["stress"]).max() / (1600 * 10 * 8), 0.05)
     last = snaps[-1][1]
-    packed = last.fields["volume"].sum() / (last.fields["mass"].sum() / 1600.0)
+    packed = np.mean([snap.fields["volume"].sum() for _, snap in snaps[-20:]]) \
+        / (last.fields["mass"].sum() / 1600.0)
     speed = np.linalg.norm(last.fields["velocity"], axis=1).max()
-    sheet.note("toss: greatest speed at the end", float(speed))
-    sheet.below("toss: volume at the end over that at the start, less 1", packed - 1.0, 0.1)
+    sheet.note(f"{name}: greatest speed at the end", float(speed))
+    sheet.below(f"{name}: volume at the end over that at the start, less 1", packed - 1.0, most)
+    sheet.below(f"{name}: volume under the heap over that at the start, less 1",
+                np.mean([heap(snap) for _, snap in snaps[-20:]]) - 1.0, highest)
     ledger = run.summary["ledger"]
-    sheet.below("toss: momentum", ledger["momentum_error"], 1.0e-10)
+    sheet.below(f"{name}: momentum", ledger["momentum_error"], 1.0e-10)
 
 
 def main():
     """Sand."""
     options = case.arguments()
     sheet = report.Report()
-    toss(options, sheet)
+    toss(options, sheet, "toss", "", 0.1, 0.2)
+    toss(options, sheet, "toss_grid", "volume_from='grid'", 0.01, 0.03)
     sheet.end()
 
 

@@ -63,6 +63,18 @@ CONTRADICTIONS = [
     ("shock", "&output",
      "&boundary face = 'all' type = 'slip' /\n&boundary face = 'all' type = 'stick' /\n&output", 18,
      "&boundary: face = 'all' is given twice"),
+    ("plain", "&body", "&effects contact = T /\n&region name = 'two' shape = 'box' lo = 0 0 0 hi = 0.3 1 0.2 /\n"
+     "&body name = 'two' region = 'two' material = 'metal' /\n&contact bodies = 'one' 'two' /\n"
+     "&contact bodies = 'two' 'one' law = 'stick' /\n&body", 11,
+     "&contact: bodies of velocity fields 1 and 2 have a law already, in line 10; remove one"),
+    ("plain", "&body", "&effects contact = T /\n&region name = 'two' shape = 'box' lo = 0 0 0 hi = 0.3 1 0.2 /\n"
+     "&body name = 'two' region = 'two' material = 'metal' /\n&contact bodies = 'one' 'one' /\n&body", 10,
+     "&contact: a body has no contact with itself; name two bodies"),
+    ("plain", "&time", "&effects contact = T /\n&exact solution = 'bar_mode' bar_length = 1 mode_speed = 1 /\n&time", 3,
+     "&effects: contact = .true. does not go with &exact, whose solutions know one body; remove"),
+    ("plain", "poisson = 0.3 /", "poisson = 0.3 specific_heat = 900 conductivity = 200 /\n"
+     "&effects contact = T thermal = T /", 6,
+     "&effects: contact = .true. does not go with the conductivity of material 'metal', whose"),
 ]
 
 # Keys without what they belong to.
@@ -121,6 +133,20 @@ ORPHANS = [
      "&boundary: friction must be given (coefficient of friction of the wall)"),
     ("plain", "&time", "&method basis = 'gimp' /\n&time", 3,
      "&method: basis = 'gimp' needs method = 'mpm' in &run; ddmp has linear functions"),
+    ("plain", "poisson = 0.3", "poisson = 0.3 volume_from = 'grid'", 5,
+     "&material 'metal': volume_from given but strength_model = 'elastic' does not use it"),
+    ("plain", "poisson = 0.3", "poisson = 0.3 strength_model = 'drucker_prager' friction_angle = 30 "
+     "cohesion = 1 volume_from = 'grid'", 5,
+     "&material 'metal': volume_from = 'grid' is for grains without cohesion; remove one of both"),
+    ("plain", "'plane_strain' /\n&grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /\n&time t_end = 1e-5 /\n"
+     "&material", "'plane_strain' method = 'mpm' /\n&grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /\n"
+     "&time t_end = 1e-5 /\n&material strength_model = 'mohr_coulomb' friction_angle = 30 "
+     "volume_from = 'grid'", 4,
+     "&material 'metal': volume_from = 'grid' needs method = 'ddmp' in &run; remove it"),
+    ("plain", "&time", "&effects artificial_viscosity = F /\n&method heat_flux = 2 /\n&time", 4,
+     "&method: heat_flux needs &effects artificial_viscosity = .true."),
+    ("plain", "&time", "&method heat_flux = 2 /\n&time", 3,
+     "&method: no material carries an internal energy; remove heat_flux"),
     ("plain", "&time", "&method transfer = 'pic' flip = 0.9 /\n&time", 3,
      "&method: flip given but transfer = 'pic' does not use it"),
     ("plain", "&time", "&method order_k = 3 /\n&time", 3,
@@ -129,6 +155,28 @@ ORPHANS = [
      "&parallel: imbalance given but balance = 'never' does not use it"),
     ("sand", "every = 20", "every = 20 precision = 'double'", 10,
      "&output 'energy': precision given but kind = 'history' does not use it"),
+    ("sand", "every = 20", "every = 20 bins = 10", 10,
+     "&output 'energy': bins given but kind = 'history' does not use it"),
+    ("shock", "dt = 1 /", "dt = 1 velocity_cut = 1 /", 17,
+     "&output 'cloud': velocity_cut given but kind = 'particles' does not use it"),
+    ("shock", "kind = 'particles'", "kind = 'slice'  axis = 'z'", 17,
+     "&output 'cloud': at must be given"),
+    ("shock", "kind = 'particles'", "kind = 'slice'  axis = 'z'  at = 11", 17,
+     "&output 'cloud': the plane lies outside of the grid, from -5 to 10"),
+    ("sand", "kind = 'history'", "kind = 'profile'  axis = 'y'", 10,
+     "&output 'energy': axis = 'y' is a direction that the scene lacks; take one that it has"),
+    ("shock", "kind = 'particles'", "kind = 'grid'  fields = 'body'", 17,
+     "&output 'cloud': output field 'body' is a number that stands for something and has no mean"),
+    ("shock", "kind = 'particles'", "kind = 'grid'  stride = 2", 17,
+     "&output 'cloud': stride given but kind = 'grid' does not use it"),
+    ("shock", "kind = 'particles'", "kind = 'fragments'  fields = 'mass'", 17,
+     "&output 'cloud': fields given but kind = 'fragments' does not use it"),
+    ("shock", "kind = 'particles'", "kind = 'particles'  region = 'bal'", 17,
+     "&output 'cloud': no region 'bal'; defined: ball, plate; did you mean 'ball'?"),
+    ("sand", "kind = 'history'", "kind = 'profile'  bins = 0", 10,
+     "&output: bins = 0  <- must be > 0 and <= 10000"),
+    ("sand", "kind = 'history'", "kind = 'fragments'  velocity_cut = 0", 10,
+     "&output: velocity_cut = 0  <- must be > 0 m/s"),
     ("plain", "t_end = 1e-5", "t_end = 1e-5 stop_value = 1", 3,
      "&time: stop_value given but stop_when = 'never' does not use it"),
     ("shock", "thermal = T  ", "", 3, "&effects: melting given but thermal = .false."),
@@ -139,6 +187,14 @@ ORPHANS = [
      "&material 'al': shear must be set [Pa], or young [Pa] and poisson"),
     ("plain", "&time", "&exact origin = 0 0 0 /\n&time", 3,
      "&exact: origin given but solution = 'none' does not use it"),
+    ("plain", "&time", "&contact friction = 0.1 /\n&time", 3,
+     "&contact: friction needs &effects contact = .true."),
+    ("plain", "'metal' /", "'metal' field = 2 /\n", 7,
+     "&body 'one': field needs &effects contact = .true."),
+    ("plain", "&time", "&effects contact = T /\n&contact law = 'stick' friction = 0.1 /\n&time", 4,
+     "&contact: friction given but law = 'stick' does not use it"),
+    ("plain", "&time", "&effects contact = T /\n&contact bond_strength = 1e6 /\n&time", 4,
+     "&contact: bond_strength given but law = 'friction' does not use it"),
 ]
 
 # Names of nothing.
@@ -165,6 +221,8 @@ NAMES = [
     ("plain", "&time",
      "&exact solution = 'bar_mode' bar_length = 1 mode_speed = 1 bodies = 'two' /\n&time", 3,
      "&exact: no body 'two'; defined: one"),
+    ("plain", "&time", "&effects contact = T /\n&contact bodies = 'one' 'oen' /\n&time", 4,
+     "&contact: no body 'oen'; defined: one; did you mean 'one'?"),
     ("plain", "dimension = 'plane_strain'", "dimension = 'plane_strain' case = '../a'", 1,
      "&run: case = '../a' is part of file names: no blanks, slashes, quotes; the folder is"),
     ("plain", "dimension = 'plane_strain'", "dimension = 'plane_strain' case = 'a b'", 1,

@@ -11,6 +11,7 @@ import subprocess
 import unittest
 
 import case
+import broken_many as many
 import broken_scenes as scenes
 import broken_values as values
 
@@ -125,6 +126,15 @@ class BadDecks(unittest.TestCase):
         self.assertEqual(len(found), len(wanted), "\n".join(output))
         for line, start in zip(found, wanted):
             self.assertTrue(line.startswith(start), f"{line}\n{start}")
+
+    def test_faults_of_all_stages(self):
+        """Would catch: a stage that is not run because an earlier one found a fault of something else; follow-up
+        errors."""
+        for text, lines in many.DECKS:
+            with self.subTest(lines[0]):
+                output = self.check("many", text)
+                told = [line.partition(".nml:")[2] for line in output.splitlines() if ": error: " in line]
+                self.assertEqual(told, lines, output)
 
     def test_good_decks(self):
         """Would catch a check that finds faults where there are none: the changes start from it."""

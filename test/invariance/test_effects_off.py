@@ -19,7 +19,7 @@ import report   # noqa: E402
 
 STEPS = 12
 # What a phase of its own is for; all other effects share the phases of every run.
-OWN_PHASE = {"conduction": "heat conduction"}
+OWN_PHASE = {"conduction": "heat conduction", "contact": "contact"}
 
 
 def main():

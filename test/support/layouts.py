@@ -9,7 +9,7 @@ import re
 
 import case
 
-CLOUD_STEPS, COLUMN_STEPS, BAR_STEPS = 60, 60, 90
+CLOUD_STEPS, COLUMN_STEPS, BAR_STEPS, BLOCK_STEPS = 60, 60, 90, 50
 
 COLUMN = f"""
 &run  dimension='plane_strain' /
@@ -35,6 +35,22 @@ BAR = f"""
 &body  name='right'  region='right'  material='rubber'  ppc=3,1,1  velocity=-3,0,0 /
 """
 
+BLOCKS = f"""
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=0.8,1,0.4  dx=0.01 /
+&time  t_end=1  max_steps={BLOCK_STEPS} /
+&effects  contact=.true. /
+&material  name='m'  density=1000  young=1.0e6  poisson=0.3 /
+&region  name='a'  shape='box'     lo=0.1,0,0.1  hi=0.4,1,0.3 /
+&region  name='b'  shape='box'     lo=0.4,0,0.1  hi=0.6,1,0.25 /
+&region  name='c'  shape='sphere'  centre=0.42,0,0.34  radius=0.05 /
+&body  name='a'  region='a'  material='m'  ppc=2,1,2  velocity=2,0,0.5 /
+&body  name='b'  region='b'  material='m'  ppc=3,1,2  velocity=-3,0,0 /
+&body  name='c'  region='c'  material='m'  ppc=2,1,2  velocity=0,0,-4 /
+&contact  friction=0.3 /
+&contact  bodies='a','b'  law='bonded'  bond_strength=3.0e4  friction=0.1 /
+"""
+
 BALANCE = {
     "on": "&parallel  balance='auto'  balance_every=7  imbalance=1.01 /\n",
     "off": "&parallel  balance='never' /\n",
@@ -55,7 +71,7 @@ def coarse_cloud(steps):
 def decks():
     """Name, deck and number of steps."""
     return (("cloud", coarse_cloud(CLOUD_STEPS), CLOUD_STEPS), ("column", COLUMN, COLUMN_STEPS),
-            ("bar", BAR, BAR_STEPS))
+            ("bar", BAR, BAR_STEPS), ("blocks", BLOCKS, BLOCK_STEPS))
 
 
 class Matrix:

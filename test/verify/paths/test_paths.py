@@ -4,9 +4,13 @@
 Would catch: a rate of flow, a share of heat, a triaxiality or a sign that is wrong in one law; a shear modulus that
 does not follow pressure; steps that are not of first order at least; work that goes to the wrong place.
 
-`scree --point` returns to the yield surface with implicit steps. Here Johnson and Cook is a differential equation, rate
-of flow by stress, solved by Runge and Kutta; p-alpha and Tillotson are isentropes, solved likewise. Steinberg and
-Guinan and JH-2 are stepped with ten times as many steps, the former by means of both ends. Each path is run with three
+`scree --point` returns to the yield surface with implicit steps. Here Johnson and Cook is a differential equation,
+rate
+of flow by stress, solved by Runge and Kutta; p-alpha and Tillotson are isentropes, solved likewise; cracks are a
+series of
+column and opening. Steinberg and
+Guinan and JH-2 are stepped with ten times as many steps, the former by means of both ends. Each path is run with
+three
 numbers of steps: the error must be small with the most, and fall with first order, that of the energy alone with
 second. Where
 flow begins anew within a step, at a rate that jumps (copper released), the order is 0.65 and the error 7e-5.
@@ -51,6 +55,11 @@ POROUS = """
 &effects  strength=.false. /
 &material  name='p'  density=2000  eos_model='p_alpha'  mg_c0=5328  mg_s=1.338  mg_gamma=2  pa_solid=2785  pa_pe=0.1e9
   pa_pc=1.0e9 /
+"""
+CONCRETE = """
+&effects  damage=.true.  eos=.false. /
+&material  name='c'  density=2400  bulk=20e9  shear=15e9  damage_model='principal_stress'  failure_stress=3e6
+  fracture_energy=1  softening='{curve}' /
 """
 TILLOTSON = """
 &effects  strength=.false. /
@@ -265,6 +274,30 @@ def compare(options, sheet, name, deck, path, right, counts, limit, least=0.9, f
             sheet.above(f"{name}: order of {key}", float(np.log(coarse / fine) / np.log(counts[-1] / counts[0])), least)
 
 
+def crack(options, sheet):
+    """Concrete in uniaxial strain, pulled and released: an elastic column in series with a crack whose opening
+    is found by halving an interval. A crack in a point is as wide as its cell of 1 mm."""
+    bulk, shear, strength, energy, width = 20.0e9, 15.0e9, 3.0e6, 1.0, 1.0e-3
+    axial, lateral = bulk + 4.0 / 3.0 * shear, bulk - 2.0 / 3.0 * shear
+    end, keep = 4.0e-4, 40
+    strain = np.abs(np.linspace(0.0, 2.0 * end, 2 * keep + 1))
+    strain[keep + 1:] = strain[keep - 1::-1]
+    for curve, traction in (("linear", lambda gap: strength * max(0.0, 1.0 - 0.5 * strength * gap * width / energy)),
+                            ("exponential", lambda gap: strength * np.exp(-strength * gap * width / energy))):
+        rows, share = [], 0.0
+        for e in strain:
+            low, high = 0.0, e
+            for _ in range(200):
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if axial * (e - middle) > traction(middle) else (low, middle)
+            share = max(share, low / e if e > 0.0 else 0.0)
+            rows.append((share, (1.0 - share) * axial * e, (1.0 - share) * lateral * e))
+        rows = np.array(rows)
+        compare(options, sheet, f"concrete, {curve}", CONCRETE.format(curve=curve),
+                f"path='uniaxial_strain'  rate=1  strain={end}  returns=.true.",
+                {"damage": rows[:, 0], "xx": rows[:, 1], "yy": rows[:, 2]}, (400, 800, 1600), 1.0e-12)
+
+
 def break_copper(options, sheet):
     """Copper is pulled until it fails: the strain at which it does, and what it bears then."""
     rows = copper_strain(1.0e4, 1.2, 16000, 16000, False)
@@ -315,6 +348,7 @@ def main():
     compare(options, sheet, "glass, pressed and released", GLASS,
             "path='uniaxial_strain'  rate=1e5  strain=-0.2  returns=.true.",
             {"xx": rows[:, 0], "pressure": rows[:, 2], "damage": rows[:, 1]}, (1000, 2000, 4000), 4.0e-3, 0.7)
+    crack(options, sheet)
     break_copper(options, sheet)
     sheet.end()
 

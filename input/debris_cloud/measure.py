@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Hole, fronts and shape of the debris cloud, for sheets of several thicknesses.
+
+    python input/debris_cloud/measure.py --scree build/bin/scree [--only scene]
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import scree_post                      # noqa: E402
+from scree_scene import Study, Table   # noqa: E402
+
+DIAMETER, SPEED, DENSITY = 9.53e-3, 6710.0, 2785.0
+#: Thickness of the sheet over the diameter of the sphere, and thickness [mm].
+SHEETS = {"t049": (0.049, 0.465), "t084": (0.084, 0.80), "t163": (0.163, 1.55), "t233": (0.233, 2.22),
+          "t504": (0.504, 4.80)}
+SPHERE, SHEET = 1, 2                   # of the field body
+AHEAD = 1.0e-3                         # share of the flying mass before the leading edge
+
+
+def hole(snap):
+    """Least diameter between particles of the sheet that have not failed [m]."""
+    whole = (snap.fields["body"] == SHEET) & (snap.fields["failed"] < 0.5)
+    return 2.0 * snap.points[whole, 0].min()
+
+
+def flying(snap):
+    """Particles that move along the axis with a twentieth of the greatest speed or more."""
+    velocity = snap.fields["velocity"][:, 2]
+    return velocity > 0.05 * velocity.max()
+
+
+def reach(values, mass, share):
+    """Value beyond which a share of the mass lies."""
+    order = np.argsort(values)[::-1]
+    total = np.cumsum(mass[order])
+    return values[order][np.searchsorted(total, share * total[-1])]
+
+
+def shape(snap):
+    """Leading edge, length and width of what flies behind the sheet [m]."""
+    chosen = flying(snap) & (snap.points[:, 2] > 0.0)
+    z, r, mass = snap.points[chosen, 2], snap.points[chosen, 0], snap.fields["mass"][chosen]
+    front, rear = reach(z, mass, AHEAD), -reach(-z, mass, AHEAD)
+    return front, front - rear, 2.0 * reach(r, mass, 10.0 * AHEAD)
+
+
+def bodies(snap, number):
+    """Places and speeds along the axis of the mass of a body: mean place [m], mean speed [m/s]."""
+    chosen = snap.fields["body"] == number
+    mass = snap.fields["mass"][chosen]
+    return (np.average(snap.points[chosen, 2], weights=mass),
+            np.average(snap.fields["velocity"][chosen, 2], weights=mass))
+
+
+def front_speed(run):
+    """Speed of the leading edge in the last quarter of the run [m/s]."""
+    frames = run.series[-len(run.series) // 4:]
+    first, last = (scree_post.snapshot(frames[place][1]) for place in (0, -1))
+    return (shape(last)[0] - shape(first)[0]) / (last.time - first.time)
+
+
+def maiden(ratio, speed=6.71):
+    """Hole over the diameter of the sphere by Maiden and McMillan (1964)."""
+    return 0.45 * speed * ratio ** (2.0 / 3.0) + 0.90
+
+
+def tables(runs):
+    """Sheets of all thicknesses; voids; the case of Hiermaier and others."""
+    family = Table(["t/D", "hole [mm]", "fit", "leading edge / V", "sphere's mass / V", "shared momentum",
+                    "length / width", "failed", "energy error"])
+    for name, (ratio, _) in SHEETS.items():
+        if name in runs:
+            run, last = runs[name], runs[name].last()
+            front, length, width = shape(last)
+            family.rows.append([
+                ratio, f"{1e3 * hole(last):.1f}", f"{9.53 * maiden(ratio):.1f}",
+                f"{front_speed(run) / SPEED:.2f}", f"{bodies(last, SPHERE)[1] / SPEED:.2f}",
+                f"{1.0 / (1.0 + 1.5 * ratio):.2f}", f"{length / width:.2f}",
+                f"{last.fields['failed'].mean():.2f}", f"{run.error('energy_error'):.0e}"])
+    other = Table(["case", "hole [mm]", "leading edge [mm]", "length [mm]", "width [mm]", "length / width"])
+    for name, title in (("t163", "scene, no voids"), ("open", "voids, open when failed"),
+                        ("one", "voids, alpha_m = 1"), ("hiermaier", "10 mm sphere, 4 mm sheet, 6.18 km/s")):
+        if name in runs:
+            last = runs[name].last()
+            other.rows.append([title, f"{1e3 * hole(last):.1f}",
+                               *(f"{1e3 * value:.1f}" for value in shape(last)),
+                               f"{shape(last)[1] / shape(last)[2]:.2f}"])
+    return [family, other]
+
+
+def draw(runs, plot):
+    """Clouds behind sheets of all thicknesses at the end, half by body and half by failure."""
+    names = [name for name in SHEETS if name in runs]
+    figure, panels = plot.subplots(1, len(names), figsize=(2.4 * len(names), 4.6), squeeze=False,
+                                   layout="constrained")
+    for panel, name in zip(panels[0], names):
+        snap = runs[name].last()
+        r, z = 1e3 * snap.points[:, 0], 1e3 * snap.points[:, 2]
+        sphere = snap.fields["body"] == SPHERE
+        failed = snap.fields["failed"] > 0.5
+        for chosen, side, colour in ((sphere, -1, "#d55e00"), (~sphere, -1, "#0072b2"),
+                                     (failed, 1, "#999999"), (~failed, 1, "#000000")):
+            panel.scatter(side * r[chosen], z[chosen], s=0.25, c=colour, linewidths=0)
+        panel.set(title=f"t/D = {SHEETS[name][0]}", aspect="equal", xlim=(-50, 50), ylim=(-40, 135), xlabel="r [mm]")
+    panels[0, 0].set_ylabel("z [mm]")
+    return figure
+
+
+CASES = {name: ("scene.nml", {"region[plate].hi": f"31,0,{thickness}"})
+         for name, (_, thickness) in SHEETS.items()}
+CASES["open"] = ("scene.nml", {"effects.voids": ".true."})
+CASES["one"] = ("scene.nml", {"effects.voids": ".true.", "material.alpha_m": "one"})
+CASES["hiermaier"] = ("scene.nml", {"region[plate].hi": "31,0,4.0", "region[ball].radius": 5.0,
+                                    "region[ball].centre": "0,0,-5.035", "body[sphere].velocity": "0,0,6.18"})
+
+if __name__ == "__main__":
+    Study(__file__, CASES, tables, draw, picture="sheets.png").main()

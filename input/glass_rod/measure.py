@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Failure fronts in glass rods against impact stress.
+
+    python input/glass_rod/measure.py --scree build/bin/scree
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import scree_post                      # noqa: E402
+from scree_scene import Study, Table   # noqa: E402
+
+#: Density [kg/m3], speeds of longitudinal and shear waves [m/s] of the presets.
+GLASS = {"soda": ("soda-lime", 2530.0, 5828.0, 3466.0),
+         "surface": ("borosilicate, flaws of its surface", 2230.0, 5647.0, 3458.0),
+         "inside": ("borosilicate, strength of its inside", 2230.0, 5647.0, 3458.0)}
+COLOURS = {"soda": "#0072b2", "surface": "#e69f00", "inside": "#d55e00"}
+#: What --set adds to the deck.
+VALUES = {"soda": {}, "surface": {"material.preset": "glass_borosilicate"},
+          "inside": {"material.preset": "glass_borosilicate", "material.failure_stress": 0.6,
+                     "material.failure_shear": 1.0}}
+STRESS = (1.0, 1.5, 2.0, 3.0, 4.0)     # at first contact, rho c v / 2 [GPa]
+LAYER = 5.0e-4                         # height of the layers in which failed particles are counted [m]
+
+
+def speed(glass, stress):
+    """Speed of approach that makes a stress [m/s]."""
+    _, density, longitudinal, _ = GLASS[glass]
+    return 2.0 * stress * 1.0e9 / (density * longitudinal)
+
+
+def front(snap):
+    """Highest layer in which a tenth of the particles has failed, none above it being so [m]."""
+    layer = (snap.points[:, 2] / LAYER).astype(int)
+    whole = np.bincount(layer)
+    failed = np.bincount(layer, weights=snap.fields["failed"], minlength=len(whole))
+    broken = np.nonzero(failed > 0.1 * np.maximum(whole, 1))[0]
+    return (broken.max() + 1) * LAYER if len(broken) else 0.0
+
+
+def fronts(run):
+    """Times [s] and places [m] of the front."""
+    frames = [scree_post.snapshot(file, ("failed",)) for _, file in run.series]
+    return np.array([snap.time for snap in frames]), np.array([front(snap) for snap in frames])
+
+
+def front_speed(run):
+    """Slope of the front while it is between one and four diameters from the impact [m/s]."""
+    times, places = fronts(run)
+    chosen = (places > 0.010) & (places < 0.040)
+    return np.polyfit(times[chosen], places[chosen], 1)[0] if chosen.sum() > 3 else 0.0
+
+
+def tables(runs):
+    """Speed of the front by stress, and what is kept."""
+    table = Table(["glass", "stress [GPa]", "approach [m/s]", "front [m/s]", "over shear wave",
+                   "over longitudinal wave", "failed at the end", "fastest radially [m/s]"])
+    for name, run in runs.items():
+        glass, stress = name.split("_")
+        title, _, longitudinal, shear = GLASS[glass]
+        found, last = front_speed(run), run.last()
+        table.rows.append([title, stress, f"{speed(glass, float(stress)):.0f}",
+                           f"{found:.0f}" if found else "stands",
+                           f"{found / shear:.2f}", f"{found / longitudinal:.2f}",
+                           f"{last.fields['failed'].mean():.2f}",
+                           f"{last.fields['velocity'][:, 0].max():.0f}"])
+    return [table]
+
+
+def draw(runs, plot):
+    """Rods at three times, and the speed of the front by stress."""
+    figure, panels = plot.subplots(1, 4, figsize=(10.5, 4.4), width_ratios=(1, 1, 1, 2.4), layout="constrained")
+    run = runs["soda_4.0"]
+    for panel, moment in zip(panels, (3.0e-6, 6.0e-6, 9.0e-6)):
+        snap = run.near(moment)
+        r, z = 1e3 * snap.points[:, 0], 1e3 * snap.points[:, 2]
+        broken = snap.fields["failed"] > 0.5
+        for sign in (-1, 1):
+            panel.scatter(sign * r[~broken], z[~broken], s=0.6, c="#b8d4e8", linewidths=0)
+            shown = panel.scatter(sign * r[broken], z[broken], s=0.6, c=snap.fields["velocity"][broken, 0],
+                                  cmap="inferno", vmin=0, vmax=500, linewidths=0)
+        panel.set(title=f"{1e6 * snap.time:.0f} µs", aspect="equal", xlim=(-12, 12), ylim=(0, 62), xlabel="r [mm]")
+    panels[0].set_ylabel("z [mm]")
+    figure.colorbar(shown, ax=panels[:3], label="radial speed of failed glass [m/s]", location="bottom", shrink=0.7)
+    for glass, (title, _, longitudinal, shear) in GLASS.items():
+        colour = COLOURS[glass]
+        names = [name for name in runs if name.startswith(glass)]
+        panels[3].plot([float(name.split("_")[1]) for name in names],
+                       [1e-3 * front_speed(runs[name]) for name in names], "o-", color=colour, label=title)
+        for wave, style in ((longitudinal, "--"), (shear, ":")):
+            panels[3].axhline(1e-3 * wave, color=colour, ls=style, lw=0.8)
+    panels[3].errorbar([4.0, 4.05], [4.7, 4.6], yerr=0.5, fmt="ks", ms=4, capsize=3, label="measured")
+    panels[3].set(xlabel="stress at first contact [GPa]", ylabel="speed of the failure front [km/s]", ylim=(0, 6.2))
+    panels[3].legend(loc="lower right")
+    return figure
+
+
+def case(glass, stress):
+    """Deck and values of a run: half of the speed of approach, the mirror plane does the rest."""
+    return "scene.nml", {"body.velocity": f"0,0,{-0.5e-3 * speed(glass, stress):.6f}", **VALUES[glass]}
+
+
+CASES = {f"{glass}_{stress}": case(glass, stress) for glass in GLASS for stress in STRESS}
+
+if __name__ == "__main__":
+    Study(__file__, CASES, tables, draw).main()

@@ -1,0 +1,281 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What the streams of output hold and when they are written, as the deck says.
+module driver_streams
+   use base_constants, only: unset
+   use base_deck, only: deck_t, group_t
+   use base_error, only: error_t
+   use base_kinds, only: int64, wp
+   use base_text, only: text_t
+   use driver_schedule, only: read_schedule, schedule_t
+   use driver_shapes, only: named_shape_t
+   use driver_simulation, only: simulation_t
+   use io_fields, only: choose_columns, column_t
+   use io_fragments, only: fragments_t
+   use io_history, only: history_t
+   use io_means, only: choose_means, mean_t
+   use io_pick, only: pick_rule_t
+   use io_profile, only: profile_t
+   use io_snapshot, only: snapshot_format_t
+   use io_xdmf, only: series_t
+   use mesh_grid, only: grid_t
+   use particle_shape, only: shape_holder_t
+   implicit none
+   private
+
+   public :: plan_streams, snapshots_t, tables_t
+
+   integer, parameter, public :: of_particles = 1    !! Files of all particles
+   integer, parameter, public :: of_slices = 2       !! Files of those near a plane
+   integer, parameter, public :: of_cells = 3        !! Files of fields on the grid
+   integer, parameter, public :: of_ledger = 4       !! Table of the ledger
+   integer, parameter, public :: of_bins = 5         !! Table of profiles
+   integer, parameter, public :: of_fragments = 6    !! Table of fragments
+   !> What the deck calls them, and the ends of the names of their files.
+   character(len=9), parameter :: kinds(6) = [character(len=9) :: "particles", "slice", "grid", &
+      "history", "profile", "fragments"]
+   character(len=14), parameter :: endings(6) = [character(len=14) :: "_p", "_s", "_g", &
+      "_history.csv", "_profile.csv", "_fragments.csv"]
+
+   !> One stream of files, a file a time.
+   type :: snapshots_t
+      integer :: place = 0                           !! Number of its &output, 0 = none
+      integer :: kind = of_particles                 !! One of the constants above
+      character(len=:), allocatable :: prefix        !! CASE_p, or CASE_NAME_p for further streams
+      character(len=64), allocatable :: fields(:)    !! Names, or "default"
+      type(mean_t), allocatable :: means(:)          !! On grids: what is averaged
+      type(snapshot_format_t) :: format              !! Precision, compression, which particles
+      real(wp) :: cells = 0.0_wp                     !! On grids: most cells of a file
+      type(schedule_t) :: schedule                   !! When
+      type(series_t) :: series                       !! Index files
+      integer :: next = 0                            !! Number of the next snapshot
+      integer(int64) :: last_step = -1               !! Step of the last snapshot
+   end type snapshots_t
+
+   !> One table that grows.
+   type :: tables_t
+      integer :: place = 0                           !! Number of its &output, 0 = none
+      integer :: kind = of_ledger                    !! One of the constants above
+      character(len=:), allocatable :: name          !! CASE_history.csv
+      type(profile_t) :: profile                     !! Of profiles: what they show
+      type(fragments_t) :: fragments                 !! Of fragments: what is looked for
+      type(schedule_t) :: schedule                   !! When
+      type(history_t) :: file                        !! The file
+      integer(int64) :: last_step = -1               !! Step of the last row
+   end type tables_t
+
+contains
+
+   !> Read all streams.
+   subroutine plan_streams(deck, simulation, shapes, time_end, case, snapshots, tables)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      character(len=*), intent(in) :: case           !! Prefix of all files
+      type(snapshots_t), allocatable, intent(out) :: snapshots(:) !! Files, a file a time
+      type(tables_t), allocatable, intent(out) :: tables(:) !! Tables
+      type(group_t) :: group
+      integer :: index, kind(deck%count("output")), seen(6), files, rows
+
+      do index = 1, size(kind)
+         group = deck%group("output", index)
+         kind(index) = kind_of(group)
+      end do
+      allocate (snapshots(count(kind >= of_particles .and. kind <= of_cells)), &
+         tables(count(kind >= of_ledger)))
+      seen = 0
+      files = 0
+      rows = 0
+      do index = 1, size(kind)
+         if (kind(index) == 0) cycle
+         group = deck%group("output", index)
+         seen(kind(index)) = seen(kind(index)) + 1
+         if (kind(index) <= of_cells) then
+            files = files + 1
+            snapshots(files)%place = index
+            snapshots(files)%kind = kind(index)
+            snapshots(files)%prefix = file_name(group, case, kind(index), seen(kind(index)))
+            call plan_snapshots(group, deck, simulation, shapes, snapshots(files))
+            call read_schedule(group, time_end, snapshots(files)%schedule)
+         else
+            rows = rows + 1
+            tables(rows)%place = index
+            tables(rows)%kind = kind(index)
+            tables(rows)%name = file_name(group, case, kind(index), seen(kind(index)))
+            call plan_table(group, deck, simulation, shapes, tables(rows))
+            call read_schedule(group, time_end, tables(rows)%schedule)
+         end if
+      end do
+   end subroutine plan_streams
+
+   !> Kind of a stream, 0 if the deck has none that is known.
+   integer function kind_of(group) result(kind)
+      type(group_t), intent(in) :: group             !! The &output
+      character(len=:), allocatable :: word
+
+      call group%get("kind", word)
+      do kind = size(kinds), 1, -1
+         if (kinds(kind) == word) return
+      end do
+   end function kind_of
+
+   !> Name of a file, or its beginning. The first stream of a kind does without its name.
+   function file_name(group, case, kind, number) result(name)
+      type(group_t), intent(in) :: group             !! The &output
+      character(len=*), intent(in) :: case           !! Prefix of all files
+      integer, intent(in) :: kind                    !! Kind of the stream
+      integer, intent(in) :: number                  !! Number among those of its kind
+      character(len=:), allocatable :: name
+
+      call group%get("name", name)
+      if (number == 1) then
+         name = case//trim(endings(kind))
+      else
+         name = case//"_"//name//trim(endings(kind))
+      end if
+   end function file_name
+
+   !> Fields and format of one stream of files.
+   subroutine plan_snapshots(group, deck, simulation, shapes, stream)
+      type(group_t), intent(in) :: group             !! The &output
+      type(deck_t), intent(inout) :: deck            !! The deck, for bodies and complaints
+      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(snapshots_t), intent(inout) :: stream     !! The stream
+      character(len=:), allocatable :: word
+      type(column_t), allocatable :: columns(:)
+      type(error_t), allocatable :: error
+
+      call read_fields(group, stream%fields)
+      if (stream%kind == of_cells) then
+         call choose_means(simulation%stores, stream%fields, .true., stream%means, error)
+      else
+         call choose_columns(simulation%stores, stream%fields, columns, error)
+      end if
+      if (allocated(error)) call deck%complain(group, error%message, "fields")
+      call group%get("precision", word)
+      stream%format%single = word == "single"
+      call group%get("compress", stream%format%compress)
+      call read_rule(group, deck, shapes, stream%format%pick_rule_t)
+      if (stream%kind /= of_cells) call group%get("stride", stream%format%stride)
+      if (stream%kind == of_slices) call read_plane(group, deck, simulation%grid, stream%format)
+      if (stream%kind == of_cells) stream%cells = most_cells_of(simulation%grid, stream%format)
+   end subroutine plan_snapshots
+
+   !> What a table shows.
+   subroutine plan_table(group, deck, simulation, shapes, table)
+      type(group_t), intent(in) :: group             !! The &output
+      type(deck_t), intent(inout) :: deck            !! The deck, for bodies and complaints
+      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(tables_t), intent(inout) :: table         !! The table
+      character(len=64), allocatable :: fields(:)
+      character(len=:), allocatable :: word
+      type(error_t), allocatable :: error
+      real(wp) :: limit
+
+      select case (table%kind)
+      case (of_bins)
+         call read_fields(group, fields)
+         call choose_means(simulation%stores, fields, .false., table%profile%means, error)
+         if (allocated(error)) call deck%complain(group, error%message, "fields")
+         call read_rule(group, deck, shapes, table%profile%rule)
+         table%profile%axis = axis_of(group, deck, simulation%grid)
+         table%profile%lower = simulation%grid%lower(table%profile%axis)
+         table%profile%upper = simulation%grid%upper(table%profile%axis)
+         call group%get("bins", table%profile%bins)
+      case (of_fragments)
+         call read_rule(group, deck, shapes, table%fragments%rule)
+         call group%get("matter", word)
+         table%fragments%rule%intact = word == "intact"
+         call group%get("velocity_cut", limit)
+         if (limit > unset) table%fragments%velocity_cut = limit
+      case default
+         continue
+      end select
+   end subroutine plan_table
+
+   !> Names of the fields.
+   subroutine read_fields(group, fields)
+      type(group_t), intent(in) :: group             !! The &output
+      character(len=64), allocatable, intent(out) :: fields(:) !! Names, or "default"
+      type(text_t), allocatable :: names(:)
+      integer :: n
+
+      call group%list("fields", names)
+      allocate (fields(max(size(names), 1)))
+      fields = "default"
+      do n = 1, size(names)
+         fields(n) = names(n)%text
+      end do
+   end subroutine read_fields
+
+   !> Bodies and region that particles must be of.
+   subroutine read_rule(group, deck, shapes, rule)
+      type(group_t), intent(in) :: group             !! The &output
+      type(deck_t), intent(in) :: deck               !! The deck, for bodies
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(pick_rule_t), intent(inout) :: rule       !! Gets what is asked
+      type(text_t), allocatable :: names(:)
+      character(len=:), allocatable :: region
+      integer :: n, place
+
+      call group%get("region", region)
+      do n = 1, size(shapes)
+         if (region == "" .or. shapes(n)%name /= region) cycle
+         rule%region = shapes(n)%shape
+      end do
+      call group%list("bodies", names)
+      if (size(names) == 0) return
+      allocate (rule%bodies(0))
+      do n = 1, size(names)
+         place = deck%named("body", names(n)%text)
+         if (place > 0) rule%bodies = [rule%bodies, int(place, int64)]
+      end do
+   end subroutine read_rule
+
+   !> Number of the axis, which the scene must have.
+   integer function axis_of(group, deck, grid) result(axis)
+      type(group_t), intent(in) :: group             !! The &output
+      type(deck_t), intent(inout) :: deck            !! Collects complaints
+      type(grid_t), intent(in) :: grid               !! The grid
+      character(len=:), allocatable :: word
+
+      call group%get("axis", word)
+      axis = max(index("xyz", word(:1)), 1)
+      if (.not. grid%active(axis)) call deck%complain(group, &
+         "axis = '"//word//"' is a direction that the scene lacks; take one that it has", "axis")
+   end function axis_of
+
+   !> A plane, as what lies less than half a cell from it.
+   subroutine read_plane(group, deck, grid, rule)
+      type(group_t), intent(in) :: group             !! The &output
+      type(deck_t), intent(inout) :: deck            !! Collects complaints
+      type(grid_t), intent(in) :: grid               !! The grid
+      class(pick_rule_t), intent(inout) :: rule      !! Gets the plane
+      real(wp) :: at
+
+      rule%axis = axis_of(group, deck, grid)
+      call group%get("at", at)
+      if (at <= unset) return
+      rule%lower = at - 0.5_wp*grid%spacing
+      rule%upper = at + 0.5_wp*grid%spacing
+      if (at < grid%lower(rule%axis) .or. at > grid%upper(rule%axis)) call deck%complain(group, &
+         "the plane lies outside of the grid, from "//deck%shown(grid%lower(rule%axis), "m")// &
+         " to "//deck%shown(grid%upper(rule%axis), "m"), "at")
+   end subroutine read_plane
+
+   !> Cells of the grid, in the region if there is one: more no file can get.
+   pure real(wp) function most_cells_of(grid, rule) result(cells)
+      type(grid_t), intent(in) :: grid               !! The grid
+      class(pick_rule_t), intent(in) :: rule         !! Which particles
+      real(wp) :: lower(3), upper(3)
+
+      lower = grid%lower
+      upper = grid%upper
+      if (allocated(rule%region)) call rule%region%bounds(lower, upper)
+      lower = max(lower, grid%lower)
+      upper = min(upper, grid%upper)
+      cells = product(max((upper - lower)/grid%spacing, 1.0_wp), mask=grid%active)
+   end function most_cells_of
+end module driver_streams

@@ -1,0 +1,298 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Fragments: sets of particles whose cells touch each other.
+!!
+!! Cells with particles that share a node belong together, as their particles feel each other there;
+!! a limit on the difference of their velocities can part them. All ranks learn all such cells (8
+!! bytes each, 32 with that limit) and find the same fragments; what a fragment holds is added
+!! up by one rank, in the order of its cells, so that no bit depends on the number of ranks.
+module io_fragments
+   use base_communicator, only: communicator_t
+   use base_kinds, only: int64, wp
+   use base_sort, only: sort_order
+   use io_cells, only: cells_t, find_cells
+   use io_fields, only: picks_t
+   use io_fragment_sums, only: add_fragment, cell_sums, fragment_words, sum_words
+   use io_pick, only: pick_rule_t
+   use mesh_grid, only: grid_t
+   use mesh_table, only: key_table_t
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: fragment_columns, fragment_rows, fragments_t
+
+   integer, parameter :: column_length = 40              !! Longest heading of a column
+
+   !> What is looked for.
+   type :: fragments_t
+      type(pick_rule_t) :: rule                          !! Which particles
+      real(wp) :: velocity_cut = huge(1.0_wp)            !! Cells that differ by more part [m/s]
+   end type fragments_t
+
+   !> All cells with particles, the same on all ranks.
+   type :: map_t
+      integer(int64), allocatable :: key(:)              !! (cell) Number in the box, ascending
+      real(wp), allocatable :: velocity(:, :)            !! (3, cell) If it matters [m/s]
+      integer, allocatable :: fragment(:)                !! (cell) From 1
+      integer, allocatable :: image(:, :)                !! (3, cell) Boxes that it is moved by
+      type(key_table_t) :: table                         !! From key to cell
+   end type map_t
+
+contains
+
+   !> Headings of the columns.
+   function fragment_columns() result(columns)
+      character(len=column_length), allocatable :: columns(:)
+
+      columns = [character(len=column_length) :: "time [s]", "step", "fragment", "particles", &
+         "mass [kg]", "volume [m3]", "centre_x [m]", "centre_y [m]", "centre_z [m]", &
+         "velocity_x [m/s]", "velocity_y [m/s]", "velocity_z [m/s]", &
+         "angular_momentum_x [kg m2/s]", "angular_momentum_y [kg m2/s]", &
+         "angular_momentum_z [kg m2/s]", "kinetic [J]", "lower_x [m]", "lower_y [m]", &
+         "lower_z [m]", "upper_x [m]", "upper_y [m]", "upper_z [m]", "failed_share [1]", &
+         "identity"]
+   end function fragment_columns
+
+   !> The table of one time, all columns but time and step: (column, fragment), the heaviest first.
+   !! The same on all ranks. Collective.
+   subroutine fragment_rows(communicator, grid, tiles, stores, wanted, rows)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(grid_t), intent(in) :: grid                   !! The grid
+      integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
+      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(fragments_t), intent(in) :: wanted            !! What is looked for
+      real(wp), allocatable, intent(out) :: rows(:, :)   !! The table
+      type(picks_t), allocatable :: picks(:)
+      type(cells_t) :: cells
+      type(map_t) :: map
+      real(wp), allocatable :: sums(:, :), here(:, :)
+      integer(int64), allocatable :: key(:)
+      integer :: n
+
+      allocate (picks(size(stores)))
+      do n = 1, size(stores)
+         call wanted%rule%pick(stores(n), picks(n)%order)
+      end do
+      call find_cells(grid, tiles, stores, picks, cells)
+      call cell_sums(stores, picks, cells, sums)
+      call learn_cells(communicator, grid, cells, sums, wanted%velocity_cut, map)
+      call connect(grid, wanted%velocity_cut, map)
+      call hand_over(communicator, grid, cells, sums, map, key, here)
+      call add_all(grid, map, key, here, rows)
+      call collect(communicator, rows)
+   end subroutine fragment_rows
+
+   !> Tell all ranks all cells. Collective.
+   subroutine learn_cells(communicator, grid, cells, sums, velocity_cut, map)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(grid_t), intent(in) :: grid                   !! The grid
+      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      real(wp), intent(in) :: sums(:, :)                 !! (sum, cell)
+      real(wp), intent(in) :: velocity_cut               !! Finite: velocities go along [m/s]
+      type(map_t), intent(out) :: map                    !! All cells
+      integer(int64), allocatable :: own(:), whole(:)
+      integer, allocatable :: order(:)
+      integer :: cell, words, count
+
+      words = merge(4, 1, velocity_cut < huge(1.0_wp))
+      allocate (own(words*cells%count))
+      do cell = 1, cells%count
+         own(words*(cell - 1) + 1) = cells%key(grid, cell)
+         if (words > 1) own(words*(cell - 1) + 2:words*cell) = &
+            transfer(sums(7:9, cell)/sums(2, cell), own, 3)
+      end do
+      call communicator%gather(own, whole)
+      count = size(whole)/words
+      order = sort_order(whole(1::words))
+      allocate (map%key(count), map%fragment(count), map%image(3, count))
+      if (words > 1) allocate (map%velocity(3, count))
+      map%fragment = 0
+      map%image = 0
+      call map%table%clear(2*count + 1)
+      do cell = 1, count
+         map%key(cell) = whole(words*(order(cell) - 1) + 1)
+         call map%table%insert(map%key(cell), cell)
+         if (words > 1) map%velocity(:, cell) = transfer( &
+            whole(words*(order(cell) - 1) + 2:words*order(cell)), map%velocity, 3)
+      end do
+   end subroutine learn_cells
+
+   !> Give each cell the number of its fragment, and the image of the box in which it lies beside
+   !! the first cell of the fragment.
+   subroutine connect(grid, velocity_cut, map)
+      type(grid_t), intent(in) :: grid                   !! The grid
+      real(wp), intent(in) :: velocity_cut               !! Cells that differ by more part [m/s]
+      type(map_t), intent(inout) :: map                  !! All cells
+      integer, allocatable :: stack(:)
+      integer :: start, cell, next, height, fragments, x, y, z, image(3)
+
+      allocate (stack(size(map%key)))
+      fragments = 0
+      do start = 1, size(map%key)
+         if (map%fragment(start) > 0) cycle
+         fragments = fragments + 1
+         map%fragment(start) = fragments
+         stack(1) = start
+         height = 1
+         do while (height > 0)
+            cell = stack(height)
+            height = height - 1
+            do z = -1, 1
+               do y = -1, 1
+                  do x = -1, 1
+                     call step_to(grid, map, cell, [x, y, z], next, image)
+                     if (next == 0) cycle
+                     if (map%fragment(next) > 0) cycle
+                     if (allocated(map%velocity)) then
+                        if (norm2(map%velocity(:, next) - map%velocity(:, cell)) > velocity_cut) &
+                           cycle
+                     end if
+                     map%fragment(next) = fragments
+                     map%image(:, next) = image
+                     height = height + 1
+                     stack(height) = next
+                  end do
+               end do
+            end do
+         end do
+      end do
+   end subroutine connect
+
+   !> The cell beside another one, round a periodic box if need be; 0 if there is none.
+   pure subroutine step_to(grid, map, cell, way, next, image)
+      type(grid_t), intent(in) :: grid                   !! The grid
+      type(map_t), intent(in) :: map                     !! All cells
+      integer, intent(in) :: cell                        !! From here
+      integer, intent(in) :: way(3)                      !! -1, 0 or 1 along each direction
+      integer, intent(out) :: next                       !! The other one
+      integer, intent(out) :: image(3)                   !! Boxes that it is moved by
+      integer :: place(3), direction
+
+      next = 0
+      place = place_of(grid, map%key(cell)) + way
+      image = map%image(:, cell)
+      do direction = 1, 3
+         if (place(direction) >= 0 .and. place(direction) < grid%cells(direction)) cycle
+         if (.not. (grid%periodic(direction) .and. grid%active(direction))) return
+         image(direction) = image(direction) + way(direction)
+         place(direction) = modulo(place(direction), grid%cells(direction))
+      end do
+      next = map%table%find(place(1) + grid%cells(1)*(place(2) &
+         + int(grid%cells(2), int64)*place(3)))
+   end subroutine step_to
+
+   !> Place of a cell in the box, from 0.
+   pure function place_of(grid, key) result(place)
+      type(grid_t), intent(in) :: grid                   !! The grid
+      integer(int64), intent(in) :: key                  !! Its number
+      integer :: place(3)
+
+      place(1) = int(mod(key, int(grid%cells(1), int64)))
+      place(2) = int(mod(key/grid%cells(1), int(grid%cells(2), int64)))
+      place(3) = int(key/(int(grid%cells(1), int64)*grid%cells(2)))
+   end function place_of
+
+   !> Send the sums of each cell to the rank that adds up its fragment. Collective.
+   subroutine hand_over(communicator, grid, cells, sums, map, key, here)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(grid_t), intent(in) :: grid                   !! The grid
+      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      real(wp), intent(in) :: sums(:, :)                 !! (sum, cell)
+      type(map_t), intent(in) :: map                     !! All cells
+      integer(int64), allocatable, intent(out) :: key(:) !! Cells of the fragments of this rank
+      real(wp), allocatable, intent(out) :: here(:, :)   !! (sum, cell) Their sums
+      integer, parameter :: words = sum_words + 1
+      type(communicator_t) :: ranks
+      integer(int64), allocatable :: outgoing(:), incoming(:)
+      integer, allocatable :: target_rank(:), length(:), order(:), destination(:)
+      integer :: cell, n, rank
+
+      allocate (target_rank(cells%count), outgoing(words*cells%count))
+      do cell = 1, cells%count
+         target_rank(cell) = mod(map%fragment(map%table%find(cells%key(grid, cell))), &
+            communicator%size)
+      end do
+      order = sort_order(int(target_rank, int64))
+      do n = 1, cells%count
+         outgoing(words*(n - 1) + 1) = cells%key(grid, order(n))
+         outgoing(words*(n - 1) + 2:words*n) = transfer(sums(:, order(n)), outgoing, sum_words)
+      end do
+      if (communicator%size > 1) then
+         length = [(words*count(target_rank == rank), rank=0, communicator%size - 1)]
+         destination = pack([(rank, rank=0, communicator%size - 1)], length > 0)
+         length = pack(length, length > 0)
+         ranks = communicator
+         call ranks%exchange(destination, length, outgoing, incoming)
+      else
+         call move_alloc(outgoing, incoming)
+      end if
+      order = sort_order(incoming(1::words))
+      allocate (key(size(order)), here(sum_words, size(order)))
+      do n = 1, size(order)
+         key(n) = incoming(words*(order(n) - 1) + 1)
+         here(:, n) = transfer(incoming(words*(order(n) - 1) + 2:words*order(n)), here, sum_words)
+      end do
+   end subroutine hand_over
+
+   !> Add up the fragments of this rank.
+   subroutine add_all(grid, map, key, here, rows)
+      type(grid_t), intent(in) :: grid                   !! The grid
+      type(map_t), intent(in) :: map                     !! All cells
+      integer(int64), intent(in) :: key(:)               !! Cells of the fragments, ascending
+      real(wp), intent(inout) :: here(:, :)              !! (sum, cell); moved to their images
+      real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, fragment)
+      integer, allocatable :: cell(:), order(:)
+      real(wp), allocatable :: sorted(:, :)
+      integer :: first, fragments, last, n
+
+      allocate (cell(size(key)), sorted(sum_words, size(key)))
+      do n = 1, size(key)
+         cell(n) = map%table%find(key(n))
+      end do
+      order = sort_order(int(map%fragment(cell), int64))
+      fragments = 0
+      do n = 1, size(key)
+         sorted(:, n) = here(:, order(n))
+         if (n == 1) then
+            fragments = 1
+         else if (map%fragment(cell(order(n))) /= map%fragment(cell(order(n - 1)))) then
+            fragments = fragments + 1
+         end if
+      end do
+      allocate (rows(fragment_words, fragments))
+      first = 1
+      do n = 1, fragments
+         last = first
+         do while (last < size(key))
+            if (map%fragment(cell(order(last + 1))) /= map%fragment(cell(order(first)))) exit
+            last = last + 1
+         end do
+         call add_fragment(sorted(:, first:last), map%image(:, cell(order(first:last))), &
+            grid%upper - grid%lower, grid%axisymmetric, rows(:, n))
+         first = last + 1
+      end do
+   end subroutine add_all
+
+   !> Give all ranks all fragments, sorted by mass, the heaviest first. Collective.
+   subroutine collect(communicator, rows)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      real(wp), allocatable, intent(inout) :: rows(:, :) !! (column, fragment) Own in, all out
+      integer(int64), allocatable :: whole(:)
+      integer(int64) :: none(0)
+      real(wp), allocatable :: unsorted(:, :)
+      integer, allocatable :: by_identity(:), by_mass(:)
+      integer :: n
+
+      call communicator%gather(transfer(rows, none), whole)
+      unsorted = reshape(transfer(whole, unsorted), [fragment_words, size(whole)/fragment_words])
+      ! identities part fragments of equal mass; the bits of numbers above 0 have their order
+      by_identity = sort_order(nint(unsorted(fragment_words, :), int64))
+      by_mass = sort_order(-transfer(unsorted(3, by_identity), none))
+      deallocate (rows)
+      allocate (rows(fragment_words, size(by_mass)))
+      do n = 1, size(by_mass)
+         rows(:, n) = unsorted(:, by_identity(by_mass(n)))
+         rows(1, n) = real(n, wp)
+      end do
+   end subroutine collect
+end module io_fragments

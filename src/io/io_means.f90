@@ -1,0 +1,138 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Fields of particles as means over many: weighted by mass what belongs to mass, by volume what
+!! belongs to volume; masses and volumes themselves are added.
+module io_means
+   use base_error, only: error_t, exit_input, fail
+   use base_kinds, only: int64, wp
+   use io_fields, only: choose_columns, column_t, field_name_length, fill_reals, fill_wholes, &
+      picks_t
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: choose_means, fill_mean, mean_t
+
+   integer, parameter, public :: added = 0               !! No mean but a sum
+   integer, parameter, public :: by_mass = 1             !! Weight of a particle: its mass
+   integer, parameter, public :: by_volume = 2           !! Weight of a particle: its volume
+   !> What only a grid can hold: volume of matter over that of the cell.
+   character(len=*), parameter, public :: volume_fraction = "volume_fraction"
+   !> Means that "default" asks for, as far as there are.
+   character(len=field_name_length), parameter :: usual(5) = [character(len=field_name_length) :: &
+      "density", "velocity", "stress", "temperature", "failed"]
+
+   !> One field that is averaged.
+   type :: mean_t
+      type(column_t) :: column                           !! The field
+      integer :: weight = by_mass                        !! One of the constants above
+   end type mean_t
+
+contains
+
+   !> What is averaged. An unknown field, or one that has no mean, is an error.
+   subroutine choose_means(stores, fields, with_fraction, means, error)
+      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      character(len=*), intent(in) :: fields(:)          !! Names, or "default"
+      logical, intent(in) :: with_fraction               !! Is there a volume fraction?
+      type(mean_t), allocatable, intent(out) :: means(:) !! In the order asked for
+      type(error_t), allocatable, intent(out) :: error   !! A name does not work
+      integer :: n, m
+
+      allocate (means(0))
+      do n = 1, size(fields)
+         if (fields(n) == "default") then
+            do m = 1, size(usual)
+               call add_mean(stores, usual(m), .true., means, error)
+            end do
+            if (with_fraction) call add_fraction(means)
+         else if (fields(n) == volume_fraction .and. with_fraction) then
+            call add_fraction(means)
+         else
+            call add_mean(stores, fields(n), .false., means, error)
+         end if
+         if (allocated(error)) return
+      end do
+   end subroutine choose_means
+
+   !> Add a field unless it is there.
+   subroutine add_mean(stores, name, if_carried, means, error)
+      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      character(len=*), intent(in) :: name               !! The field
+      logical, intent(in) :: if_carried                  !! Without it no harm is done
+      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
+      type(error_t), allocatable, intent(out) :: error   !! It does not work
+      type(column_t), allocatable :: columns(:)
+      type(mean_t) :: mean
+
+      call choose_columns(stores, [name], columns, error)
+      if (allocated(error) .and. if_carried) then
+         deallocate (error)
+         return
+      end if
+      if (allocated(error)) return
+      mean%column = columns(1)
+      select case (mean%column%name)
+      case ("mass", "volume")
+         mean%weight = added
+      case ("density")
+         mean%weight = by_volume
+      case default
+         mean%weight = merge(by_volume, by_mass, mean%column%unit == "Pa")
+      end select
+      if (.not. mean%column%is_real .and. mean%column%name /= "failed") then
+         call fail(error, exit_input, "output field '"//trim(name)// &
+            "' is a number that stands for something and has no mean; remove it")
+         return
+      end if
+      call append(means, mean)
+   end subroutine add_mean
+
+   !> Add the volume fraction.
+   subroutine add_fraction(means)
+      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
+      type(mean_t) :: mean
+
+      mean%column%name = volume_fraction
+      mean%weight = added
+      call append(means, mean)
+   end subroutine add_fraction
+
+   !> Add to the list unless it is there.
+   subroutine append(means, mean)
+      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
+      type(mean_t), intent(in) :: mean                   !! A further one
+      type(mean_t), allocatable :: longer(:)
+      integer :: n
+
+      do n = 1, size(means)
+         if (means(n)%column%name == mean%column%name) return
+      end do
+      allocate (longer(size(means) + 1))
+      longer(:size(means)) = means
+      longer(size(longer)) = mean
+      call move_alloc(longer, means)
+   end subroutine append
+
+   !> Values of a field for all particles of an output, store after store.
+   subroutine fill_mean(stores, picks, column, values)
+      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(column_t), intent(in) :: column               !! What is wanted
+      real(wp), allocatable, intent(out) :: values(:, :) !! (component, row)
+      integer(int64), allocatable :: wholes(:)
+      integer :: rows, store
+
+      rows = 0
+      do store = 1, size(picks)
+         rows = rows + size(picks(store)%order)
+      end do
+      allocate (values(column%components, rows))
+      if (column%is_real) then
+         call fill_reals(stores, picks, column, values)
+      else
+         allocate (wholes(rows))
+         call fill_wholes(stores, picks, column, wholes)
+         values(1, :) = real(wholes, wp)
+      end if
+   end subroutine fill_mean
+end module io_means

@@ -1,0 +1,193 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Profiles: counts, masses and means of particles in equal bins along an axis. All sums are exact,
+!! so they do not depend on the order of the particles.
+module io_profile
+   use base_communicator, only: communicator_t
+   use base_exact_sum, only: exact_sum_t, exact_sum_words
+   use base_kinds, only: int64, wp
+   use io_fields, only: picks_t
+   use io_means, only: added, by_volume, fill_mean, mean_t
+   use io_pick, only: pick_rule_t
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: profile_columns, profile_rows, profile_t
+
+   integer, parameter :: column_length = 40              !! Longest heading of a column
+   integer, parameter :: before = 5                      !! Columns before the means, and time, step
+   !> Names of components by their number: of vectors, of symmetric tensors, of others.
+   character(len=2), parameter :: parts_3(3) = ["x ", "y ", "z "]
+   character(len=2), parameter :: parts_6(6) = ["xx", "yy", "zz", "xy", "yz", "xz"]
+   character(len=2), parameter :: parts_9(9) = ["xx", "yx", "zx", "xy", "yy", "zy", "xz", "yz", &
+      "zz"]
+
+   !> What a profile shows.
+   type :: profile_t
+      integer :: axis = 1                                !! Direction of the bins
+      integer :: bins = 100                              !! How many
+      real(wp) :: lower = 0.0_wp                         !! Begin of the first [m]
+      real(wp) :: upper = 1.0_wp                         !! End of the last [m]
+      type(mean_t), allocatable :: means(:)              !! Fields
+      type(pick_rule_t) :: rule                          !! Which particles
+   end type profile_t
+
+contains
+
+   !> Headings of the columns.
+   function profile_columns(profile) result(columns)
+      type(profile_t), intent(in) :: profile             !! What it shows
+      character(len=column_length), allocatable :: columns(:)
+      character(len=column_length) :: heading
+      integer :: n, part
+
+      columns = [character(len=column_length) :: "time [s]", "step", "bin", "position [m]", &
+         "particles", "mass [kg]", "volume [m3]"]
+      do n = 1, size(profile%means)
+         associate (column => profile%means(n)%column)
+            do part = 1, column%components
+               heading = trim(column%name)//part_name(column%components, part)//" ["// &
+                  trim(column%unit)//"]"
+               columns = [columns, heading]
+            end do
+         end associate
+      end do
+   end function profile_columns
+
+   !> Ending of the name of a component, empty for a number.
+   pure function part_name(components, part) result(name)
+      integer, intent(in) :: components                  !! How many there are
+      integer, intent(in) :: part                        !! Which one
+      character(len=:), allocatable :: name
+
+      select case (components)
+      case (3)
+         name = "_"//trim(parts_3(part))
+      case (6)
+         name = "_"//trim(parts_6(part))
+      case (9)
+         name = "_"//trim(parts_9(part))
+      case default
+         name = ""
+      end select
+   end function part_name
+
+   !> The table of one time, all columns but time and step: (column, bin). Collective.
+   subroutine profile_rows(communicator, stores, profile, rows)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      type(profile_t), intent(in) :: profile             !! What is wanted
+      real(wp), allocatable, intent(out) :: rows(:, :)   !! The table
+      type(picks_t), allocatable :: picks(:)
+      integer(int64), allocatable :: counts(:)
+      integer, allocatable :: bin(:)
+      real(wp), allocatable :: mass(:), volume(:), values(:, :), one(:)
+      integer :: at, n, part, row
+
+      allocate (picks(size(stores)))
+      do n = 1, size(stores)
+         call profile%rule%pick(stores(n), picks(n)%order)
+      end do
+      call sort_into_bins(stores, picks, profile, bin, mass, volume)
+      at = before
+      do n = 1, size(profile%means)
+         at = at + profile%means(n)%column%components
+      end do
+      allocate (rows(at, profile%bins), source=0.0_wp)
+      allocate (counts(profile%bins), source=0_int64)
+      do row = 1, size(bin)
+         counts(bin(row)) = counts(bin(row)) + 1
+      end do
+      call communicator%total(counts)
+      do row = 1, profile%bins
+         rows(1, row) = real(row, wp)
+         rows(2, row) = profile%lower + (real(row, wp) - 0.5_wp) &
+            *(profile%upper - profile%lower)/real(profile%bins, wp)
+      end do
+      rows(3, :) = real(counts, wp)
+      allocate (one(size(bin)), source=1.0_wp)
+      call add_up(communicator, bin, one, mass, rows(4, :))
+      call add_up(communicator, bin, one, volume, rows(5, :))
+      at = before
+      do n = 1, size(profile%means)
+         call fill_mean(stores, picks, profile%means(n)%column, values)
+         do part = 1, size(values, 1)
+            at = at + 1
+            select case (profile%means(n)%weight)
+            case (added)
+               call add_up(communicator, bin, one, values(part, :), rows(at, :))
+            case (by_volume)
+               call add_up(communicator, bin, volume, values(part, :), rows(at, :))
+               where (rows(5, :) > 0.0_wp) rows(at, :) = rows(at, :)/rows(5, :)
+            case default
+               call add_up(communicator, bin, mass, values(part, :), rows(at, :))
+               where (rows(4, :) > 0.0_wp) rows(at, :) = rows(at, :)/rows(4, :)
+            end select
+         end do
+      end do
+   end subroutine profile_rows
+
+   !> Bin, mass and volume of each particle, store after store.
+   pure subroutine sort_into_bins(stores, picks, profile, bin, mass, volume)
+      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(profile_t), intent(in) :: profile             !! The bins
+      integer, allocatable, intent(out) :: bin(:)        !! (row) From 1
+      real(wp), allocatable, intent(out) :: mass(:)      !! (row) [kg]
+      real(wp), allocatable, intent(out) :: volume(:)    !! (row) [m3]
+      integer :: filled, row, store
+      real(wp) :: place
+
+      filled = 0
+      do store = 1, size(stores)
+         filled = filled + size(picks(store)%order)
+      end do
+      allocate (bin(filled), mass(filled), volume(filled))
+      filled = 0
+      do store = 1, size(stores)
+         do row = 1, size(picks(store)%order)
+            filled = filled + 1
+            associate (p => picks(store)%order(row))
+               place = (stores(store)%position(p, profile%axis) - profile%lower) &
+                  /(profile%upper - profile%lower)*real(profile%bins, wp)
+               bin(filled) = min(max(floor(min(max(place, 0.0_wp), real(profile%bins, wp))), 0), &
+                  profile%bins - 1) + 1
+               mass(filled) = stores(store)%matter%mass(p)
+               volume(filled) = stores(store)%matter%volume(p)
+            end associate
+         end do
+      end do
+   end subroutine sort_into_bins
+
+   !> Sums over the particles of each bin, on all ranks, rounded once. Collective.
+   subroutine add_up(communicator, bin, weight, values, sums)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      integer, intent(in) :: bin(:)                      !! (row)
+      real(wp), intent(in) :: weight(:)                  !! (row) Factor
+      real(wp), intent(in) :: values(:)                  !! (row)
+      real(wp), intent(out) :: sums(:)                   !! (bin)
+      type(exact_sum_t), allocatable :: total(:)
+      integer(int64), allocatable :: words(:)
+      integer :: n, first
+
+      allocate (total(size(sums)))
+      do n = 1, size(bin)
+         call total(bin(n))%add(weight(n)*values(n))
+      end do
+      if (communicator%size > 1) then
+         allocate (words(exact_sum_words*size(sums)))
+         do n = 1, size(sums)
+            first = exact_sum_words*(n - 1)
+            call total(n)%save(words(first + 1:first + exact_sum_words))
+         end do
+         call communicator%total(words)
+         do n = 1, size(sums)
+            first = exact_sum_words*(n - 1)
+            call total(n)%load(words(first + 1:first + exact_sum_words))
+         end do
+      end if
+      do n = 1, size(sums)
+         sums(n) = total(n)%value()
+      end do
+   end subroutine add_up
+end module io_profile

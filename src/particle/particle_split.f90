@@ -1,0 +1,292 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Halves particles that have become long, so that stretched matter does not fall apart where its
+!! particles no longer reach a common node.
+!!
+!! A half has half the mass and volume and all else of the whole; it lies a quarter of the edge to
+!! one side. Halves part along the line between them as the velocity there does, which leaves
+!! momentum and angular momentum as they are; the kinetic energy of that comes from the internal
+!! energy, or is told for the books. Halves carry their way from the whole in the upper bits of the
+!! identity, which needs no counter and knows nothing of ranks.
+module particle_split
+   use base_field_worker, only: field_worker_t
+   use base_kinds, only: int64, wp
+   use mesh_boundary, only: boundary_t
+   use mesh_grid, only: grid_t
+   use mesh_tiles, only: tiles_t
+   use particle_place, only: place_particle
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: find_opening, generation_of, half_of, root_of, split_store, splitting_t
+
+   integer, parameter :: root_bits = 40              !! Lower bits: the identity of the first whole
+   integer, parameter, public :: most_generations = 20 !! For which the upper bits have room
+
+   !> When particles are halved.
+   type :: splitting_t
+      real(wp) :: longest = 0.55_wp                  !! Greatest edge of a particle [cells]
+      integer :: generations = 10                    !! Halvings of a particle and its parts
+   end type splitting_t
+
+   !> Copies the last of some particles from others.
+   type, extends(field_worker_t) :: copier_t
+      integer, allocatable :: from(:)                !! Who is copied
+      integer, allocatable :: to(:)                  !! Where to
+   contains
+      procedure :: scalar => copier_scalar           !! Copies numbers
+      procedure :: vector => copier_vector           !! Copies vectors
+      procedure :: whole => copier_whole             !! Copies whole numbers
+   end type copier_t
+
+contains
+
+   !> Halve the particles of a store that are too long, before it is put in order.
+   subroutine split_store(splitting, grid, boundary, tiles, store, gain)
+      type(splitting_t), intent(in) :: splitting     !! When
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(tiles_t), intent(in) :: tiles             !! The tiles of this rank
+      type(store_t), intent(inout) :: store          !! The particles, with their edges
+      real(wp), allocatable, intent(out) :: gain(:)  !! (halved particle) Kinetic energy made [J]
+      integer, allocatable :: wish(:), edge(:)
+      real(wp), allocatable :: opening(:)
+      type(copier_t) :: copier
+      integer :: tile, p, n, halved
+
+      call list_long(splitting, grid, store, copier%from, edge, wish)
+      halved = size(edge)
+      allocate (gain(halved))
+      if (halved == 0) return
+      opening = store%opening(copier%from)
+      if (any(wish > store%room)) then
+         ! particles move, so they are listed anew
+         call store%layout(wish)
+         call list_long(splitting, grid, store, copier%from, edge, wish)
+      end if
+      allocate (copier%to(halved))
+      n = 0
+      do tile = 1, size(store%count)
+         do p = store%first(tile) + store%count(tile), store%first(tile) + wish(tile) - 1
+            n = n + 1
+            copier%to(n) = p
+         end do
+      end do
+      call store%walk(copier)
+      n = 0
+      do tile = 1, size(store%count)
+         do p = store%count(tile) + 1, wish(tile)
+            n = n + 1
+            call halve(grid, store, copier%from(n), copier%to(n), edge(n), opening(n), &
+               gain(n))
+            store%count(tile) = p
+            call place_particle(grid, boundary, tiles%coordinate(:, tile), store, tile, &
+               copier%from(n))
+            call place_particle(grid, boundary, tiles%coordinate(:, tile), store, tile, &
+               copier%to(n))
+            store%restless(tile) = .true.
+         end do
+      end do
+   end subroutine split_store
+
+   !> Rates at which the longest edges of particles of a tile grow, for those that may be halved.
+   pure subroutine find_opening(splitting, spacing, store, tile, gradient, dt)
+      type(splitting_t), intent(in) :: splitting     !! What is too long
+      real(wp), intent(in) :: spacing                !! Edge of a cell [m]
+      type(store_t), intent(inout) :: store          !! The particles, stretched by the step
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle of the tile, 9) [1]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: edge(3), square, growth
+      integer :: p, q, k, l
+
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         store%opening(q) = 0.0_wp
+         call find_longest(store, q, k, square)
+         if (.not. 4.0_wp*square > (splitting%longest*spacing)**2) cycle
+         do l = 1, 3
+            edge(l) = store%domain(q, 3*(k - 1) + l)
+         end do
+         growth = 0.0_wp
+         do l = 1, 3
+            growth = growth + edge(l)*(gradient(p, l)*edge(1) + gradient(p, l + 3)*edge(2) &
+               + gradient(p, l + 6)*edge(3))
+         end do
+         store%opening(q) = growth/(square*dt)
+      end do
+   end subroutine find_opening
+
+   !> The longest half edge of a particle.
+   pure subroutine find_longest(store, p, edge, square)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: p                       !! Which one
+      integer, intent(out) :: edge                   !! Which edge
+      real(wp), intent(out) :: square                !! Square of its length [m2]
+      real(wp) :: squares(3)
+      integer :: k
+
+      do k = 1, 3
+         squares(k) = store%domain(p, 3*k - 2)**2 + store%domain(p, 3*k - 1)**2 &
+            + store%domain(p, 3*k)**2
+      end do
+      edge = maxloc(squares, 1)
+      square = squares(edge)
+   end subroutine find_longest
+
+   !> Particles that are too long, those of the first tile first, and how many each tile will hold.
+   subroutine list_long(splitting, grid, store, particle, edge, wish)
+      type(splitting_t), intent(in) :: splitting     !! What is too long
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(store_t), intent(in) :: store             !! The particles
+      integer, allocatable, intent(out) :: particle(:) !! Indices
+      integer, allocatable, intent(out) :: edge(:)   !! Along which edge of theirs
+      integer, allocatable, intent(out) :: wish(:)   !! (tile) Particles with halves
+      integer, allocatable :: longest(:)
+      integer :: tile, p, n
+
+      allocate (longest(size(store%home)), wish(size(store%count)))
+      !$omp parallel do default(none) shared(splitting, grid, store, longest, wish) &
+      !$omp private(tile, p) schedule(static)
+      do tile = 1, size(store%count)
+         wish(tile) = store%count(tile)
+         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+            longest(p) = too_long(splitting, grid, store, p)
+            if (longest(p) > 0) wish(tile) = wish(tile) + 1
+         end do
+      end do
+      !$omp end parallel do
+      allocate (particle(sum(wish - store%count)), edge(sum(wish - store%count)))
+      n = 0
+      do tile = 1, size(store%count)
+         if (wish(tile) == store%count(tile)) cycle
+         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+            if (longest(p) == 0) cycle
+            n = n + 1
+            particle(n) = p
+            edge(n) = longest(p)
+         end do
+      end do
+   end subroutine list_long
+
+   !> Edge along which a particle is to be halved, 0 = none. It waits until it is in its tile, and
+   !! where a half would lie outside of the box.
+   pure integer function too_long(splitting, grid, store, p) result(edge)
+      type(splitting_t), intent(in) :: splitting     !! What is too long
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: p                       !! Which one
+      real(wp) :: square, reach
+      integer :: k
+
+      edge = 0
+      call find_longest(store, p, k, square)
+      if (.not. 4.0_wp*square > (splitting%longest*grid%spacing)**2) return
+      if (store%home(p) < 0) return
+      if (generation_of(store%identity(p)) >= splitting%generations) return
+      edge = k
+      do k = 1, 3
+         if (.not. grid%active(k) .or. grid%periodic(k)) cycle
+         reach = 0.5_wp*abs(store%domain(p, 3*(edge - 1) + k))
+         if (store%position(p, k) - reach < grid%lower(k) .or. &
+            store%position(p, k) + reach > grid%upper(k)) then
+            edge = 0
+            return
+         end if
+      end do
+   end function too_long
+
+   !> Make halves of two equal particles.
+   pure subroutine halve(grid, store, low, high, edge, opening, gain)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: low                     !! The whole, will lie against the edge
+      integer, intent(in) :: high                    !! Its copy, will lie along it
+      integer, intent(in) :: edge                    !! Which edge
+      real(wp), intent(in) :: opening                !! Rate at which it grows [1/s]
+      real(wp), intent(out) :: gain                  !! Kinetic energy that nothing pays for [J]
+      integer(int64) :: whole
+      real(wp) :: half(3), part
+      integer :: k
+
+      whole = store%identity(low)
+      store%identity(low) = half_of(whole, 0)
+      store%identity(high) = half_of(whole, 1)
+      do k = 1, 3
+         half(k) = 0.5_wp*store%domain(low, 3*(edge - 1) + k)
+      end do
+      where (.not. grid%active) half = 0.0_wp
+      do k = 1, 3
+         store%position(high, k) = store%position(low, k) + half(k)
+         store%position(low, k) = store%position(low, k) - half(k)
+         store%domain([low, high], 3*(edge - 1) + k) = half(k)
+         store%velocity(high, k) = store%velocity(low, k) + opening*half(k)
+         store%velocity(low, k) = store%velocity(low, k) - opening*half(k)
+      end do
+      part = 0.5_wp*opening**2*sum(half**2)
+      gain = store%matter%mass(low)*part
+      if (allocated(store%matter%energy)) then
+         store%matter%energy([low, high]) = store%matter%energy(low) - part
+         gain = 0.0_wp
+      end if
+      store%matter%mass([low, high]) = 0.5_wp*store%matter%mass(low)
+      store%matter%volume([low, high]) = 0.5_wp*store%matter%volume(low)
+      if (.not. allocated(store%extent)) return
+      k = maxloc(abs(half), 1)
+      store%extent([low, high], k) = 0.5_wp*store%extent(low, k)
+   end subroutine halve
+
+   !> Identity of a half: the place in the tree of halves, 1 for the first whole, in the upper bits.
+   pure integer(int64) function half_of(whole, side) result(identity)
+      integer(int64), intent(in) :: whole            !! Identity of the whole
+      integer, intent(in) :: side                    !! 0 or 1
+      integer(int64) :: place
+
+      place = 2_int64*max(shiftr(whole, root_bits), 1_int64) + side
+      identity = root_of(whole) + shiftl(place, root_bits)
+   end function half_of
+
+   !> Identity of the particle of the start that a particle is a part of.
+   pure integer(int64) function root_of(identity) result(root)
+      integer(int64), intent(in) :: identity         !! Of a particle
+
+      root = ibits(identity, 0, root_bits)
+   end function root_of
+
+   !> Halvings that lead from the start to a particle.
+   pure integer function generation_of(identity) result(generation)
+      integer(int64), intent(in) :: identity         !! Of a particle
+
+      generation = max(int(bit_size(identity)) - leadz(identity) - root_bits - 1, 0)
+   end function generation_of
+
+   !> Copy a field of numbers.
+   subroutine copier_scalar(self, name, unit, values)
+      class(copier_t), intent(inout) :: self         !! Who and where to
+      character(len=*), intent(in) :: name           !! Name in files
+      character(len=*), intent(in) :: unit           !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:) !! (particle)
+
+      values(self%to) = values(self%from)
+   end subroutine copier_scalar
+
+   !> Copy a field of vectors or tensors.
+   subroutine copier_vector(self, name, unit, values)
+      class(copier_t), intent(inout) :: self         !! Who and where to
+      character(len=*), intent(in) :: name           !! Name in files
+      character(len=*), intent(in) :: unit           !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
+
+      values(self%to, :) = values(self%from, :)
+   end subroutine copier_vector
+
+   !> Copy a field of whole numbers.
+   subroutine copier_whole(self, name, unit, values)
+      class(copier_t), intent(inout) :: self         !! Who and where to
+      character(len=*), intent(in) :: name           !! Name in files
+      character(len=*), intent(in) :: unit           !! SI unit
+      integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
+
+      values(self%to) = values(self%from)
+   end subroutine copier_whole
+end module particle_split

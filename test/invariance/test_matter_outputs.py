@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Grids, slices, profiles and fragments: what they say of bodies whose answer is known, the same bytes for any ranks
+and threads, and files that a restart continues.
+
+Would catch matter that is counted twice or not at all, a fragment cut at a face of a tile, a rank or a periodic box,
+two fragments taken for one, sums that depend on who adds them up, and rows that stand twice after a restart.
+"""
+
+import csv
+import itertools
+import unittest
+
+import h5py
+import numpy as np
+
+import case
+
+OPTIONS = case.arguments(__doc__)
+DX = 1.0 / 32
+# Tiles are six cells wide: the first body crosses faces of tiles and, of two or three ranks, of ranks.
+HEAD = """&run dimension = '3d' /
+&grid lo = 0 0 0  hi = 2 1 1  dx = 0.03125 /
+&time t_end = 1e-4  max_steps = {steps} /
+&material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
+"""
+BODY = """&region name = '{0}'  shape = 'box'  lo = {1}  hi = {2} /
+&body name = '{0}'  region = '{0}'  material = 'metal'  ppc = 1 2 1  velocity = {3} /
+"""
+STREAMS = """&output name = 'h'  kind = 'history'  every = 4 /
+&output name = 'p'  kind = 'particles'  every = 4  precision = 'double' /
+&output name = 'g'  kind = 'grid'  every = 4  precision = 'double' /
+&output name = 's'  kind = 'slice'  every = 4  axis = 'z'  at = 0.5 /
+&output name = 'f'  kind = 'profile'  every = 4  bins = 50 /
+&output name = 'b'  kind = 'fragments'  every = 4 /
+"""
+THREE = [("long", "0.0625 0.25 0.25", "0.9375 0.75 0.5", "5 0 0"),
+         ("cube", "1.0625 0.5 0.5", "1.1875 0.625 0.625", "0 3 0"),
+         ("slab", "1.5 0.125 0.75", "1.6875 0.875 0.8125", "0 0 -4")]
+
+
+def deck(bodies, streams=STREAMS, steps=8, more=""):
+    """A deck of some boxes."""
+    return HEAD.format(steps=steps) + "".join(BODY.format(*body) for body in bodies) + more + streams
+
+
+def box_of(body):
+    """Lower and upper corner of a body."""
+    return [np.array([float(word) for word in text.split()]) for text in body[1:3]]
+
+
+def mass_of(body):
+    """Mass of a body, whose faces lie on those of cells [kg]."""
+    lower, upper = box_of(body)
+    return 2700.0 * np.prod(upper - lower)
+
+
+def table(run, ending):
+    """Rows of a table as dictionaries of numbers, by step."""
+    with open(run.path(ending), newline="", encoding="utf-8") as lines:
+        rows = [{name.split(" [")[0]: float(value) for name, value in row.items()}
+                for row in csv.DictReader(lines)]
+    return {step: list(group) for step, group in itertools.groupby(rows, key=lambda row: int(row["step"]))}
+
+
+class MatterOutputs(unittest.TestCase):
+    """A run once, looked at from many sides."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.one = case.Case(OPTIONS, "three", deck(THREE)).run("--quiet")
+        cls.kept = {path.name: path.read_bytes() for path in cls.one.folder.iterdir()
+                    if path.suffix in (".hdf", ".csv", ".series")}
+
+    def test_same_bytes(self):
+        """Any ranks and threads; all files of all streams are there."""
+        self.assertEqual(len(self.kept), 3 * 3 + 3 + 3)
+        for ranks, threads in [(2, 1), (3, 1), (1, 2)]:
+            run = case.Case(OPTIONS, f"three_{ranks}_{threads}", deck(THREE), ranks, threads)
+            run.name = "three"
+            run.run("--quiet")
+            for name, wanted in self.kept.items():
+                with self.subTest(ranks=ranks, threads=threads, file=name):
+                    self.assertEqual((run.folder / name).read_bytes(), wanted)
+
+    def test_fragments_are_the_bodies(self):
+        """Number, order, mass, volume, centre, velocity, energy, corners, of three bodies that fly apart."""
+        rows = table(self.one, "_fragments.csv")
+        self.assertEqual(sorted(rows), [0, 4, 8])
+        heaviest = sorted(THREE, key=mass_of, reverse=True)
+        for body, row in zip(heaviest, rows[0]):
+            lower, upper = box_of(body)
+            velocity = np.array([float(word) for word in body[3].split()])
+            self.assertAlmostEqual(row["mass"] / mass_of(body), 1.0, 12)
+            self.assertAlmostEqual(row["volume"] * 2700.0 / mass_of(body), 1.0, 12)
+            self.assertEqual(row["particles"], round(2 * np.prod(upper - lower) / DX**3))
+            self.assertAlmostEqual(row["kinetic"] / (0.5 * mass_of(body) * velocity @ velocity), 1.0, 12)
+            for k, axis in enumerate("xyz"):
+                self.assertAlmostEqual(row[f"centre_{axis}"], 0.5 * (lower + upper)[k], 12)
+                self.assertAlmostEqual(row[f"velocity_{axis}"], velocity[k], 12)
+                half = DX / (4 if axis == "y" else 2)
+                self.assertAlmostEqual(row[f"lower_{axis}"], lower[k] + half, 12)
+                self.assertAlmostEqual(row[f"upper_{axis}"], upper[k] - half, 12)
+        for step in rows:
+            self.assertEqual([row["fragment"] for row in rows[step]], [1, 2, 3])
+            total = sum(row["mass"] for row in rows[step])
+            self.assertAlmostEqual(total / sum(map(mass_of, THREE)), 1.0, 12)
+
+    def test_profile(self):
+        """Sums over the bins are those of the bodies; a mean is that of the matter in the bin."""
+        rows = table(self.one, "_profile.csv")
+        self.assertEqual([len(rows[step]) for step in rows], [50] * 3)
+        history = self.one.history
+        for step, bins in rows.items():
+            self.assertAlmostEqual(sum(row["mass"] for row in bins) / sum(map(mass_of, THREE)), 1.0, 12)
+            at = list(history["step"]).index(step)
+            momentum = sum(row["mass"] * row["velocity_x"] for row in bins)
+            self.assertAlmostEqual(momentum / history["momentum_x"][at], 1.0, 10)
+        inside = [row for row in rows[0] if 0.1 < row["position"] < 0.9]
+        self.assertGreater(len(inside), 15)
+        self.assertTrue(all(row["velocity_x"] == 5.0 for row in inside))
+        self.assertTrue(all(abs(row["density"] / 2700.0 - 1.0) < 1e-12 for row in inside))
+        self.assertTrue(all(row["mass"] == 0.0 for row in rows[0] if row["position"] > 1.75))
+
+    def test_grid(self):
+        """The image holds all mass, no more cells than are needed, and the velocity of each body."""
+        series = sorted(self.one.folder.glob("three_g_0*.hdf"))
+        self.assertEqual(len(series), 3)
+        for path in series:
+            with h5py.File(path) as file:
+                image = file["VTKHDF"]
+                density = image["PointData/density"][:]
+                extent = image.attrs["WholeExtent"]
+                self.assertEqual(density.shape, tuple(extent[5::-2] + 1))
+                self.assertAlmostEqual(density.sum() * DX**3 / sum(map(mass_of, THREE)), 1.0, 12)
+                self.assertTrue(np.allclose(density, 2700.0 * image["PointData/volume_fraction"][:], rtol=1e-3))
+                if path == series[0]:
+                    self.assertEqual(density.shape, (18, 24, 52))
+                    self.assertTrue(np.allclose(image.attrs["Origin"], [0.0625 + DX / 2, 0.125 + DX / 2,
+                                                                        0.25 + DX / 2]))
+                    velocity = image["PointData/velocity"][:]
+                    self.assertEqual({5.0, 0.0}, set(velocity[..., 0].ravel()))
+                    self.assertEqual({-4.0, 0.0}, set(velocity[..., 2].ravel()))
+
+    def test_slice(self):
+        """Particles within half a cell of the plane, no others, and not none."""
+        _, whole = self.one.snapshots()[-1]
+        _, cut = self.one.snapshots("s")[-1]
+        off = whole.points[:, 2] - 0.5
+        near = (off >= -DX / 2) & (off < DX / 2)
+        self.assertGreater(near.sum(), 100)
+        self.assertEqual(sorted(whole.fields["identity"][near]), sorted(cut.fields["identity"]))
+
+    def test_restart(self):
+        """Tables are cut back and go on, files and series too."""
+        run = case.Case(OPTIONS, "again", deck(THREE, steps=5))
+        run.name = "three"
+        run.run("--quiet")
+        cut = run.path("_fragments.csv").read_text(encoding="utf-8")
+        run.path("_fragments.csv").write_text(cut + cut.splitlines()[-1].replace(",5,", ",7,") + "\n",
+                                              encoding="utf-8")
+        run.run("--quiet", "--restart", "--set", "time.max_steps=8")
+        for ending in ("_profile.csv", "_fragments.csv"):
+            seen, wanted = table(run, ending), table(self.one, ending)
+            self.assertEqual(sorted(seen), [0, 4, 5, 8])
+            for step in wanted:
+                self.assertEqual(seen[step], wanted[step])
+        self.assertEqual(len(list(run.folder.glob("three_g_0*.hdf"))), 4)
+        self.assertEqual(run.path("_g.hdf.series").read_text(encoding="utf-8").count("time"), 4)
+
+
+class Fragments(unittest.TestCase):
+    """What belongs together, at the first step."""
+
+    def masses(self, name, bodies, ranks=1, key="", more=""):
+        stream = f"&output name = 'b'  kind = 'fragments'  every = 1  {key} /\n"
+        run = case.Case(OPTIONS, name, deck(bodies, stream, 0, more), ranks).run("--quiet")
+        return [(row["mass"], row) for row in table(run, "_fragments.csv")[0]]
+
+    def test_touching(self):
+        """Cells that share a face, an edge or a corner belong together, and those one cell apart do not, wherever
+        faces of tiles are, of any ranks."""
+        for shift in range(6, 12):                   # all places in a tile of six cells
+            first = ("one", "0.0625 0.0625 0.0625", f"{shift * DX + 0.0625} 0.25 0.25", "0 0 0")
+            edge = shift * DX + 0.0625
+            for gap, pieces in [(0, 1), (1, 2)]:
+                start = edge + gap * DX
+                other = ("two", f"{start} {0.25 + gap * DX} 0.25", f"{start + 0.25} 0.75 0.5", "0 0 0")
+                found = self.masses(f"touch_{shift}_{gap}", [first, other], ranks=1 + shift % 3)
+                with self.subTest(shift=shift, gap=gap):
+                    self.assertEqual(len(found), pieces)
+
+    def test_periodic(self):
+        """A body across a periodic face is one fragment whose middle is that of the body, not of the box."""
+        faces = "&boundary face = 'xlo' type = 'periodic' /\n&boundary face = 'xhi' type = 'periodic' /\n"
+        parts = [("one", "0 0.25 0.25", "0.125 0.5 0.5", "0 0 7"), ("two", "1.75 0.25 0.25", "2 0.5 0.5", "0 0 7")]
+        closed = self.masses("round", parts, ranks=2, more=faces)
+        self.assertEqual(len(closed), 1)
+        row = closed[0][1]
+        self.assertAlmostEqual(row["centre_x"] % 2.0, 1.9375, 12)
+        self.assertAlmostEqual(row["upper_x"] - row["lower_x"], 0.375 - DX, 12)
+        self.assertLess(abs(row["angular_momentum_y"]), 1e-9 * row["mass"])
+        self.assertEqual(len(self.masses("open", parts)), 2)
+
+    def test_velocity_cut(self):
+        """Touching bodies part where their velocities differ by more than the limit, and only there."""
+        parts = [("one", "0.25 0.25 0.25", "0.5 0.5 0.5", "3 0 0"), ("two", "0.5 0.25 0.25", "0.625 0.5 0.5", "0 4 0")]
+        for limit, pieces in [(4.99, 2), (5.01, 1)]:
+            self.assertEqual(len(self.masses(f"cut_{pieces}", parts, 2, f"velocity_cut = {limit}")), pieces)
+
+    def test_only_some(self):
+        """Bodies and regions choose; the share that is left out has no mass here."""
+        found = self.masses("some", THREE, 1, "bodies = 'cube' 'slab'")
+        self.assertEqual([round(mass / mass_of(body), 9) for (mass, _), body in zip(found, [THREE[2], THREE[1]])],
+                         [1.0, 1.0])
+        where = "&region name = 'left'  shape = 'box'  lo = 0 0 0  hi = 0.5 1 1 /\n"
+        found = self.masses("where", THREE, 2, "region = 'left'", where)
+        self.assertAlmostEqual(found[0][0] / mass_of(THREE[0]), 0.4375 / 0.875, 12)
+        self.assertEqual(len(found), 1)
+
+    def test_spin(self):
+        """Angular momentum about the own middle of a body that turns and flies, far from the origin."""
+        bodies = [("one", "1.5 0.5 0.5", "1.75 0.75 0.75", "1000 0 0  spin = 0 0 20")]
+        mass, row = self.masses("spin", bodies)[0]
+        # sum over lattice points of x and y: edge^2 (1 - 1/n^2)/12 with 8 and 16 points
+        inertia = mass * 0.25**2 / 12.0 * ((1 - 1 / 8**2) + (1 - 1 / 16**2))
+        self.assertAlmostEqual(row["angular_momentum_z"] / (20.0 * inertia), 1.0, 9)
+
+
+if __name__ == "__main__":
+    unittest.main()
