@@ -93,21 +93,21 @@ code=0
 "${command[@]}" --case "${case_name}" --outdir "${folder}" "${options[@]}" "${deck}" || code=$?
 ((code == 0)) || exit "${code}"
 
-# Pictures of what was written: picture SCRIPT INPUT PICTURE
+# Pictures of what was written: picture COMMAND INPUT PICTURE
 pictures=()
 picture() {
-   [[ -f "$2" && -f "${scripts}/$1" ]] || return 0
+   [[ -f "$2" ]] || return 0
    if [[ ! -x "${python}" ]]; then
       say "No pictures: scripts/setup.sh makes the Python environment that they need."
       return 0
    fi
-   MPLBACKEND=Agg "${python}" "${scripts}/$1" "$2" --out "$3"
+   PYTHONPATH="${scripts}" "${python}" -m scree_post "$1" "$2" --out "$3"
    pictures+=("$3")
 }
 
 started="${folder}/${case_name}"
-picture radiograph.py "${started}_p.hdf.series" "${started}_radiograph.png"
-picture history.py "${started}_history.csv" "${started}_history.png"
+picture radiograph "${started}_p.hdf.series" "${started}_radiograph.png"
+picture plot "${started}_history.csv" "${started}_history.png"
 for path in "${pictures[@]}"; do
    say "picture  ${path}"
 done

@@ -4,7 +4,8 @@
 #
 # Installs what is missing to build and run Scree on Debian 12, Ubuntu and their like: compiler,
 # CMake, Open MPI and parallel HDF5 from the system's packages (as root or with sudo), and a Python
-# environment for tests and pictures in build/venv. If nothing is missing, nothing is downloaded.
+# environment for tests and pictures in build/venv, with the command build/venv/bin/scree-post. If
+# nothing is missing, nothing is downloaded.
 #
 #   --no-python   leave out the Python environment
 #   --help        this text
@@ -123,8 +124,9 @@ install_missing() {
 
 setup_python() {
    local requirements="${scripts}/requirements.txt" stamp="${root}/build/venv/requirements.stamp"
-   if [[ -x "${python}" ]] && cmp -s "${requirements}" "${stamp}" && "${python}" -c '' 2> /dev/null
-   then
+   local post="${root}/build/venv/bin/scree-post"
+   if [[ -x "${python}" ]] && cmp -s "${requirements}" "${stamp}" \
+      && "${post}" --version > /dev/null 2>&1; then
       return
    fi
    local creator
@@ -138,6 +140,9 @@ setup_python() {
    say "Installing Python packages into build/venv"
    "${python}" -m pip install --quiet --disable-pip-version-check --requirement "${requirements}" \
       || stop_with 3 "pip could not install the packages of scripts/requirements.txt"
+   # Linked to scripts/scree_post, so that a change there needs no new installation.
+   "${python}" -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
+      --editable "${scripts}" || stop_with 3 "pip could not install scripts/scree_post"
    cp "${requirements}" "${stamp}"
 }
 

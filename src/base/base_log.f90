@@ -9,7 +9,7 @@ module base_log
 
    public :: log_t, progress_heading, progress_line, progress_t
 
-   !> Levels: a line is kept if its level is not above that of the log.
+   !> Levels. A line is kept if its level is not above that of the log.
    integer, parameter, public :: log_error = 0, log_warn = 1, log_info = 2, log_debug = 3
    integer, parameter :: no_unit = 0                     !! No file is open
 

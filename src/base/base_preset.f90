@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Presets: values of a group that a deck may ask for by name. They are lines of text,
+!> Presets are values of a group that a deck may ask for by name. They are lines of text,
 !!
 !!    preset NAME: what it is
 !!    key = value | where it is from | condition

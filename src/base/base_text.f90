@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Texts: lists of them, the nearest of several words, and numbers that read back bit for bit.
+!> Lists of texts, the nearest of several words, and numbers that read back bit for bit.
 module base_text
    use base_kinds, only: int64, wp
    implicit none

@@ -9,7 +9,7 @@ module base_units
    implicit none
    private
 
-   public :: system_number, unit_of, unit_t
+   public :: output_units_t, system_number, unit_of, unit_t
 
    !> The systems by name.
    character(len=8), parameter, public :: system_names(6) = [character(len=8) :: "si", "cgs", &
@@ -24,6 +24,24 @@ module base_units
       -3, -3, -3, 0, &
       -2, -6, -3, 0, &
       -3, -6, -6, 0], [4, 6])
+
+   !> Names of the units of length, time, mass and temperature of each system.
+   character(len=2), parameter :: system_symbols(4, 6) = reshape([ &
+      "m ", "s ", "kg", "K ", &
+      "cm", "s ", "g ", "K ", &
+      "mm", "ms", "kg", "K ", &
+      "mm", "ms", "g ", "K ", &
+      "cm", "us", "g ", "K ", &
+      "mm", "us", "mg", "K "], [4, 6])
+
+   !> The system of units that outputs are written in.
+   type :: output_units_t
+      integer :: system = system_si                      !! From `system_number`
+   contains
+      procedure :: label => output_label                 !! Name of a unit in it
+      procedure :: factor => output_factor               !! What one of it is in SI
+      procedure :: shown => output_shown                 !! A number in it
+   end type output_units_t
 
    !> A unit of SI as powers of its base units. Angles stay in degrees and have no dimension here.
    type :: unit_t
@@ -99,6 +117,75 @@ contains
          first = first + 1
       end do
    end subroutine unit_of
+
+   !> Name of the unit of a system that stands for a unit of SI, such as mg/(mm us2) for Pa.
+   pure function output_label(self, unit_text) result(label)
+      class(output_units_t), intent(in) :: self          !! The system
+      character(len=*), intent(in) :: unit_text          !! Unit of SI
+      character(len=:), allocatable :: label
+      character(len=:), allocatable :: above, below, symbol
+      character(len=8) :: power
+      type(unit_t) :: unit
+      integer, parameter :: order(4) = [3, 1, 2, 4]      ! mass, length, time, temperature
+      integer :: n, exponent
+      logical :: known
+
+      label = unit_text
+      call unit_of(unit_text, unit, known)
+      if (self%system == system_si .or. .not. known .or. all(nint(unit%power) == 0)) return
+      above = ""
+      below = ""
+      do n = 1, size(order)
+         exponent = nint(unit%power(order(n)))
+         if (exponent == 0) cycle
+         symbol = " "//trim(system_symbols(order(n), self%system))
+         write (power, "(i0)") abs(exponent)
+         if (abs(exponent) > 1) symbol = symbol//trim(power)
+         if (exponent > 0) above = above//symbol
+         if (exponent < 0) below = below//symbol
+      end do
+      label = "1"
+      if (len(above) > 0) label = above(2:)
+      if (index(below, " ", back=.true.) > 1) then
+         label = label//"/("//below(2:)//")"
+      else if (len(below) > 0) then
+         label = label//"/"//below(2:)
+      end if
+   end function output_label
+
+   !> What one unit of a system is in the unit of SI.
+   pure real(wp) function output_factor(self, unit_text) result(factor)
+      class(output_units_t), intent(in) :: self          !! The system
+      character(len=*), intent(in) :: unit_text          !! Unit of SI
+      type(unit_t) :: unit
+      logical :: known
+
+      call unit_of(unit_text, unit, known)
+      factor = 1.0_wp
+      if (known .and. self%system /= system_si) factor = 10.0_wp**nint(unit%exponent(self%system))
+   end function output_factor
+
+   !> A number of SI in the unit of a system. Powers of ten above one are exact, so it is rounded
+   !! once.
+   elemental real(wp) function output_shown(self, value, unit_text) result(shown)
+      class(output_units_t), intent(in) :: self          !! The system
+      real(wp), intent(in) :: value                      !! The number [SI]
+      character(len=*), intent(in) :: unit_text          !! Its unit of SI
+      type(unit_t) :: unit
+      integer :: exponent
+      logical :: known
+
+      shown = value
+      if (self%system == system_si) return
+      call unit_of(unit_text, unit, known)
+      if (.not. known) return
+      exponent = nint(unit%exponent(self%system))
+      if (exponent > 0) then
+         shown = value/10.0_wp**exponent
+      else
+         shown = value*10.0_wp**(-exponent)
+      end if
+   end function output_shown
 
    !> Decimal exponent that turns a number in a system into SI.
    pure real(wp) function unit_exponent(self, system) result(exponent)

@@ -13,6 +13,7 @@
 !! no mass for the stress of the latter, which would tear it away at any useful time step.
 module ddmp_dual
    use base_kinds, only: wp
+   use ddmp_lattice, only: lattice_t, spread_force, spread_gradient
    use mesh_grid, only: grid_t, lane_bit, lanes
    implicit none
    private
@@ -31,8 +32,7 @@ module ddmp_dual
       integer :: columns = 1                         !! Cells along x with integrals of their own
       integer :: surface = surface_fill              !! Rule of the weights, one of those above
       real(wp) :: enough = 0.5_wp                    !! Fill of a node that counts as full
-      real(wp), allocatable :: force(:, :, :, :)     !! (i, j, direction, column) D_ji [m2]
-      real(wp), allocatable :: strain(:, :, :, :)    !! (j, i, direction, column) D_ji [m2]
+      type(lattice_t) :: lattice                     !! D_ji as products
       real(wp), allocatable :: volume(:, :)          !! (j, column) V_j [m3]
    contains
       procedure :: start => dual_start               !! Compute the integrals
@@ -44,50 +44,29 @@ module ddmp_dual
 
 contains
 
-   !> Compute the integrals of products of the node functions and their gradients.
+   !> Compute the integrals of the node functions and of their products.
    subroutine dual_start(self, grid)
       class(dual_t), intent(inout) :: self           !! The integrals
       type(grid_t), intent(in) :: grid               !! The grid
-      real(wp) :: line(0:1, 3), mass(0:1, 0:1, 3), value
-      integer :: column, cell, i, j, direction, other, bit_i(3), bit_j(3)
+      real(wp) :: line(0:1, 3)
+      integer :: column, cell, j, direction, other, bit(3)
 
       self%columns = merge(grid%cells(1), 1, grid%axisymmetric)
       ! near the axis the volume of the particles of a node is not that of the node, and only
       ! weights
       ! that follow it keep the node stress right
       self%enough = merge(1.0_wp, 0.5_wp, grid%axisymmetric)
-      if (allocated(self%force)) deallocate (self%force, self%strain, self%volume)
-      allocate (self%force(lanes, lanes, 3, self%columns), self%volume(lanes, self%columns))
+      call self%lattice%start(grid)
+      if (allocated(self%volume)) deallocate (self%volume)
+      allocate (self%volume(lanes, self%columns))
       do column = 1, self%columns
          do direction = 1, 3
             cell = merge(column - 1, 0, direction == 1)
             line(:, direction) = grid%line_weight(direction, cell)
-            mass(:, :, direction) = grid%mass_weight(direction, cell)
          end do
          do j = 1, lanes
-            bit_j = [(ibits(j - 1, lane_bit(other), 1), other=1, 3)]
-            self%volume(j, column) = grid%depth*line(bit_j(1), 1)*line(bit_j(2), 2) &
-               *line(bit_j(3), 3)
-            do i = 1, lanes
-               bit_i = [(ibits(i - 1, lane_bit(other), 1), other=1, 3)]
-               do direction = 1, 3
-                  value = grid%depth*grid%lane_slope(i, direction)/grid%spacing
-                  do other = 1, 3
-                     if (other == direction) then
-                        value = value*line(bit_j(other), other)
-                     else
-                        value = value*mass(bit_j(other), bit_i(other), other)
-                     end if
-                  end do
-                  self%force(i, j, direction, column) = value
-               end do
-            end do
-         end do
-      end do
-      allocate (self%strain, mold=self%force)
-      do j = 1, lanes
-         do i = 1, lanes
-            self%strain(j, i, :, :) = self%force(i, j, :, :)
+            bit = [(ibits(j - 1, lane_bit(other), 1), other=1, 3)]
+            self%volume(j, column) = grid%depth*line(bit(1), 1)*line(bit(2), 2)*line(bit(3), 3)
          end do
       end do
    end subroutine dual_start
@@ -102,31 +81,48 @@ contains
       integer, intent(in) :: row                     !! Component that is their volume [m3]
       real(wp), contiguous, intent(in) :: node_volume(:) !! (node) Volume of the node [m3]
       real(wp), contiguous, intent(inout) :: weight(0:)  !! (cell) 0 to 1
-      integer :: cell, lane, node, base
-      real(wp) :: least, light, heavy, density
+      real(wp) :: least(size(total, 2)), light(size(total, 2)), heavy(size(total, 2))
+      integer :: cell, node
+      real(wp) :: density
 
+      do node = 1, size(total, 2)
+         least(node) = 0.0_wp
+         light(node) = huge(1.0_wp)/contrast
+         heavy(node) = 0.0_wp
+         if (node_volume(node) > 0.0_wp) then
+            least(node) = min(1.0_wp, total(row, node)/(self%enough*node_volume(node)))
+            density = total(1, node)/node_volume(node)
+            light(node) = min(light(node), density)
+            heavy(node) = max(0.0_wp, density)
+         end if
+      end do
+      ! row by row along each direction, the eight nodes of a cell meet on its first node
+      call least_around(grid, least)
+      call least_around(grid, light)
+      heavy = -heavy
+      call least_around(grid, heavy)
       do cell = 0, grid%tile_cells - 1
-         base = grid%first_node(cell)
-         least = 1.0_wp
-         light = huge(1.0_wp)/contrast
-         heavy = 0.0_wp
-         do lane = 1, lanes
-            node = base + grid%lane_offset(lane)
-            if (node_volume(node) > 0.0_wp) then
-               least = min(least, total(row, node)/(self%enough*node_volume(node)))
-               density = total(1, node)/node_volume(node)
-               light = min(light, density)
-               heavy = max(heavy, density)
-            else
-               least = 0.0_wp
-            end if
-         end do
-         if (heavy > contrast*light) least = min(least, contrast*light/heavy)
-         weight(cell) = least
+         node = grid%first_node(cell)
+         weight(cell) = least(node)
+         if (-heavy(node) > contrast*light(node)) weight(cell) = min(weight(cell), &
+            contrast*light(node)/(-heavy(node)))
       end do
       if (self%surface == surface_cells) weight(:) = merge(1.0_wp, 0.0_wp, weight(:) > 0.0_wp)
       if (self%surface == surface_none) call fill_box(grid, node_volume, weight)
    end subroutine dual_cell_weights
+
+   !> Least of the values on the nodes of each cell, put on its first node.
+   pure subroutine least_around(grid, values)
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), contiguous, intent(inout) :: values(:) !! (node)
+      integer :: direction, node
+
+      do direction = 1, 3
+         do node = 1, size(values) - grid%stride(direction)
+            values(node) = min(values(node), values(node + grid%stride(direction)))
+         end do
+      end do
+   end subroutine least_around
 
    !> Weight 1 for all cells of the box.
    pure subroutine fill_box(grid, node_volume, weight)
@@ -172,51 +168,10 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
-      real(wp) :: force(lanes, 3), s(9, lanes)
-      integer :: cell, i, j, k, node, base
 
-      do cell = 0, grid%tile_cells - 1
-         if (.not. weight(cell) > 0.0_wp) cycle
-         base = grid%first_node(cell)
-         do j = 1, lanes
-            node = base + grid%lane_offset(j)
-            do k = 1, 9
-               s(k, j) = weight(cell)*stress(k, node)
-            end do
-         end do
-         call apply_force(self%force(:, :, :, column_of(self, grid, coordinate, cell)), s, force)
-         do i = 1, lanes
-            node = base + grid%lane_offset(i)
-            do k = 1, 3
-               patch(k, node) = patch(k, node) - force(i, k)
-            end do
-         end do
-      end do
+      call spread_force(self%lattice, grid, merge(coordinate(1) + 1, 1, grid%axisymmetric), &
+         weight, stress, patch)
    end subroutine dual_add_force
-
-   !> Product of the integrals of a cell with the stress of its nodes; the nodes i are the lanes.
-   pure subroutine apply_force(d, s, force)
-      real(wp), intent(in) :: d(lanes, lanes, 3)     !! (i, j, direction) [m2]
-      real(wp), intent(in) :: s(9, lanes)            !! (component, j) [Pa]
-      real(wp), intent(out) :: force(lanes, 3)       !! (i, component) [N]
-      real(wp) :: f1, f2, f3
-      integer :: i, j
-
-      !$omp simd private(f1, f2, f3, j)
-      do i = 1, lanes
-         f1 = 0.0_wp
-         f2 = 0.0_wp
-         f3 = 0.0_wp
-         do j = 1, lanes
-            f1 = f1 + (s(1, j)*d(i, j, 1) + s(4, j)*d(i, j, 2) + s(7, j)*d(i, j, 3))
-            f2 = f2 + (s(2, j)*d(i, j, 1) + s(5, j)*d(i, j, 2) + s(8, j)*d(i, j, 3))
-            f3 = f3 + (s(3, j)*d(i, j, 1) + s(6, j)*d(i, j, 2) + s(9, j)*d(i, j, 3))
-         end do
-         force(i, 1) = f1
-         force(i, 2) = f2
-         force(i, 3) = f3
-      end do
-   end subroutine apply_force
 
    !> Add sum_i u_i D_ji of the cells of a tile to a patch.
    pure subroutine dual_add_gradient(self, grid, coordinate, weight, velocity, patch)
@@ -226,64 +181,10 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
-      real(wp) :: gradient(lanes, 9), u(3, lanes)
-      integer :: cell, i, j, k, node, base
 
-      do cell = 0, grid%tile_cells - 1
-         if (.not. weight(cell) > 0.0_wp) cycle
-         base = grid%first_node(cell)
-         do i = 1, lanes
-            node = base + grid%lane_offset(i)
-            do k = 1, 3
-               u(k, i) = weight(cell)*velocity(k, node)
-            end do
-         end do
-         call apply_strain(self%strain(:, :, :, column_of(self, grid, coordinate, cell)), u, &
-            gradient)
-         do j = 1, lanes
-            node = base + grid%lane_offset(j)
-            do k = 1, 9
-               patch(k, node) = patch(k, node) + gradient(j, k)
-            end do
-         end do
-      end do
+      call spread_gradient(self%lattice, grid, merge(coordinate(1) + 1, 1, grid%axisymmetric), &
+         weight, velocity, patch)
    end subroutine dual_add_gradient
-
-   !> Product of the integrals of a cell with the velocities of its nodes; nodes j are the lanes.
-   pure subroutine apply_strain(d, u, gradient)
-      real(wp), intent(in) :: d(lanes, lanes, 3)     !! (j, i, direction) [m2]
-      real(wp), intent(in) :: u(3, lanes)            !! (component, i) [m/s]
-      real(wp), intent(out) :: gradient(lanes, 9)    !! (j, component) [m3/s]
-      real(wp) :: g1, g2, g3, g4, g5, g6, g7, g8, g9
-      integer :: i, j
-
-      !$omp simd private(g1, g2, g3, g4, g5, g6, g7, g8, g9, i)
-      do j = 1, lanes
-         g1 = 0.0_wp; g2 = 0.0_wp; g3 = 0.0_wp
-         g4 = 0.0_wp; g5 = 0.0_wp; g6 = 0.0_wp
-         g7 = 0.0_wp; g8 = 0.0_wp; g9 = 0.0_wp
-         do i = 1, lanes
-            g1 = g1 + u(1, i)*d(j, i, 1)
-            g2 = g2 + u(2, i)*d(j, i, 1)
-            g3 = g3 + u(3, i)*d(j, i, 1)
-            g4 = g4 + u(1, i)*d(j, i, 2)
-            g5 = g5 + u(2, i)*d(j, i, 2)
-            g6 = g6 + u(3, i)*d(j, i, 2)
-            g7 = g7 + u(1, i)*d(j, i, 3)
-            g8 = g8 + u(2, i)*d(j, i, 3)
-            g9 = g9 + u(3, i)*d(j, i, 3)
-         end do
-         gradient(j, 1) = g1
-         gradient(j, 2) = g2
-         gradient(j, 3) = g3
-         gradient(j, 4) = g4
-         gradient(j, 5) = g5
-         gradient(j, 6) = g6
-         gradient(j, 7) = g7
-         gradient(j, 8) = g8
-         gradient(j, 9) = g9
-      end do
-   end subroutine apply_strain
 
    !> Which integrals a cell uses.
    pure integer function column_of(self, grid, coordinate, cell) result(column)

@@ -52,8 +52,8 @@ contains
       call gather_particles(simulation, gather_parts_t(strain=.true.), moved)
    end subroutine strain_field
 
-   !> Forces, accelerations of the nodes, and what strains and moves the particles. Where nodes would
-   !! go too far the step becomes shorter; with contact it does not, as bonds may have broken.
+   !> Forces, accelerations of the nodes, and what strains and moves the particles. Where nodes
+   !! would go too far the step becomes shorter; with contact it does not, as bonds may have broken.
    subroutine push_nodes(simulation, dt, error)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(inout) :: dt                  !! Time step [s]

@@ -169,17 +169,38 @@ contains
       real(wp), contiguous, intent(in) :: by(:, :)         !! (component, node)
       integer, intent(in) :: row                           !! Component that divides
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (component, node)
-      real(wp) :: inverse
-      integer :: node, component
+      real(wp) :: inverse(size(by, 2))
+      integer :: node
 
       do node = 1, size(by, 2)
-         inverse = 0.0_wp
-         if (by(row, node) > empty_mass) inverse = 1.0_wp/by(row, node)
-         do component = 1, size(values, 1)
-            values(component, node) = values(component, node)*inverse
+         inverse(node) = merge(1.0_wp/max(by(row, node), empty_mass), 0.0_wp, &
+            by(row, node) > empty_mass)
+      end do
+      ! numbers that the compiler knows make the components one vector
+      select case (size(values, 1))
+      case (3)
+         call multiply_nodes(3, size(by, 2), inverse, values)
+      case (9)
+         call multiply_nodes(9, size(by, 2), inverse, values)
+      case default
+         call multiply_nodes(size(values, 1), size(by, 2), inverse, values)
+      end select
+   end subroutine divide
+
+   !> Multiply the components of nodes by a number of each node.
+   pure subroutine multiply_nodes(components, nodes, factor, values)
+      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: nodes                   !! Nodes of the tile
+      real(wp), intent(in) :: factor(nodes)          !! (node)
+      real(wp), intent(inout) :: values(components, nodes) !! (component, node)
+      integer :: node, component
+
+      do node = 1, nodes
+         do component = 1, components
+            values(component, node) = values(component, node)*factor(node)
          end do
       end do
-   end subroutine divide
+   end subroutine multiply_nodes
 
    !> Velocity and acceleration of the nodes, the velocity that strains the particles, and its node
    !! gradient. Without a time step the nodes stay as they were: the velocity before the step

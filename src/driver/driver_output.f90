@@ -89,6 +89,7 @@ contains
          note = note//left_out
       end do
       do n = 1, size(self%tables)
+         self%tables(n)%file%units = self%header%units
          call self%tables(n)%file%open(simulation%communicator, &
             self%folder//"/"//self%tables(n)%name, headings(self%tables(n), simulation), &
             merge(simulation%step, -1_int64, restarted), error)

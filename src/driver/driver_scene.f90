@@ -4,6 +4,7 @@ module driver_scene
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
    use base_text, only: text_t
+   use base_units, only: system_number, system_si
    use driver_bounds, only: read_bounds
    use driver_contact_deck, only: read_contact
    use driver_exact_deck, only: read_exact
@@ -301,6 +302,7 @@ contains
       type(outputs_t), intent(inout) :: outputs      !! Gets folder, case and header
       type(checkpoint_place_t), intent(inout) :: place !! Gets folder, case and how many to keep
       type(group_t) :: group
+      character(len=:), allocatable :: word
       integer :: n
 
       group = deck%group("run")
@@ -326,6 +328,9 @@ contains
          header%deck = deck_text
          header%echo = deck%echo()
          header%axisymmetric = simulation%grid%axisymmetric
+         group = deck%group("units")
+         call group%get("output_units", word)
+         header%units%system = max(system_number(word), system_si)
          allocate (header%body_names(size(bodies)), header%body_materials(size(bodies)), &
             header%material_names(size(simulation%materials)))
          do n = 1, size(bodies)

@@ -29,7 +29,7 @@ module driver_simulation
    !! is
    !! not allocated.
    type :: nodes_t
-      real(wp), allocatable :: motion(:, :, :) !! Patch: mass, momentum, force, and for the dual
+      real(wp), allocatable :: motion(:, :, :) !! Patch of mass, momentum, force, and for the dual
                                                      !! gradient volume and stress
       real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
@@ -90,10 +90,10 @@ module driver_simulation
 
    !> Conduction of heat: node fields as above; those of the dual gradient only with it.
    type :: conduction_t
-      real(wp), allocatable :: content(:, :, :)      !! Patch: heat capacity, heat, volume
+      real(wp), allocatable :: content(:, :, :)      !! Patch of heat capacity, heat, volume
       real(wp), allocatable :: total(:, :, :)        !! The sums of these
       real(wp), allocatable :: temperature(:, :, :)  !! (1) [K]
-      !> Patch: heat from the cells [W], heat that the nodes do not see [J], flux times volume [W m]
+      !> Patch of heat from cells [W], heat that the nodes do not see [J], flux times volume [W m]
       real(wp), allocatable :: flow(:, :, :)
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Scree: dual domain material points for solids that break, fragment and flow.
+!> Scree, dual domain material points for solids that break, fragment and flow.
 program scree
    use driver_program, only: run_program
    use, intrinsic :: iso_c_binding, only: c_int

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Checkpoints: the whole state of a run in double precision, to go on from on any number of ranks.
+!> Checkpoints hold the whole state of a run in double precision, to go on on any number of ranks.
 !!
 !! Layout: attributes of the root hold step and time; /particles/MATERIAL/FIELD one data set a
 !! field, in the order of particles of all files; /state the small numbers; /deck and /deck_echo

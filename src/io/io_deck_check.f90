@@ -5,6 +5,7 @@ module io_deck_check
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
    use base_text, only: brief, number
+   use base_units, only: system_names
    use io_deck_check_grid, only: check_grid, check_plane
    use io_deck_check_scene, only: check_boundaries, check_regions
    use io_deck_check_units, only: check_kelvin, check_material_units
@@ -25,6 +26,7 @@ contains
          call deck%complain("include", i, "the file was not read; end the group with a /", "file")
       end do
       call check_case(deck)
+      call settle_output_units(deck)
       call check_grid(deck)
       call check_time(deck)
       call check_checkpoint(deck)
@@ -44,6 +46,18 @@ contains
          call check_output(deck, deck%group("output", i))
       end do
    end subroutine check_deck
+
+   !> Outputs in the units of the deck are in a system of that name: the echo is in SI.
+   subroutine settle_output_units(deck)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      character(len=:), allocatable :: word
+      type(group_t) :: units
+
+      units = deck%group("units")
+      call units%get("output_units", word)
+      if (word == "deck") call deck%settle("units", 1, "output_units", &
+         trim(system_names(deck%system)))
+   end subroutine settle_output_units
 
    !> The case is part of file names. Without one it is the name of the deck.
    subroutine check_case(deck)

@@ -61,11 +61,15 @@ contains
    subroutine declare_units(schema)
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
-      call schema%group("units", "units of the numbers in this deck; output is in SI")
+      call schema%group("units", "units of the numbers in this deck, and of those in outputs")
       call schema%text("units", "system", &
          "length-time-mass; temperature in K and angles in degrees "// &
          "always", default="si")
       call schema%words("units", "system", system_names)
+      call schema%text("units", "output_units", "units of the numbers in snapshots and tables: "// &
+         "deck: those of this deck, or a system; each is named in the files", default="si", &
+         words="deck")
+      call schema%words("units", "output_units", system_names)
    end subroutine declare_units
 
    !> Declare &grid.

@@ -13,6 +13,7 @@ module io_grid
    use base_error, only: error_t
    use base_kinds, only: int32, int64, wp
    use base_sort, only: sort_order
+   use base_units, only: output_units_t
    use io_cells, only: cells_t, find_cells
    use io_fields, only: picks_t
    use io_hdf5, only: hdf5_file_t
@@ -66,11 +67,12 @@ contains
       call find_box(communicator, cells, format%compress, box)
       call file%create(communicator, path, greatest_length(box, means, header), error)
       if (allocated(error)) return
-      call write_frame(file, grid, box)
+      call write_frame(file, grid, box, header)
       call file%group(root//"/PointData")
       do n = 1, size(means)
          call cell_means(grid, stores, picks, cells, means(n), values)
-         call write_field(file, box, cells, means(n), values, format%single)
+         values(:, :) = header%units%shown(values, trim(means(n)%column%unit))
+         call write_field(file, box, cells, means(n), values, format%single, header%units)
       end do
       call write_provenance(file, header)
       call write_bodies(file, header)
@@ -130,10 +132,11 @@ contains
    end function greatest_length
 
    !> Write where the cells are.
-   subroutine write_frame(file, grid, box)
+   subroutine write_frame(file, grid, box, header)
       type(hdf5_file_t), intent(inout) :: file           !! The file
       type(grid_t), intent(in) :: grid                   !! The grid
       type(box_t), intent(in) :: box                     !! The cells
+      type(snapshot_header_t), intent(in) :: header      !! Time and units
       real(wp), parameter :: straight(9) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, &
          0.0_wp, 0.0_wp, 1.0_wp]
       real(wp) :: origin(3), spacing(3), first(3)
@@ -152,10 +155,13 @@ contains
       call file%attribute(root, "WholeExtent", [0_int32, int(box%extent(1) - 1, int32), 0_int32, &
          int(box%extent(2) - 1, int32), 0_int32, int(box%extent(3) - 1, int32)])
       first = real(box%first, wp) + merge(0.0_wp, 0.5_wp, box%layer)
-      call file%attribute(root, "Origin", origin + first*spacing)
-      call file%attribute(root, "Spacing", spacing)
+      origin = origin + first*spacing
+      call file%attribute(root, "Origin", header%units%shown(origin, "m"))
+      call file%attribute(root, "Spacing", header%units%shown(spacing, "m"))
       call file%attribute(root, "Direction", straight)
-      call file%attribute(root, "units", "m")
+      call file%attribute(root, "units", header%units%label("m"))
+      call file%attribute(root, "unitSI", header%units%factor("m"))
+      call file%attribute(root, "Time", header%units%shown(header%time, "s"))
    end subroutine write_frame
 
    !> Means of one field over the particles of each cell.
@@ -237,13 +243,14 @@ contains
    end function cell_volume
 
    !> Write one field: send the cells to the owners of their planes; elsewhere it is 0.
-   subroutine write_field(file, box, cells, mean, values, single)
+   subroutine write_field(file, box, cells, mean, values, single, units)
       type(hdf5_file_t), intent(inout) :: file           !! The file
       type(box_t), intent(in) :: box                     !! All cells of the file
       type(cells_t), intent(in) :: cells                 !! Those of this rank
       type(mean_t), intent(in) :: mean                   !! The field
       real(wp), intent(in) :: values(:, :)               !! (component, cell)
       logical, intent(in) :: single                      !! In single precision
+      type(output_units_t), intent(in) :: units          !! Units of the file
       real(wp), allocatable :: dense(:, :)
       real(real32), allocatable :: short(:, :)
       integer, allocatable :: inner(:)
@@ -260,7 +267,7 @@ contains
       else
          call write_planes(file, name, box%planes, inner, dense)
       end if
-      call write_units(file, name, trim(mean%column%name), trim(mean%column%unit))
+      call write_units(file, name, trim(mean%column%name), trim(mean%column%unit), units)
       if (mean%column%components == 6) &
          call file%attribute(name, "components", "xx yy zz xy yz xz")
    end subroutine write_field

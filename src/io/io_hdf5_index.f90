@@ -46,7 +46,7 @@ contains
       call source%open(path, error)
       if (.not. allocated(error)) then
          if (of_grid) then
-            call source%attribute("/provenance", "time", times(1), error)
+            call source%attribute(root, "Time", times(1), error)
          else
             call source%read(root//"/FieldData/TimeValue", 0_int64, times, error)
          end if

@@ -7,6 +7,7 @@ module io_history
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use base_text, only: buffer_t
+   use base_units, only: output_units_t
    use io_file, only: file_exists, output_file_t, read_file, write_file
    use io_text, only: real_text, whole_text
    implicit none
@@ -15,11 +16,14 @@ module io_history
    public :: history_t
 
    character(len=*), parameter :: key = "step"           !! Column that is a whole number
+   integer, parameter :: unit_length = 16                !! Longest unit
 
    !> A file of histories. Rank 0 writes; the values must be the same on all ranks.
    type :: history_t
       integer, private :: key_place = 0                  !! Place of the column "step"
       logical, allocatable, private :: whole(:)          !! (column) Whole numbers
+      type(output_units_t) :: units                      !! Units of the columns
+      character(len=unit_length), allocatable, private :: unit(:) !! (column) Unit of SI
       type(output_file_t), private :: file               !! Open on rank 0
    contains
       procedure :: open => history_open                  !! Begin, or go on
@@ -39,18 +43,26 @@ contains
       integer(int64), intent(in) :: resume_step          !! Later rows are cut away; < 0: all
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written, or other columns
       character(len=:), allocatable :: heading
-      integer :: column
+      integer :: bracket, column
       logical :: going_on
 
       self%key_place = 0
       if (allocated(self%whole)) deallocate (self%whole)
-      allocate (self%whole(size(columns)))
+      if (allocated(self%unit)) deallocate (self%unit)
+      allocate (self%whole(size(columns)), self%unit(size(columns)))
       heading = ""
       do column = 1, size(columns)
          if (columns(column) == key) self%key_place = column
-         self%whole(column) = index(columns(column), "[") == 0
+         bracket = index(columns(column), "[")
+         self%whole(column) = bracket == 0
+         self%unit(column) = columns(column)(bracket + 1:len_trim(columns(column)) - 1)
          if (column > 1) heading = heading//","
-         heading = heading//trim(columns(column))
+         if (bracket == 0) then
+            heading = heading//trim(columns(column))
+         else
+            heading = heading//columns(column)(:bracket)// &
+               self%units%label(trim(self%unit(column)))//"]"
+         end if
       end do
       if (communicator%rank == 0) then
          going_on = file_exists(path)
@@ -121,7 +133,7 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! Not written, say on a full disk
 
       if (communicator%rank == 0) &
-         call self%file%write(line_of(values, self%whole)//new_line("a"), error)
+         call self%file%write(line_of(self, values, 0)//new_line("a"), error)
       call agree(communicator, error)
    end subroutine history_row
 
@@ -137,29 +149,31 @@ contains
       integer :: row
 
       if (communicator%rank == 0) then
-         front = line_of(begin, self%whole)//","
+         front = line_of(self, begin, 0)//","
          do row = 1, size(values, 2)
-            call buffer%line(front//line_of(values(:, row), self%whole(size(begin) + 1:)))
+            call buffer%line(front//line_of(self, values(:, row), size(begin)))
          end do
          call self%file%write(buffer%content(), error)
       end if
       call agree(communicator, error)
    end subroutine history_rows
 
-   !> Numbers with commas between them.
-   function line_of(values, whole) result(line)
+   !> Numbers with commas between them, in the units of the file.
+   function line_of(self, values, before) result(line)
+      class(history_t), intent(in) :: self               !! The file
       real(wp), intent(in) :: values(:)                  !! (column)
-      logical, intent(in) :: whole(:)                    !! (column) Whole numbers
+      integer, intent(in) :: before                      !! Columns before the first
       character(len=:), allocatable :: line
       integer :: column
 
       line = ""
       do column = 1, size(values)
          if (column > 1) line = line//","
-         if (whole(column)) then
+         if (self%whole(before + column)) then
             line = line//whole_text(nint(values(column), int64))
          else
-            line = line//real_text(values(column))
+            line = line//real_text(self%units%shown(values(column), &
+               trim(self%unit(before + column))))
          end if
       end do
    end function line_of

@@ -7,6 +7,7 @@ module io_snapshot
    use base_communicator, only: communicator_t
    use base_error, only: error_t
    use base_kinds, only: int32, int64, wp
+   use base_units, only: output_units_t, system_si
    use io_fields, only: choose_columns, column_t, fill_reals, fill_wholes, picks_t
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_write, only: data_bytes, rows_of_root, rows_t, write_bytes, write_data, &
@@ -57,6 +58,7 @@ module io_snapshot
       real(wp) :: dt = 0.0_wp                            !! Time step [s]
       integer(int64) :: step = 0                         !! Steps done
       logical :: axisymmetric = .false.                  !! Points are (radius, 0, height)
+      type(output_units_t) :: units                      !! Units of all data sets
       character(len=body_name_length), allocatable :: body_names(:) !! (body)
       integer, allocatable :: body_materials(:)          !! (body) Its material
       character(len=body_name_length), allocatable :: material_names(:) !! (material)
@@ -81,7 +83,7 @@ contains
       real(wp) :: times(1)
       integer :: index
 
-      times = header%time
+      times = header%units%shown(header%time, "s")
       call choose_columns(stores, fields, columns, error)
       if (allocated(error)) return
       allocate (picks(size(stores)))
@@ -93,13 +95,15 @@ contains
       call file%create(communicator, path, greatest_length(rows, columns, header), error)
       if (allocated(error)) return
       call write_cells(file, rows)
-      call write_points(file, stores, picks, rows, header%axisymmetric)
+      call write_points(file, stores, picks, rows, header)
       call file%group(root//"/PointData")
       do index = 1, size(columns)
-         call write_column(file, stores, picks, rows, columns(index), format%single)
+         call write_column(file, stores, picks, rows, columns(index), format%single, &
+            header%units)
       end do
       call file%group(root//"/FieldData")
       call write_data(file, root//"/FieldData/TimeValue", rows_of_root(communicator, 1), times)
+      call write_units(file, root//"/FieldData/TimeValue", "time", "s", header%units)
       call write_provenance(file, header)
       call write_bodies(file, header)
       call file%finish(error)
@@ -157,12 +161,12 @@ contains
    end subroutine write_cells
 
    !> Write the positions.
-   subroutine write_points(file, stores, picks, rows, axisymmetric)
+   subroutine write_points(file, stores, picks, rows, header)
       type(hdf5_file_t), intent(inout) :: file           !! The file
       type(store_t), intent(in) :: stores(:)             !! The particles
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       type(rows_t), intent(in) :: rows                   !! Their rows
-      logical, intent(in) :: axisymmetric                !! Points are (radius, 0, height)
+      type(snapshot_header_t), intent(in) :: header      !! Axes and units
       type(rows_t) :: even
       real(wp), allocatable :: points(:, :)
       integer :: filled, row, store
@@ -175,21 +179,23 @@ contains
          end do
          filled = filled + size(picks(store)%order)
       end do
-      if (axisymmetric) points(2, :) = 0.0_wp
+      if (header%axisymmetric) points(2, :) = 0.0_wp
+      if (header%units%system /= system_si) points(:, :) = header%units%shown(points, "m")
       even = level_rows(file%communicator, rows)
       call level_reals(file%communicator, rows, even, points)
       call write_data(file, root//"/Points", even, points)
-      call write_units(file, root//"/Points", "position", "m")
+      call write_units(file, root//"/Points", "position", "m", header%units)
    end subroutine write_points
 
    !> Write one field.
-   subroutine write_column(file, stores, picks, rows, column, single)
+   subroutine write_column(file, stores, picks, rows, column, single, units)
       type(hdf5_file_t), intent(inout) :: file           !! The file
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       type(rows_t), intent(in) :: rows                   !! Their rows
       type(column_t), intent(in) :: column               !! The field
       logical, intent(in) :: single                      !! In single precision
+      type(output_units_t), intent(in) :: units          !! Units of the file
       type(rows_t) :: even
       character(len=:), allocatable :: name
       integer(int32), allocatable :: shorts(:)
@@ -212,6 +218,7 @@ contains
       else
          allocate (reals(column%components, sum(rows%count)))
          call fill_reals(stores, picks, column, reals)
+         if (units%system /= system_si) reals(:, :) = units%shown(reals, trim(column%unit))
          call level_reals(file%communicator, rows, even, reals)
          if (single) then
             call write_single(file, name, even, reals)
@@ -223,7 +230,7 @@ contains
             call write_data(file, name, even, reals)
          end if
       end if
-      call write_units(file, name, trim(column%name), trim(column%unit))
+      call write_units(file, name, trim(column%name), trim(column%unit), units)
       if (column%components == 6) call file%attribute(name, "components", "xx yy zz xy yz xz")
       if (column%components == 9) call file%attribute(name, "components", &
          "xx yx zx xy yy zy xz yz zz")
@@ -269,11 +276,12 @@ contains
    end function rounded
 
    !> Say in which unit a data set is.
-   subroutine write_units(file, name, long_name, unit)
+   subroutine write_units(file, name, long_name, unit, units)
       type(hdf5_file_t), intent(inout) :: file           !! The file
       character(len=*), intent(in) :: name               !! From the root
       character(len=*), intent(in) :: long_name          !! With underscores for blanks
       character(len=*), intent(in) :: unit               !! SI unit
+      type(output_units_t), intent(in) :: units          !! Units of the file
       character(len=:), allocatable :: words
       integer(int32) :: exponents(7)
       integer :: letter
@@ -283,9 +291,10 @@ contains
       do letter = 1, len(words)
          if (words(letter:letter) == "_") words(letter:letter) = " "
       end do
-      call file%attribute(name, "units", unit)
+      call file%attribute(name, "units", units%label(unit))
       call file%attribute(name, "long_name", words)
-      call file%attribute(name, "unitSI", 1.0_wp)
+      call file%attribute(name, "unitSI", units%factor(unit))
+      if (units%system /= system_si) call file%attribute(name, "unitNameSI", unit)
       call file%attribute(name, "unitDimension", exponents)
    end subroutine write_units
 

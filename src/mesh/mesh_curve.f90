@@ -27,7 +27,7 @@ contains
    !> Place of a tile on the curve, 0 or more.
    pure integer(int64) function curve_key(coordinate, dimensions) result(key)
       integer, intent(in) :: coordinate(3)           !! Place of the tile, each 0 to 2^21 - 1
-      integer, intent(in) :: dimensions              !! 1: x; 2: x and z; 3: x, y and z
+      integer, intent(in) :: dimensions              !! 1 of x, 2 of x and z, or 3
 
       select case (dimensions)
       case (1)
@@ -42,7 +42,7 @@ contains
    !> The tile at a place on the curve; the inverse of curve_key.
    pure function curve_coordinate(key, dimensions) result(coordinate)
       integer(int64), intent(in) :: key              !! Place on the curve
-      integer, intent(in) :: dimensions              !! 1: x; 2: x and z; 3: x, y and z
+      integer, intent(in) :: dimensions              !! 1 of x, 2 of x and z, or 3
       integer :: coordinate(3)                       !! Place of the tile, 0 where not active
 
       coordinate = 0

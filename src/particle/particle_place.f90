@@ -19,35 +19,13 @@ contains
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       type(store_t), intent(inout) :: store          !! The particles
       integer, intent(in) :: tile                    !! Index of the tile
-      integer :: p, first, last, extent(3), leaving, changed, cells(3), owner(3), home
-      real(wp) :: position(3), inverse, shift(3), y1, y2, z, limit(3), scale(3)
+      integer :: p, first, last, leaving, changed, cells(3), owner(3)
+      real(wp) :: position(3)
       logical :: lost
 
       first = store%first(tile)
       last = first + store%count(tile) - 1
-      extent = grid%tile_extent(coordinate)
-      inverse = 1.0_wp/grid%spacing
-      shift = real(coordinate*grid%width, wp)
-      limit = real(extent, wp)
-      ! a missing direction has one cell that holds every place
-      scale = merge(inverse, 0.0_wp, grid%active)
-      where (.not. grid%active) shift = 0.0_wp
-      leaving = 0
-      changed = 0
-      do p = first, last
-         y1 = (store%position(p, 1) - grid%lower(1))*scale(1) - shift(1)
-         y2 = (store%position(p, 2) - grid%lower(2))*scale(2) - shift(2)
-         z = (store%position(p, 3) - grid%lower(3))*scale(3) - shift(3)
-         if (y1 >= 0.0_wp .and. y1 < limit(1) .and. y2 >= 0.0_wp .and. y2 < limit(2) .and. &
-            z >= 0.0_wp .and. z < limit(3)) then
-            home = int(y1) + grid%width(1)*(int(y2) + grid%width(2)*int(z))
-         else
-            home = moved_away
-            leaving = leaving + 1
-         end if
-         if (home /= store%home(p)) changed = changed + 1
-         store%home(p) = home
-      end do
+      call find_homes(grid, coordinate, first, last, store%position, store%home, leaving, changed)
       store%leaving(tile) = leaving
       store%restless(tile) = store%restless(tile) .or. changed > 0
       if (leaving == 0) return
@@ -88,6 +66,46 @@ contains
       end if
       if (store%home(p) < 0) store%leaving(tile) = store%leaving(tile) + 1
    end subroutine place_particle
+   !> Cells of the particles of a tile, or that they moved away; without branches, as vectors.
+   ! gate: long kernel because a tile is told by its grid, coordinate and range
+   pure subroutine find_homes(grid, coordinate, first, last, position, home, leaving, changed)
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      integer, intent(in) :: first                   !! First particle
+      integer, intent(in) :: last                    !! Last one
+      real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) [m]
+      integer, contiguous, intent(inout) :: home(:)  !! (particle) Cell before and after the move
+      integer, intent(out) :: leaving                !! Particles that left the tile
+      integer, intent(out) :: changed                !! Particles that changed their cell
+      real(wp) :: shift(3), scale(3), limit(3), lower(3), x, y, z
+      integer :: p, cell, width, layer, inside
+
+      lower = grid%lower
+      limit = real(grid%tile_extent(coordinate), wp)
+      ! a missing direction has one cell that holds every place
+      scale = merge(1.0_wp/grid%spacing, 0.0_wp, grid%active)
+      shift = merge(real(coordinate*grid%width, wp), 0.0_wp, grid%active)
+      width = grid%width(1)
+      layer = grid%width(1)*grid%width(2)
+      leaving = 0
+      changed = 0
+      !$omp simd private(x, y, z, inside, cell) reduction(+:leaving, changed)
+      do p = first, last
+         x = (position(p, 1) - lower(1))*scale(1) - shift(1)
+         y = (position(p, 2) - lower(2))*scale(2) - shift(2)
+         z = (position(p, 3) - lower(3))*scale(3) - shift(3)
+         ! each comparison counts for itself, which makes vectors of it and fails what is no number
+         inside = merge(1, 0, x >= 0.0_wp)*merge(1, 0, x < limit(1)) &
+            *merge(1, 0, y >= 0.0_wp)*merge(1, 0, y < limit(2)) &
+            *merge(1, 0, z >= 0.0_wp)*merge(1, 0, z < limit(3))
+         cell = int(min(max(x, 0.0_wp), limit(1))) + width*int(min(max(y, 0.0_wp), limit(2))) &
+            + layer*int(min(max(z, 0.0_wp), limit(3)))
+         cell = inside*cell + (1 - inside)*moved_away
+         leaving = leaving + (1 - inside)
+         changed = changed + merge(0, 1, cell == home(p))
+         home(p) = cell
+      end do
+   end subroutine find_homes
 
    !> Tile and cell in the tile of a position. Outside of the box a position wraps round, is held at
    !! a closed face, or is lost through an open one.

@@ -24,7 +24,7 @@ contains
          gradient, store%domain)
    end subroutine stretch_tile
 
-   !> Boxes: P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628.
+   !> Of boxes, P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628.
    pure subroutine stretch_boxes(first, count, gradient, extent)
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: count                           !! Particles of the tile
@@ -39,8 +39,8 @@ contains
       end do
    end subroutine stretch_boxes
 
-   !> Parallelepipeds: r <- r + G r for each edge (A. Sadeghirad, R. M. Brannon, J. Burghardt, Int.
-   !! J. Numer. Methods Eng. 86 (2011) 1435).
+   !> Of parallelepipeds r <- r + G r for each edge (A. Sadeghirad, R. M. Brannon, J. Burghardt,
+   !! Int. J. Numer. Methods Eng. 86 (2011) 1435).
    pure subroutine carry_domains(first, count, gradient, domain)
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: count                           !! Particles of the tile

@@ -1,14 +1,21 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Nodes to particles with the linear functions of the cell: the nodes of a cell are loaded once,
-!! then the particles of the cell are the lanes.
+!> Nodes to particles with the linear functions of the cell.
+!!
+!! Between its nodes a field is a polynomial with the terms 1, x, z, xz, y, xy, yz, xyz of the place
+!! in the cell. Its coefficients are found once a cell, as differences, so a uniform field has a
+!! gradient of exactly zero; then eight particles of the cell at a time are the lanes. A
+!! value costs 7 products instead of 8 and no weights, a slope 3 instead of 8.
 module transfer_gather
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
+   use transfer_gather_values, only: gather_hoop, gather_values, gather_vector
    implicit none
    private
 
    public :: gather_gradient, gather_dual_gradient, gather_hoop, gather_motion, gather_values, &
       gather_vector, locate
+
+   integer, parameter :: products = 7   !! Of places: x, z, xz, y, xy, yz, xyz
 
 contains
 
@@ -32,7 +39,7 @@ contains
          lower = grid%lower(direction)
          do p = 1, count
             place = (position(first + p - 1, direction) - lower)*inverse
-            local(p, direction) = place - aint(place)
+            local(p, direction) = place - real(int(place), wp)
          end do
       end do
    end subroutine locate
@@ -46,50 +53,31 @@ contains
       real(wp), intent(in) :: scale                          !! Time step [s]
       !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: gradient(:, :)
-      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), x1, x2, x3, s1, s2, s3, g1, g2, g3
-      real(wp) :: l11, l21, l31, l12, l22, l32, l13, l23, l33
-      integer :: cell, p, lane
+      real(wp) :: u(4, lanes), terms(lanes, products), slopes(lanes, 9)
+      integer :: cell, p, last, column, lane, offset(lanes)
 
-      a = grid%lane_constant
-      b = grid%lane_slope
+      offset = 3*grid%lane_offset
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         call load_cell(grid, cell, nodes, scale/grid%spacing, u)
-         !$omp simd private(x1, x2, x3, s1, s2, s3, g1, g2, g3, lane) &
-         !$omp private(l11, l21, l31, l12, l22, l32, l13, l23, l33)
-         do p = start(cell) + 1, start(cell + 1)
-            x1 = local(p, 1)
-            x2 = local(p, 2)
-            x3 = local(p, 3)
-            l11 = 0.0_wp; l21 = 0.0_wp; l31 = 0.0_wp
-            l12 = 0.0_wp; l22 = 0.0_wp; l32 = 0.0_wp
-            l13 = 0.0_wp; l23 = 0.0_wp; l33 = 0.0_wp
-            do lane = 1, lanes
-               s1 = a(lane, 1) + b(lane, 1)*x1
-               s2 = a(lane, 2) + b(lane, 2)*x2
-               s3 = a(lane, 3) + b(lane, 3)*x3
-               g1 = b(lane, 1)*(s2*s3)
-               g2 = b(lane, 2)*(s1*s3)
-               g3 = b(lane, 3)*(s1*s2)
-               l11 = l11 + g1*u(lane, 1)
-               l21 = l21 + g1*u(lane, 2)
-               l31 = l31 + g1*u(lane, 3)
-               l12 = l12 + g2*u(lane, 1)
-               l22 = l22 + g2*u(lane, 2)
-               l32 = l32 + g2*u(lane, 3)
-               l13 = l13 + g3*u(lane, 1)
-               l23 = l23 + g3*u(lane, 2)
-               l33 = l33 + g3*u(lane, 3)
-            end do
-            gradient(p, 1) = l11
-            gradient(p, 2) = l21
-            gradient(p, 3) = l31
-            gradient(p, 4) = l12
-            gradient(p, 5) = l22
-            gradient(p, 6) = l32
-            gradient(p, 7) = l13
-            gradient(p, 8) = l23
-            gradient(p, 9) = l33
+         call find_vectors(3*(grid%first_node(cell) - 1), offset, size(nodes), nodes, &
+            scale/grid%spacing, u)
+         do p = start(cell) + 1, start(cell + 1), lanes
+            last = min(p + lanes - 1, start(cell + 1))
+            if (last == p + lanes - 1) then
+               call multiply(p - 1, size(local, 1), local, terms)
+            else
+               call find_terms(p, last, local, terms)
+            end if
+            if (last == p + lanes - 1) then
+               call find_slopes(u, terms, p - 1, size(gradient, 1), gradient)
+            else
+               call find_slopes(u, terms, 0, lanes, slopes)
+               do column = 1, 9
+                  do lane = 1, last - p + 1
+                     gradient(p + lane - 1, column) = slopes(lane, column)
+                  end do
+               end do
+            end if
          end do
       end do
    end subroutine gather_gradient
@@ -104,81 +92,196 @@ contains
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (9, node) Node gradient [1/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 9), shape, x1, x2, x3
-      real(wp) :: n1, n2, n3, n4, n5, n6, n7, n8, n9, a1, a2, a3
-      integer :: cell, p, lane
+      real(wp) :: u(9, lanes), terms(lanes, products), means(lanes, 9)
+      integer :: cell, p, last, column, lane, l, offset(lanes)
 
-      a = grid%lane_constant
-      b = grid%lane_slope
+      offset = 9*grid%lane_offset
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         call load_cell(grid, cell, nodes, scale, u)
-         !$omp simd private(x1, x2, x3, shape, n1, n2, n3, n4, n5, n6, n7, n8, n9, a1, a2, a3, lane)
-         do p = start(cell) + 1, start(cell + 1)
-            x1 = local(p, 1)
-            x2 = local(p, 2)
-            x3 = local(p, 3)
-            n1 = 0.0_wp; n2 = 0.0_wp; n3 = 0.0_wp
-            n4 = 0.0_wp; n5 = 0.0_wp; n6 = 0.0_wp
-            n7 = 0.0_wp; n8 = 0.0_wp; n9 = 0.0_wp
-            do lane = 1, lanes
-               shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
-                  *(a(lane, 3) + b(lane, 3)*x3)
-               n1 = n1 + shape*u(lane, 1)
-               n2 = n2 + shape*u(lane, 2)
-               n3 = n3 + shape*u(lane, 3)
-               n4 = n4 + shape*u(lane, 4)
-               n5 = n5 + shape*u(lane, 5)
-               n6 = n6 + shape*u(lane, 6)
-               n7 = n7 + shape*u(lane, 7)
-               n8 = n8 + shape*u(lane, 8)
-               n9 = n9 + shape*u(lane, 9)
+         call find_tensors(9*(grid%first_node(cell) - 1), offset, size(nodes), nodes, &
+            scale, u)
+         do p = start(cell) + 1, start(cell + 1), lanes
+            last = min(p + lanes - 1, start(cell + 1))
+            if (last == p + lanes - 1) then
+               call multiply(p - 1, size(local, 1), local, terms)
+            else
+               call find_terms(p, last, local, terms)
+            end if
+            call evaluate(grid%dimensions, 9, 9, u, terms, means)
+            do column = 1, 9
+               l = (column + 2)/3
+               if (last == p + lanes - 1) then
+                  call blend(p - 1, size(alpha, 1), alpha(:, l), means(1, column), &
+                     size(gradient, 1), gradient(:, column))
+               else
+                  do lane = 1, last - p + 1
+                     gradient(p + lane - 1, column) = alpha(p + lane - 1, l) &
+                        *gradient(p + lane - 1, column) &
+                        + (1.0_wp - alpha(p + lane - 1, l))*means(lane, column)
+                  end do
+               end if
             end do
-            a1 = alpha(p, 1)
-            a2 = alpha(p, 2)
-            a3 = alpha(p, 3)
-            gradient(p, 1) = a1*gradient(p, 1) + (1.0_wp - a1)*n1
-            gradient(p, 2) = a1*gradient(p, 2) + (1.0_wp - a1)*n2
-            gradient(p, 3) = a1*gradient(p, 3) + (1.0_wp - a1)*n3
-            gradient(p, 4) = a2*gradient(p, 4) + (1.0_wp - a2)*n4
-            gradient(p, 5) = a2*gradient(p, 5) + (1.0_wp - a2)*n5
-            gradient(p, 6) = a2*gradient(p, 6) + (1.0_wp - a2)*n6
-            gradient(p, 7) = a3*gradient(p, 7) + (1.0_wp - a3)*n7
-            gradient(p, 8) = a3*gradient(p, 8) + (1.0_wp - a3)*n8
-            gradient(p, 9) = a3*gradient(p, 9) + (1.0_wp - a3)*n9
          end do
       end do
    end subroutine gather_dual_gradient
 
-   !> Hoop rate of axisymmetry, scale u_r / r, into component (2, 2) of the gradient.
-   pure subroutine gather_hoop(grid, start, first, local, position, nodes, scale, gradient)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
-      real(wp), intent(in) :: scale                          !! Time step [s]
-      real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), radial
-      integer :: cell, p, lane
+   !> Blend two values of eight particles.
+   pure subroutine blend(before, alphas, alpha, other, rows, values)
+      integer, intent(in) :: before                          !! Particles before them
+      integer, intent(in) :: alphas                          !! Length of the next
+      real(wp), intent(in) :: alpha(alphas)                  !! (particle) Share of the values
+      real(wp), intent(in) :: other(lanes)                   !! (lane) Takes the rest
+      integer, intent(in) :: rows                            !! Length of the next
+      real(wp), intent(inout) :: values(rows)                !! (particle)
+      integer :: lane
 
-      a = grid%lane_constant
-      b = grid%lane_slope
-      do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
-         call load_cell(grid, cell, nodes, scale, u)
-         do p = start(cell) + 1, start(cell + 1)
-            radial = 0.0_wp
-            do lane = 1, lanes
-               radial = radial + (a(lane, 1) + b(lane, 1)*local(p, 1)) &
-                  *(a(lane, 2) + b(lane, 2)*local(p, 2))*(a(lane, 3) + b(lane, 3)*local(p, 3)) &
-                  *u(lane, 1)
-            end do
-            gradient(p, 5) = radial/position(first + p - 1, 1)
+      !$omp simd
+      do lane = 1, lanes
+         values(before + lane) = alpha(before + lane)*values(before + lane) &
+            + (1.0_wp - alpha(before + lane))*other(lane)
+      end do
+   end subroutine blend
+
+   !> Add to values of eight particles, of which a share is kept.
+   pure subroutine add_lanes(keep, gain, before, rows, values)
+      real(wp), intent(in) :: keep                           !! Share that is kept
+      real(wp), intent(in) :: gain(lanes)                    !! (lane) What is added
+      integer, intent(in) :: before                          !! Particles before them
+      integer, intent(in) :: rows                            !! Length of the next
+      real(wp), intent(inout) :: values(rows)                !! (particle)
+      integer :: lane
+
+      !$omp simd
+      do lane = 1, lanes
+         values(before + lane) = keep*values(before + lane) + gain(lane)
+      end do
+   end subroutine add_lanes
+
+   !> Products of the places of fewer than eight particles of a cell, the lanes: x, z, xz, y, xy,
+   !! yz, xyz. Lanes without a particle repeat the last one.
+   pure subroutine find_terms(p, last, local, terms)
+      integer, intent(in) :: p                               !! First particle of the lanes
+      integer, intent(in) :: last                            !! Last one
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), intent(inout) :: terms(lanes, products)      !! (lane, product) [1]
+      real(wp) :: place(lanes, 3)
+      integer :: lane, q, k
+
+      do k = 1, 3
+         do lane = 1, lanes
+            q = min(p + lane - 1, last)
+            place(lane, k) = local(q, k)
          end do
       end do
-   end subroutine gather_hoop
+      call multiply(0, lanes, place, terms)
+   end subroutine find_terms
+
+   !> Products of the places of eight particles.
+   pure subroutine multiply(before, rows, local, terms)
+      integer, intent(in) :: before                          !! Particles before them
+      integer, intent(in) :: rows                            !! Length of a column
+      real(wp), intent(in) :: local(rows, 3)                 !! (particle, 3) Places in the cell [1]
+      real(wp), intent(inout) :: terms(lanes, products)      !! (lane, product) [1]
+      real(wp) :: x, y, z
+      integer :: lane
+
+      !$omp simd private(x, y, z)
+      do lane = 1, lanes
+         x = local(before + lane, 1)
+         y = local(before + lane, 2)
+         z = local(before + lane, 3)
+         terms(lane, 1) = x
+         terms(lane, 2) = z
+         terms(lane, 3) = x*z
+         terms(lane, 4) = y
+         terms(lane, 5) = x*y
+         terms(lane, 6) = z*y
+         terms(lane, 7) = x*z*y
+      end do
+   end subroutine multiply
+
+   !> Values of polynomials of a cell.
+   pure subroutine evaluate(dimensions, number, rows, u, terms, values)
+      integer, intent(in) :: dimensions                      !! Directions that the scene has
+      integer, intent(in) :: number                          !! Of polynomials
+      integer, intent(in) :: rows                            !! Rows of the coefficients
+      real(wp), intent(in) :: u(rows, lanes)                 !! (polynomial, term) Coefficients
+      real(wp), intent(in) :: terms(lanes, products)         !! (lane, product) of the places [1]
+      real(wp), intent(inout) :: values(lanes, number)       !! (lane, polynomial)
+      integer :: c
+
+      ! products with the place along a missing direction are zero, and left out
+      do c = 1, number
+         if (dimensions == 3) then
+            call evaluate_space(u(c, 1), u(c, 2), u(c, 3), u(c, 4), u(c, 5), u(c, 6), u(c, 7), &
+               u(c, 8), terms, values(1, c))
+         else
+            call evaluate_plane(u(c, 1), u(c, 2), u(c, 3), u(c, 4), terms, values(1, c))
+         end if
+      end do
+   end subroutine evaluate
+
+   !> Values of a polynomial with all terms.
+   ! gate: long kernel because coefficients in registers are eight numbers
+   pure subroutine evaluate_space(u1, u2, u3, u4, u5, u6, u7, u8, terms, values)
+      real(wp), intent(in) :: u1, u2, u3, u4, u5, u6, u7, u8 !! Coefficients
+      real(wp), intent(in) :: terms(lanes, products)         !! (lane, product) of the places [1]
+      real(wp), intent(inout) :: values(lanes)               !! (lane)
+      integer :: lane
+
+      !$omp simd
+      do lane = 1, lanes
+         values(lane) = ((u1 + u2*terms(lane, 1)) + (u3*terms(lane, 2) + u4*terms(lane, 3))) &
+            + ((u5*terms(lane, 4) + u6*terms(lane, 5)) + (u7*terms(lane, 6) + u8*terms(lane, 7)))
+      end do
+   end subroutine evaluate_space
+
+   !> Values of a polynomial of x and z.
+   pure subroutine evaluate_plane(u1, u2, u3, u4, terms, values)
+      real(wp), intent(in) :: u1, u2, u3, u4                 !! Coefficients
+      real(wp), intent(in) :: terms(lanes, products)         !! (lane, product) of the places [1]
+      real(wp), intent(inout) :: values(lanes)               !! (lane)
+      integer :: lane
+
+      !$omp simd
+      do lane = 1, lanes
+         values(lane) = (u1 + u2*terms(lane, 1)) + (u3*terms(lane, 2) + u4*terms(lane, 3))
+      end do
+   end subroutine evaluate_plane
+
+   !> Gradients of the polynomials of a vector, component (k, l) in column k + 3 (l - 1).
+   pure subroutine find_slopes(u, terms, before, rows, slopes)
+      real(wp), intent(in) :: u(4, lanes)                    !! (component, term) Coefficients
+      real(wp), intent(in) :: terms(lanes, products)         !! (lane, product) of the places [1]
+      integer, intent(in) :: before                          !! Rows before the lanes
+      integer, intent(in) :: rows                            !! Length of a column
+      real(wp), intent(inout) :: slopes(rows, 9)             !! (lane, component)
+      integer :: k
+
+      do k = 1, 3
+         call find_slope(u(k, 2), u(k, 4), u(k, 6), u(k, 8), terms(1, 2), terms(1, 4), &
+            terms(1, 6), slopes(before + 1, k))
+         call find_slope(u(k, 5), u(k, 6), u(k, 7), u(k, 8), terms(1, 1), terms(1, 2), &
+            terms(1, 3), slopes(before + 1, k + 3))
+         call find_slope(u(k, 3), u(k, 4), u(k, 7), u(k, 8), terms(1, 1), terms(1, 4), &
+            terms(1, 5), slopes(before + 1, k + 6))
+      end do
+   end subroutine find_slopes
+
+   !> Slope along one direction from the terms that have its place.
+   pure subroutine find_slope(u1, u2, u3, u4, one, other, both, slopes)
+      real(wp), intent(in) :: u1, u2, u3, u4                 !! Coefficients
+      real(wp), intent(in) :: one(lanes)                     !! (lane) Place along one direction [1]
+      real(wp), intent(in) :: other(lanes)                   !! (lane) Along the other one [1]
+      real(wp), intent(in) :: both(lanes)                    !! (lane) Their product [1]
+      real(wp), intent(inout) :: slopes(lanes)               !! (lane)
+      integer :: lane
+
+      !$omp simd
+      do lane = 1, lanes
+         slopes(lane) = (u1 + u2*one(lane)) + (u3*other(lane) + u4*both(lane))
+      end do
+   end subroutine find_slope
 
    !> Velocity and position at once: velocity = keep velocity + sum S_i push_i, position = position
    !! + dt sum S_i carry_i.
@@ -194,146 +297,112 @@ contains
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
-      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), c(lanes, 3), shape, x1, x2, x3
-      real(wp) :: v1, v2, v3, c1, c2, c3
-      integer :: cell, p, lane, q
+      real(wp) :: u(4, lanes), c(4, lanes), terms(lanes, products), gain(lanes, 3), way(lanes, 3)
+      integer :: cell, p, q, last, lane, k, offset(lanes)
 
-      a = grid%lane_constant
-      b = grid%lane_slope
+      offset = 3*grid%lane_offset
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         call load_cell(grid, cell, push, 1.0_wp, u)
-         call load_cell(grid, cell, carry, dt, c)
-         !$omp simd private(x1, x2, x3, shape, v1, v2, v3, c1, c2, c3, lane, q)
-         do p = start(cell) + 1, start(cell + 1)
-            x1 = local(p, 1)
-            x2 = local(p, 2)
-            x3 = local(p, 3)
-            v1 = 0.0_wp; v2 = 0.0_wp; v3 = 0.0_wp
-            c1 = 0.0_wp; c2 = 0.0_wp; c3 = 0.0_wp
-            do lane = 1, lanes
-               shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
-                  *(a(lane, 3) + b(lane, 3)*x3)
-               v1 = v1 + shape*u(lane, 1)
-               v2 = v2 + shape*u(lane, 2)
-               v3 = v3 + shape*u(lane, 3)
-               c1 = c1 + shape*c(lane, 1)
-               c2 = c2 + shape*c(lane, 2)
-               c3 = c3 + shape*c(lane, 3)
+         call find_vectors(3*(grid%first_node(cell) - 1), offset, size(push), push, 1.0_wp, u)
+         call find_vectors(3*(grid%first_node(cell) - 1), offset, size(carry), carry, dt, c)
+         do p = start(cell) + 1, start(cell + 1), lanes
+            last = min(p + lanes - 1, start(cell + 1))
+            q = first + p - 2
+            if (last == p + lanes - 1) then
+               call multiply(p - 1, size(local, 1), local, terms)
+            else
+               call find_terms(p, last, local, terms)
+            end if
+            call evaluate(grid%dimensions, 3, 4, u, terms, gain)
+            call evaluate(grid%dimensions, 3, 4, c, terms, way)
+            do k = 1, 3
+               if (last == p + lanes - 1) then
+                  call add_lanes(keep, gain(1, k), q, size(velocity, 1), velocity(:, k))
+                  call add_lanes(1.0_wp, way(1, k), q, size(position, 1), position(:, k))
+               else
+                  do lane = 1, last - p + 1
+                     velocity(q + lane, k) = keep*velocity(q + lane, k) + gain(lane, k)
+                     position(q + lane, k) = position(q + lane, k) + way(lane, k)
+                  end do
+               end if
             end do
-            q = first + p - 1
-            velocity(q, 1) = keep*velocity(q, 1) + v1
-            velocity(q, 2) = keep*velocity(q, 2) + v2
-            velocity(q, 3) = keep*velocity(q, 3) + v3
-            position(q, 1) = position(q, 1) + c1
-            position(q, 2) = position(q, 2) + c2
-            position(q, 3) = position(q, 3) + c3
          end do
       end do
    end subroutine gather_motion
 
-   !> Particle vectors from node vectors: values = keep values + scale sum S_i nodes_i.
-   pure subroutine gather_vector(grid, start, first, local, nodes, keep, scale, values)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
-      real(wp), intent(in) :: keep                           !! Share of the old value
-      real(wp), intent(in) :: scale                          !! Factor of the node values
-      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle, 3)
-      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), shape, v1, v2, v3, x1, x2, x3
-      integer :: cell, p, lane, q
-
-      a = grid%lane_constant
-      b = grid%lane_slope
-      do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
-         call load_cell(grid, cell, nodes, scale, u)
-         !$omp simd private(x1, x2, x3, shape, v1, v2, v3, lane, q)
-         do p = start(cell) + 1, start(cell + 1)
-            x1 = local(p, 1)
-            x2 = local(p, 2)
-            x3 = local(p, 3)
-            v1 = 0.0_wp
-            v2 = 0.0_wp
-            v3 = 0.0_wp
-            do lane = 1, lanes
-               shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
-                  *(a(lane, 3) + b(lane, 3)*x3)
-               v1 = v1 + shape*u(lane, 1)
-               v2 = v2 + shape*u(lane, 2)
-               v3 = v3 + shape*u(lane, 3)
-            end do
-            q = first + p - 1
-            values(q, 1) = keep*values(q, 1) + v1
-            values(q, 2) = keep*values(q, 2) + v2
-            values(q, 3) = keep*values(q, 3) + v3
-         end do
-      end do
-   end subroutine gather_vector
-
-   !> Values sum S_i node_i of any number of columns, three at a time.
-   pure subroutine gather_values(grid, start, local, nodes, values)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
-      !> (particle of the tile, column) Columns up to the next multiple of three are written
-      real(wp), contiguous, intent(inout) :: values(:, :)
-      integer, parameter :: most = 9
-      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, most + 2), shape, v1, v2, v3, x1, x2, x3
-      integer :: cell, p, lane, c, n
-
-      a = grid%lane_constant
-      b = grid%lane_slope
-      n = size(nodes, 1)
-      u = 0.0_wp
-      do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
-         do lane = 1, lanes
-            do c = 1, n
-               u(lane, c) = nodes(c, grid%first_node(cell) + grid%lane_offset(lane))
-            end do
-         end do
-         do c = 1, n, 3
-            !$omp simd private(x1, x2, x3, shape, v1, v2, v3, lane)
-            do p = start(cell) + 1, start(cell + 1)
-               x1 = local(p, 1)
-               x2 = local(p, 2)
-               x3 = local(p, 3)
-               v1 = 0.0_wp
-               v2 = 0.0_wp
-               v3 = 0.0_wp
-               do lane = 1, lanes
-                  shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
-                     *(a(lane, 3) + b(lane, 3)*x3)
-                  v1 = v1 + shape*u(lane, c)
-                  v2 = v2 + shape*u(lane, c + 1)
-                  v3 = v3 + shape*u(lane, c + 2)
-               end do
-               values(p, c) = v1
-               values(p, c + 1) = v2
-               values(p, c + 2) = v3
-            end do
-         end do
-      end do
-   end subroutine gather_values
-
-   !> Load the node values of a cell as lanes.
-   pure subroutine load_cell(grid, cell, nodes, scale, values)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, intent(in) :: cell                            !! Cell of the tile, from 0
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (component, node)
+   !> Coefficients of the polynomials of the three components of a vector in a cell, the terms being
+   !! 1, x, z, xz, y, xy, yz, xyz. The nodes come as one row of numbers: with the first number
+   !! of the next node a vector has four, which are the lanes. The fourth has no meaning.
+   pure subroutine find_vectors(before, offset, numbers, nodes, scale, u)
+      integer, intent(in) :: before                          !! Numbers before the first node
+      integer, intent(in) :: offset(lanes)                   !! Numbers from there to a node
+      integer, intent(in) :: numbers                         !! Three a node of the tile
+      real(wp), intent(in) :: nodes(numbers)                 !! (component and node)
       real(wp), intent(in) :: scale                          !! Factor
-      real(wp), contiguous, intent(inout) :: values(:, :)    !! (lane, component)
-      integer :: component, lane, base
+      real(wp), intent(inout) :: u(4, lanes)                 !! (component, term)
+      integer :: lane, c
 
-      base = grid%first_node(cell)
+      if (before + offset(lanes) + 4 <= numbers) then
+         do lane = 1, lanes
+            !$omp simd
+            do c = 1, 4
+               u(c, lane) = scale*nodes(before + offset(lane) + c)
+            end do
+         end do
+      else
+         do lane = 1, lanes
+            do c = 1, 3
+               u(c, lane) = scale*nodes(before + offset(lane) + c)
+            end do
+            u(4, lane) = 0.0_wp
+         end do
+      end if
+      !$omp simd
+      do c = 1, 4
+         call take_differences(u(c, 1), u(c, 2), u(c, 3), u(c, 4), u(c, 5), u(c, 6), u(c, 7), &
+            u(c, 8))
+      end do
+   end subroutine find_vectors
+
+   !> Coefficients of the polynomials of the nine components of a tensor in a cell, terms as above.
+   pure subroutine find_tensors(before, offset, numbers, nodes, scale, u)
+      integer, intent(in) :: before                          !! Numbers before the first node
+      integer, intent(in) :: offset(lanes)                   !! Numbers from there to a node
+      integer, intent(in) :: numbers                         !! Nine a node of the tile
+      real(wp), intent(in) :: nodes(numbers)                 !! (component and node)
+      real(wp), intent(in) :: scale                          !! Factor
+      real(wp), intent(inout) :: u(9, lanes)                 !! (component, term)
+      integer :: lane, c
+
       do lane = 1, lanes
-         do component = 1, size(values, 2)
-            values(lane, component) = scale*nodes(component, base + grid%lane_offset(lane))
+         !$omp simd
+         do c = 1, 9
+            u(c, lane) = scale*nodes(before + offset(lane) + c)
          end do
       end do
-   end subroutine load_cell
+      !$omp simd
+      do c = 1, 9
+         call take_differences(u(c, 1), u(c, 2), u(c, 3), u(c, 4), u(c, 5), u(c, 6), u(c, 7), &
+            u(c, 8))
+      end do
+   end subroutine find_tensors
+
+   !> From the values on the eight nodes of a cell to the coefficients of its polynomial:
+   !! differences along x, then z, then y, of which a missing direction has none.
+   pure subroutine take_differences(u1, u2, u3, u4, u5, u6, u7, u8)
+      real(wp), intent(inout) :: u1, u2, u3, u4, u5, u6, u7, u8 !! Node in, term out
+
+      u2 = u2 - u1
+      u4 = u4 - u3
+      u6 = u6 - u5
+      u8 = u8 - u7
+      u3 = u3 - u1
+      u4 = u4 - u2
+      u7 = u7 - u5
+      u8 = u8 - u6
+      u5 = u5 - u1
+      u6 = u6 - u2
+      u7 = u7 - u3
+      u8 = u8 - u4
+   end subroutine take_differences
 end module transfer_gather

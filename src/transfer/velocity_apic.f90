@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> APIC: PIC, but particles carry a linear velocity field to the nodes, so that linear fields and
+!> APIC is PIC, but particles carry a linear velocity field to the nodes, so that linear fields and
 !! angular momentum are kept: C. Jiang, C. Schroeder, A. Selle, J. Teran, A. Stomakhin, ACM Trans.
 !! Graph. 34 (2015) 51.
 module velocity_apic

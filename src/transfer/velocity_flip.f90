@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> FLIP: the particles keep their velocity and take the increments of the nodes (J. U. Brackbill, H.
+!> In FLIP particles keep their velocity and take the increments of the nodes (J. U. Brackbill, H.
 !! M. Ruppel, J. Comput. Phys. 65 (1986) 314), with a share of PIC.
 module velocity_flip
    use base_deck, only: deck_t, group_t

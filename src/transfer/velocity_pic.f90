@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> PIC: the particles take the velocity of the nodes (F. H. Harlow, Methods Comput. Phys. 3 (1964)
+!> With PIC particles take the velocity of the nodes (F. H. Harlow, Methods Comput. Phys. 3 (1964)
 !! 319), with the position of second order.
 module velocity_pic
    use transfer_velocity, only: velocity_t

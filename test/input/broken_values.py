@@ -272,6 +272,8 @@ UNKNOWN = [
      "&boundary: type = 'frictional' is none of: outflow symmetry slip stick periodic"),
     ("sand", "kind = 'history'", "kind = 'histories'", 10,
      "&output: kind = 'histories' is none of: particles slice grid history profile fragments; did you mean 'history'?"),
+    ("shock", "system = 'mm-us-mg'", "system = 'mm-us-mg'  output_units = 'mm-us-kg'", 2,
+     "&units: output_units = 'mm-us-kg' is none of: deck si cgs mm-ms-kg mm-ms-g cm-us-g mm-us-mg"),
     ("shock", "kind = 'particles'", "kind = 'particles'  fields = 'velocty'", 17,
      "&output 'cloud': output field 'velocty' is unknown; there are: default identity"),
     ("shock", "kind = 'particles'", "kind = 'particles'  bodies = 'spere'", 17,

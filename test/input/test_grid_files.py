@@ -36,8 +36,8 @@ class GridFiles(unittest.TestCase):
                     speed=0 if dimension == "axisymmetric" else 30))
                 run.run("--quiet")
                 answer = subprocess.run(
-                    [sys.executable, case.ROOT / "scripts/check_files.py", run.path("_g.hdf.series")],
-                    text=True, capture_output=True)
+                    [sys.executable, "-m", "scree_post", "check", run.path("_g.hdf.series")],
+                    cwd=case.ROOT / "scripts", text=True, capture_output=True)
                 if answer.returncode == 77:
                     self.skipTest("the package vtk is missing")
                 self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)

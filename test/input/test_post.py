@@ -9,20 +9,21 @@ import argparse
 import json
 import os
 import re
-import subprocess
 import sys
 
 sys.dont_write_bytecode = True
 SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
 sys.path.insert(0, SCRIPTS)
+sys.path.insert(0, os.path.join(SCRIPTS, "..", "test", "support"))
 
 import h5py                                              # noqa: E402
 import numpy as np                                       # noqa: E402
 
+from post_command import call, process                   # noqa: E402
 from sample_snapshots import (  # noqa: E402
     CENTRE, DENSITY, RADIUS, ball, make_series, matter, write, xdmf)
-import scree_image                                       # noqa: E402
 import scree_post                                        # noqa: E402
+from scree_post import areal_density                     # noqa: E402
 
 
 def closed(frame, outer, inner, density):
@@ -57,7 +58,7 @@ def close(found, wanted, tolerance, what):
 def test_sphere_axisymmetric(work):
     """Wrong Abel transform, a caustic or bright line on the axis, mass taken per radian."""
     snap = scree_post.snapshot(ball(f"{work}/axial_p_000001.hdf", "axisymmetric", 100))
-    frame = scree_image.radiograph(snap, RADIUS / 60.0)
+    frame = areal_density.radiograph(snap, RADIUS / 60.0)
     largest, mean = worst(frame, RADIUS, DENSITY)
     assert largest < 0.01 and mean < 0.003, f"errors {largest:.4f}, {mean:.4f}"
     close(frame.mass, DENSITY * 4.0 / 3.0 * np.pi * RADIUS ** 3, 2.0e-3, "mass of the ball")
@@ -70,7 +71,7 @@ def test_sphere_quarter(work):
     """Mirror images forgotten or doubled, axes exchanged, kernel not integrated."""
     snap = scree_post.snapshot(ball(f"{work}/quarter_p_000001.hdf", "3d", 30))
     for sight in "xy":
-        frame = scree_image.radiograph(snap, RADIUS / 40.0, sight)
+        frame = areal_density.radiograph(snap, RADIUS / 40.0, sight)
         largest, mean = worst(frame, RADIUS, DENSITY)
         assert largest < 0.02 and mean < 0.008, f"line of sight {sight}: {largest:.4f}, {mean:.4f}"
         close(frame.mass, 4.0 * snap.fields["mass"].sum(), 1.0e-12, "mass of four quarters")
@@ -83,7 +84,7 @@ def test_grown_ball(work):
     """Size of a particle from its first volume instead of the present one: gaps."""
     for dimension, cells in (("axisymmetric", 60), ("3d", 30)):
         snap = scree_post.snapshot(ball(f"{work}/grown_p_000001.hdf", dimension, cells, grown=4.0))
-        frame = scree_image.radiograph(snap, RADIUS / 40.0)
+        frame = areal_density.radiograph(snap, RADIUS / 40.0)
         largest, mean = worst(frame, 4.0 * RADIUS, DENSITY / 64.0)
         assert largest < 0.025 and mean < 0.01, f"{dimension}: {largest:.4f}, {mean:.4f}"
         assert frame.mass_error < 1.0e-6
@@ -93,7 +94,7 @@ def test_shell(work):
     """Projection that is right for full balls only: limb of a shell wrong, inside not hollow."""
     inner = 0.7 * RADIUS
     snap = scree_post.snapshot(ball(f"{work}/shell_p_000001.hdf", "axisymmetric", 140, inner=inner))
-    frame = scree_image.radiograph(snap, RADIUS / 60.0)
+    frame = areal_density.radiograph(snap, RADIUS / 60.0)
     largest, mean = worst(frame, RADIUS, DENSITY, inner, rim=0.05)
     assert largest < 0.02 and mean < 0.008, f"errors {largest:.4f}, {mean:.4f}"
 
@@ -101,10 +102,10 @@ def test_shell(work):
 def test_annulus():
     """A projection matrix that loses mass where radii and pixels do not match."""
     edges, radii = np.linspace(0.0, 1.3, 38), np.linspace(0.0, 1.2, 91)
-    share = scree_image.annulus_projection(radii, edges)
+    share = areal_density.annulus_projection(radii, edges)
     assert share.min() >= -1.0e-15 and np.abs(share.sum(axis=1) - 0.5).max() < 1.0e-12
     x, outer, inner = 0.31, radii[60], radii[59]         # a thin ring: the Abel kernel itself
-    fine = scree_image.annulus_projection(radii[59:61], np.array([x, x + 1.0e-4]))[0, 0] / 1.0e-4
+    fine = areal_density.annulus_projection(radii[59:61], np.array([x, x + 1.0e-4]))[0, 0] / 1.0e-4
     close(fine, 1.0 / (np.pi * np.sqrt((0.5 * (outer + inner)) ** 2 - x**2)), 1.0e-3, "Abel kernel")
 
 
@@ -117,7 +118,7 @@ def test_random_sizes():
     half = np.maximum(half, 0.05)
     for radial in (True, False):
         low = 0.0 if radial else -5.0
-        image = scree_image.deposit(
+        image = areal_density.deposit(
             (z, r), mass, half, (-8.0, low), (0.05, 0.025), (600, 320), radial
         )
         close(image.sum(), mass.sum(), 1.0e-12, "mass of the image")
@@ -134,7 +135,7 @@ def test_leading_edge(work):
     stray = int(np.argmin(snap.points[:, 2]))
     snap.points[stray, 2], snap.fields["velocity"][stray, 2] = -1.0, -20000.0
     snap.fields["mass"][stray] *= 1.0e-6
-    frame = scree_image.radiograph(snap, 1.0e-3, "y", -1.0)
+    frame = areal_density.radiograph(snap, 1.0e-3, "y", -1.0)
     close(frame.speed, -6000.0, 1.0e-3, "speed of the leading edge")
     assert abs(frame.front - (CENTRE - RADIUS)) < 0.05 * RADIUS, f"front at {frame.front}"
 
@@ -142,31 +143,18 @@ def test_leading_edge(work):
 def test_symmetry_plane(work):
     """Mirroring at 0 when the plane of symmetry lies elsewhere; an unknown face ignored."""
     snap = scree_post.snapshot(ball(f"{work}/plane_p_000001.hdf", "3d", 12))
-    still = scree_image.radiograph(snap, RADIUS / 20.0).sigma
+    still = areal_density.radiograph(snap, RADIUS / 20.0).sigma
     snap.points[:, 0] += 20.0 * RADIUS
     snap.provenance["grid_lo"] = np.array([20.0 * RADIUS, 0.0, 0.0])
-    moved = scree_image.radiograph(snap, RADIUS / 20.0).sigma
+    moved = areal_density.radiograph(snap, RADIUS / 20.0).sigma
     assert moved.shape == still.shape and np.abs(moved - still).max() < 1.0e-6 * still.max()
     snap.provenance["symmetry"] = "xlo left"
     try:
-        scree_image.radiograph(snap, RADIUS / 20.0)
+        areal_density.radiograph(snap, RADIUS / 20.0)
     except scree_post.PostError as error:
         assert "'left'" in str(error)
     else:
         raise AssertionError("an unknown face of symmetry was accepted")
-
-
-def call(script, *words, folder="/"):
-    """Run a script from another folder, without a display."""
-    environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
-    return subprocess.run(
-        [sys.executable, os.path.join(SCRIPTS, script), *words],
-        cwd=folder,
-        text=True,
-        env=environment,
-        capture_output=True,
-        check=False,
-    )
 
 
 def picture_size(path):
@@ -180,7 +168,7 @@ def picture_size(path):
 def test_radiograph_command(work):
     """A picture that needs a display or the current folder, frames chosen wrongly."""
     series, entries = make_series(work)
-    run = call("radiograph.py", os.path.dirname(series))
+    run = process("radiograph", os.path.dirname(series))
     assert run.returncode == 0, run.stderr
     rows = [line.split() for line in run.stdout.splitlines() if re.match(r"\s+\d", line)]
     assert [float(row[0]) for row in rows] == [1.0, 2.0, 3.0], run.stdout
@@ -196,11 +184,11 @@ def test_radiograph_command(work):
         (series, "--last", "--unit", "g/cm2", "--mu", "0.1"),
         (series, "--frames", "2", "--view", "-10", "20", "-15", "15", "--pixel", "0.2"),
     ):
-        run = call("radiograph.py", *words, "--out", f"{work}/one.png")
+        run = call("radiograph", *words, "--out", f"{work}/one.png")
         assert run.returncode == 0, run.stderr
         assert picture_size(f"{work}/one.png")[1] > 300
         os.remove(f"{work}/one.png")
-    run = call("radiograph.py", series, "--time", "0", "--out", f"{work}/empty.png")
+    run = call("radiograph", series, "--time", "0", "--out", f"{work}/empty.png")
     assert run.returncode == 0, run.stderr
 
 
@@ -208,7 +196,7 @@ def test_movie(work):
     """A film with a frame missing or with pages of different sizes."""
     series, entries = make_series(work, name="film")
     run = call(
-        "radiograph.py",
+        "radiograph",
         series,
         "--last",
         "--movie",
@@ -245,41 +233,41 @@ def test_errors(work):
     with open(f"{work}/head.csv", "w", encoding="ascii") as handle:
         handle.write("time [s],kinetic [J]\n")
     out = ("--out", f"{work}/never.png")
-    cases = [("radiograph.py", (f"{work}/absent.hdf", *out), 3, "no such file"),
-             ("radiograph.py", (f"{work}/text.hdf", *out), 3, "not HDF5"),
-             ("radiograph.py", (f"{work}/short.hdf", *out), 3, "cut short"),
-             ("radiograph.py", (f"{work}/other.hdf", *out), 3, "/VTKHDF/Points"),
-             ("radiograph.py", (f"{work}/broken.hdf.series", *out), 3, "not a snapshot series"),
-             ("radiograph.py", (f"{work}/gone.hdf.series", *out), 3, "gone.hdf"),
-             ("radiograph.py", (f"{work}/line.hdf", *out), 2, "one-dimensional"),
-             ("radiograph.py", (f"{work}/thin.hdf", *out), 3, "velocity"),
-             ("radiograph.py", (SCRIPTS, *out), 3, "no particle series"),
-             ("radiograph.py", (first, "--out", f"{work}/absent/a.png"), 3, "cannot write"),
-             ("radiograph.py", (first, "--out", f"{work}/never.doc"), 2, ".png"),
-             ("radiograph.py", (first, *out, "--movie", "a.avi"), 2, ".gif"),
-             ("radiograph.py", (first, *out, "--pixel", "-1"), 2, "--pixel"),
-             ("radiograph.py", (first, *out, "--pixel", "1e-5"), 2, "pixels"),
-             ("radiograph.py", (first, *out, "--axis", "w"), 2, "--axis"),
-             ("radiograph.py", (), 2, "SERIES_OR_SNAPSHOT"),
-             ("history.py", (f"{work}/absent.csv", *out), 3, "no such file"),
-             ("history.py", (f"{work}/words.csv", *out), 3, "time [s]"),
-             ("history.py", (f"{work}/head.csv", *out), 3, "no complete line"),
-             ("history.py", (first, *out), 3, "not a history"),
-             ("check_files.py", (f"{work}/absent.hdf.series",), 3, "no such file"),
-             ("check_files.py", (f"{work}/other.hdf",), 3, "/VTKHDF/Points"),
-             ("check_files.py", ("--nothing", series), 2, "--nothing")]
-    for script, words, code, part in cases:
-        run = call(script, *words)
-        assert run.returncode == code, f"{script} {words}: exit {run.returncode}, {run.stderr}"
+    cases = [("radiograph", (f"{work}/absent.hdf", *out), 3, "no such file"),
+             ("radiograph", (f"{work}/text.hdf", *out), 3, "not HDF5"),
+             ("radiograph", (f"{work}/short.hdf", *out), 3, "cut short"),
+             ("radiograph", (f"{work}/other.hdf", *out), 3, "/VTKHDF/Points"),
+             ("radiograph", (f"{work}/broken.hdf.series", *out), 3, "not a snapshot series"),
+             ("radiograph", (f"{work}/gone.hdf.series", *out), 3, "gone.hdf"),
+             ("radiograph", (f"{work}/line.hdf", *out), 2, "one-dimensional"),
+             ("radiograph", (f"{work}/thin.hdf", *out), 3, "velocity"),
+             ("radiograph", (SCRIPTS, *out), 3, "no particle series"),
+             ("radiograph", (first, "--out", f"{work}/absent/a.png"), 3, "cannot write"),
+             ("radiograph", (first, "--out", f"{work}/never.doc"), 2, ".png"),
+             ("radiograph", (first, *out, "--movie", "a.avi"), 2, ".gif"),
+             ("radiograph", (first, *out, "--pixel", "-1"), 2, "--pixel"),
+             ("radiograph", (first, *out, "--pixel", "1e-5"), 2, "pixels"),
+             ("radiograph", (first, *out, "--axis", "w"), 2, "--axis"),
+             ("radiograph", (), 2, "SERIES_OR_SNAPSHOT"),
+             ("plot", (f"{work}/absent.csv", *out), 3, "no such file"),
+             ("plot", (f"{work}/words.csv", *out), 3, "time [s]"),
+             ("plot", (f"{work}/head.csv", *out), 3, "no complete line"),
+             ("plot", (first, *out), 3, "not a history"),
+             ("check", (f"{work}/absent.hdf.series",), 3, "no such file"),
+             ("check", (f"{work}/other.hdf",), 3, "/VTKHDF/Points"),
+             ("check", ("--nothing", series), 2, "--nothing")]
+    for command, words, code, part in cases:
+        run = call(command, *words)
+        assert run.returncode == code, f"{command} {words}: exit {run.returncode}, {run.stderr}"
         said = run.stderr.strip().splitlines()
-        assert said and part in said[-1], f"{script} {words}: '{part}' not in: {run.stderr}"
-        assert code == 2 or len(said) == 1, f"{script} {words}: more than a line: {run.stderr}"
+        assert len(said) == 1, f"{command} {words}: not one line: {run.stderr}"
+        assert part in said[0], f"{command} {words}: '{part}' not in: {run.stderr}"
         assert "Traceback" not in run.stderr, run.stderr
     assert not [
         name for name in os.listdir(work) if name.startswith("never")
     ], "a picture was written"
-    for script in ("radiograph.py", "history.py", "check_files.py"):
-        run = call(script, "--help")
+    for command in ("radiograph", "plot", "check"):
+        run = call(command, "--help")
         assert run.returncode == 0 and "usage" in run.stdout and not run.stderr
 
 
@@ -309,7 +297,7 @@ def test_history(work):
         len(table["time"]) == 20 and table["kinetic"][-1] == 81.0 and table["momentum_z"][0] == -2.5
     )
     assert table.units["momentum_z"] == "kg m/s" and table.units["step"] == "1"
-    run = call("history.py", path)
+    run = call("plot", path)
     assert run.returncode == 0, run.stderr
     assert "total energy: 1.90e-05" in run.stdout, run.stdout
     picture_size(path.replace(".csv", ".png"))
@@ -331,7 +319,7 @@ def test_check_files(work):
     """A check that passes whatever is in the files: each damage here must be seen."""
     series, entries = make_series(work, name="files")
     xdmf(series, entries)
-    run = call("check_files.py", series, "--need-xdmf")
+    run = process("check", series, "--need-xdmf")
     fine = 0
     if "VTK not asked" in run.stdout:
         fine = 77
@@ -346,7 +334,7 @@ def test_check_files(work):
             saved = handle.read()
         with h5py.File(victim, "r+") as handle:
             change(handle["VTKHDF"])
-        run = call("check_files.py", series)
+        run = process("check", series)
         assert run.returncode == 1 and word in run.stdout, f"{word}: {run.returncode} {run.stdout}"
         with open(victim, "wb") as handle:
             handle.write(saved)
@@ -380,7 +368,7 @@ def test_check_files(work):
             assert old in saved
             with open(index, "w", encoding="ascii") as handle:
                 handle.write(saved.replace(old, new))
-            run = call("check_files.py", series)
+            run = process("check", series)
             assert run.returncode == 1 and word in run.stdout, f"{word}: {run.stdout}"
 
 

@@ -61,11 +61,11 @@ def main():
     series = [base / name for name in names if name.endswith(".series")]
     sheet.require(len(series) == 2, "two series")
     for path in series:
-        answer = subprocess.run([sys.executable, case.ROOT / "scripts/check_files.py", path,
-                                 "--need-xdmf"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                text=True)
+        answer = subprocess.run([sys.executable, "-m", "scree_post", "check", path, "--need-xdmf"],
+                                cwd=case.ROOT / "scripts", stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT, text=True)
         print(answer.stdout.strip()[-400:])
-        sheet.require(answer.returncode in (0, 77), f"check_files.py on {path.name}: "
+        sheet.require(answer.returncode in (0, 77), f"scree-post check on {path.name}: "
                       f"{answer.returncode} {answer.stdout[-2000:]}")
     sheet.end()
 

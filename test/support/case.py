@@ -114,7 +114,7 @@ class Case:
 
 
 def post():
-    """The module scree_post of scripts/, which knows the formats of all files."""
+    """The package scree_post of scripts/, which knows the formats of all files."""
     folder = str(ROOT / "scripts")
     if folder not in sys.path:
         sys.path.insert(0, folder)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What `scree_post.py accuracy` says of a deck whose answers and orders are known.
+"""What `scree-post accuracy` says of a deck whose answers and orders are known.
 
 Would catch: a wrong order from unequal ratios of cells, an extrapolation to the wrong side, a bound below the true
 error, a forecast that the run it foretells does not keep, cells that do not fit the grid, a quantity from the wrong
@@ -22,7 +22,7 @@ import case    # noqa: E402
 import report  # noqa: E402
 
 case.post()
-import scree_accuracy  # noqa: E402
+from scree_post.commands import accuracy as scree_accuracy  # noqa: E402
 
 DECK = """
 &run  dimension='1d' /
@@ -46,9 +46,10 @@ FRONT = 25.0 + STRETCH * math.sin(1.5 * TURN)
 
 def tool(options, *words):
     """Exit code, what it prints, what it complains of."""
-    answer = subprocess.run([sys.executable, case.ROOT / "scripts/scree_post.py", "accuracy", *map(str, words),
+    answer = subprocess.run([sys.executable, "-m", "scree_post", "accuracy", *map(str, words),
                              "--scree", options.scree, "--work", options.work / "runs"], cwd=options.work,
-                            env={**case.os.environ, "OMP_NUM_THREADS": "1"}, capture_output=True, text=True)
+                            env={**case.os.environ, "OMP_NUM_THREADS": "1",
+                                 "PYTHONPATH": str(case.ROOT / "scripts")}, capture_output=True, text=True)
     return answer.returncode, answer.stdout, answer.stderr
 
 

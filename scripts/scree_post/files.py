@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reading what Scree writes: snapshot series, snapshots and time histories.
+
+All values of snapshots are in SI units, whatever units the files are in. Only h5py and numpy are
+needed.
+"""
+import csv
+import json
+import os
+from dataclasses import dataclass, field
+
+from .errors import EXIT_FILE, PostError, modules, readable, unknown
+
+DIMENSIONS = ("3d", "plane_strain", "axisymmetric", "1d")
+
+
+def series_file(path):
+    """The series that a user means: the file itself, or the only series of a folder."""
+    if os.path.isdir(path):
+        found = sorted(name for name in os.listdir(path) if name.endswith("_p.hdf.series"))
+        if len(found) == 1:
+            return os.path.join(path, found[0])
+        raise PostError(
+            f"{path}: {len(found) or 'no'} particle series (*_p.hdf.series) in this folder, "
+            f"name the file{': ' if found else ''}{', '.join(found)}"
+        )
+    return path
+
+
+def history_file(path):
+    """The history that a user means: the file itself, or the only history of a folder."""
+    if os.path.isdir(path):
+        found = sorted(name for name in os.listdir(path) if name.endswith("_history.csv"))
+        if len(found) == 1:
+            return os.path.join(path, found[0])
+        raise PostError(f"{path}: {len(found) or 'no'} histories (*_history.csv) in this folder, "
+                        f"name the file{': ' if found else ''}{', '.join(found)}")
+    return path
+
+
+def series(path):
+    """List of (time [s], file) of a .series file, a snapshot, or a folder with one series."""
+    path = readable(series_file(path))
+    if not path.endswith(".series"):
+        return [(snapshot_time(path), path)]
+    try:
+        with open(path, encoding="utf-8") as handle:
+            entries = json.load(handle)["files"]
+        folder = os.path.dirname(os.path.abspath(path))
+        frames = [(float(entry["time"]), os.path.join(folder, entry["name"])) for entry in entries]
+    except (ValueError, KeyError, TypeError) as error:
+        raise PostError(
+            f"{path} is not a snapshot series: {type(error).__name__}: {error}"
+        ) from error
+    except OSError as error:
+        raise PostError(f"cannot read {path}: {error.strerror}") from error
+    if not frames:
+        raise PostError(f"{path} lists no snapshots")
+    return sorted(frames)
+
+
+def text(value):
+    """A string from what HDF5 hands back: bytes, padded or not, or arrays of one."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    while isinstance(value, (list, tuple)) and len(value) == 1:
+        value = value[0]
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    return value.strip("\0 ") if isinstance(value, str) else value
+
+
+@dataclass
+class Snapshot:
+    """One snapshot of particles."""
+
+    file: str
+    time: float                                          # [s]
+    points: object                                       # (n, 3) [m]
+    fields: dict = field(default_factory=dict)           # name: (n,), (n, 3) or (n, 6)
+    units: dict = field(default_factory=dict)            # name: unit
+    bodies: list = field(default_factory=list)           # {"name", "material", "colour"} per body
+    first_body: int = 1                                  # value of the field body of bodies[0]
+    provenance: dict = field(default_factory=dict)
+    echo: str = ""                                       # the deck with every key as used, in SI
+
+    @property
+    def dimension(self):
+        """Problem class, one of DIMENSIONS."""
+        return self.provenance["dimension"]
+
+    @property
+    def symmetry(self):
+        """Faces that are planes of symmetry, such as ["xlo", "ylo"]."""
+        value = self.provenance.get("symmetry", "")
+        return value.split() if isinstance(value, str) else [str(text(face)) for face in value]
+
+    def body_rows(self):
+        """Row of `bodies` of every particle; 0 where there is one body only."""
+        (np,) = modules("numpy")
+        rows = self.fields.get("body", np.full(len(self.points), self.first_body))
+        # files of other programs may count from 0 whatever they say
+        first = self.first_body if len(rows) == 0 or rows.min() >= self.first_body else 0
+        return np.asarray(rows).astype(int) - first
+
+    def body_name(self, row):
+        """Name of a body of the table."""
+        name = self.bodies[row].get("name", "") if 0 <= row < len(self.bodies) else ""
+        return name or f"body {row + 1}"
+
+    def need(self, *names):
+        """The named fields, or a message naming those that the file does not hold."""
+        missing = [name for name in names if name not in self.fields]
+        if missing:
+            raise unknown("field", ", ".join(missing), sorted(self.fields),
+                          f"{self.file}: write it with &output fields", EXIT_FILE)
+        return [self.fields[name] for name in names]
+
+
+def _open(path):
+    (h5py,) = modules("h5py")
+    try:
+        handle = h5py.File(readable(path), "r")
+    except OSError as error:
+        reason = (
+            "still being written" if "unable to lock" in str(error) else "not HDF5, or cut short"
+        )
+        raise PostError(f"cannot open {path}: {reason}") from error
+    if "VTKHDF/Points" not in handle:
+        handle.close()
+        raise PostError(f"{path} is not a particle snapshot: it has no /VTKHDF/Points")
+    return handle
+
+
+def _time(handle, path):
+    try:
+        return float(handle["VTKHDF/FieldData/TimeValue"][0])
+    except (KeyError, IndexError) as error:
+        raise PostError(f"{path} has no /VTKHDF/FieldData/TimeValue") from error
+
+
+def snapshot_time(path):
+    """Time of a snapshot [s]."""
+    with _open(path) as handle:
+        return _time(handle, path)
+
+
+def _bodies(handle):
+    """Table of bodies: a group with the datasets name, material, colour."""
+    if "bodies" not in handle or not hasattr(handle["bodies"], "keys"):
+        return [], 1
+    group = handle["bodies"]
+    columns = {key: [text(entry) for entry in group[key][...].ravel().tolist()]
+               for key in ("name", "material", "colour") if key in group}
+    count = len(columns.get("name", []))
+    table = [{key: column[row] for key, column in columns.items() if row < len(column)}
+             for row in range(count)]
+    return table, int(group.attrs.get("first_index", 1))
+
+
+def _in_si(data):
+    """Numbers of a data set in SI, whatever `output_units` of the run was."""
+    factor = float(data.attrs.get("unitSI", 1.0))
+    return data[...] if factor == 1.0 else data[...] * factor
+
+
+def snapshot(file, names=None):
+    """Read a snapshot: points, fields (all, or those named), units, bodies, provenance."""
+    with _open(file) as handle:
+        try:
+            data = handle.get("VTKHDF/PointData", {})
+            points = _in_si(handle["VTKHDF/Points"]).astype("f8")
+            snap = Snapshot(file=file, time=_time(handle, file), points=points)
+            for name in data:
+                if names is None or name in names:
+                    snap.fields[name] = _in_si(data[name])
+                    unit = data[name].attrs.get("unitNameSI", data[name].attrs.get("units", "1"))
+                    snap.units[name] = str(text(unit))
+            snap.bodies, snap.first_body = _bodies(handle)
+            if "provenance" in handle:
+                record = handle["provenance"]
+                snap.provenance = {k: text(v) for k, v in record.attrs.items()}
+                if "deck_echo" in record:
+                    snap.echo = bytes(record["deck_echo"][...]).decode("utf-8", "replace")
+        except OSError as error:
+            raise PostError(f"cannot read {file}: damaged or cut short") from error
+    wrong = [name for name, values in snap.fields.items() if len(values) != len(points)]
+    if wrong:
+        raise PostError(f"{file}: field {wrong[0]} has {len(snap.fields[wrong[0]])} rows "
+                        f"for {len(points)} particles")
+    snap.provenance.setdefault("dimension", "3d")
+    if snap.dimension not in DIMENSIONS:
+        raise PostError(f"{file}: unknown dimension '{snap.dimension}' in /provenance")
+    return snap
+
+
+def is_grid(file):
+    """True for a file of fields on the grid."""
+    (h5py,) = modules("h5py")
+    try:
+        with h5py.File(readable(file), "r") as handle:
+            kind = handle["VTKHDF"].attrs.get("Type", b"") if "VTKHDF" in handle else b""
+    except OSError as error:
+        raise PostError(f"cannot open {file}: not HDF5, or cut short") from error
+    return (kind if isinstance(kind, bytes) else kind.encode()).rstrip(b"\0 ") == b"ImageData"
+
+
+class History(dict):
+    """Columns of a history by name; `units` holds the units, `order` the names."""
+
+    def __init__(self):
+        super().__init__()
+        self.units = {}
+        self.order = []
+
+
+def history(file):
+    """Read CASE_history.csv; a last line that is still being written is left out."""
+    (numpy,) = modules("numpy")
+    try:
+        with open(readable(file), newline="", encoding="utf-8") as handle:
+            rows = [row for row in csv.reader(handle) if row and not row[0].startswith("#")]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise PostError(
+            f"{file} is not a history: not a text file of comma separated values"
+        ) from error
+    if not rows or not any(cell.strip().startswith("time") for cell in rows[0]):
+        raise PostError(f"{file} is not a history: its first line names no column 'time [s]'")
+    head, body = rows[0], rows[1:]
+    if body and len(body[-1]) != len(head):
+        body.pop()
+    try:
+        values = numpy.array([[float(cell) for cell in row] for row in body])
+    except ValueError as error:
+        raise PostError(f"{file}: {error}") from error
+    if values.ndim != 2 or values.shape[1] != len(head):
+        raise PostError(f"{file} holds no complete line below its header")
+    table = History()
+    for column, title in enumerate(head):
+        name, _, unit = title.strip().partition("[")
+        table.order.append(name.strip())
+        table[name.strip()] = values[:, column]
+        table.units[name.strip()] = unit.rstrip("] ") or "1"
+    return table

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Films from pages: .gif by Pillow, .mp4 by ffmpeg, or numbered pictures."""
+import os
+import shutil
+import subprocess
+
+import numpy as np
+
+from .errors import EXIT_USAGE, PostError, modules
+
+ENDINGS = (".mp4", ".gif", ".png")
+
+
+def check_film(path, option="--out"):
+    """Refuse a film that cannot be written before any page is drawn."""
+    ending = os.path.splitext(path)[1].lower()
+    if ending not in ENDINGS:
+        raise PostError(f"{option} {path}: write an .mp4, a .gif, or .png for numbered pictures",
+                        EXIT_USAGE)
+    folder = os.path.dirname(path) or "."
+    if not os.path.isdir(folder):
+        raise PostError(f"cannot write {path}: no folder {folder}")
+    if ending == ".mp4":
+        encoder()
+
+
+def encoder():
+    """The ffmpeg program: of the system, or of the package imageio-ffmpeg."""
+    program = shutil.which("ffmpeg")
+    if program is None:
+        try:
+            import imageio_ffmpeg
+            program = imageio_ffmpeg.get_ffmpeg_exe()
+        except (ImportError, RuntimeError) as error:
+            raise PostError(
+                "a film in .mp4 needs ffmpeg or the Python package imageio-ffmpeg, and neither is "
+                "installed; write a .gif, or .png for numbered pictures", EXIT_USAGE) from error
+    return program
+
+
+def even(page):
+    """The colours of a page, with an even number of rows and columns as codecs want it."""
+    height, width = (2 * (side // 2) for side in page.shape[:2])
+    return np.ascontiguousarray(page[:height, :width, :3])
+
+
+def encode(pages, path, rate):
+    """Write pages (height, width, 3 or 4) of bytes, all of one size, as a film.
+
+    Returns the files written. A film appears under its name when it is whole.
+    """
+    stem, ending = os.path.splitext(path)
+    part = f"{stem}.part{ending}"
+    try:
+        if ending.lower() == ".png":
+            return numbered(pages, stem)
+        if ending.lower() == ".gif":
+            (image,) = modules("PIL.Image")
+            cover = image.Quantize.MAXCOVERAGE            # rare colours, as on the bar, too
+            stills = [image.fromarray(even(page)).quantize(256, cover) for page in pages]
+            stills[0].save(part, save_all=True, append_images=stills[1:],
+                           duration=int(1000 / rate), loop=0)
+        else:
+            encode_mp4(pages, part, rate)
+        os.replace(part, path)
+    except OSError as error:
+        raise PostError(f"cannot write {path}: {error.strerror or error}") from error
+    finally:
+        if os.path.exists(part):
+            os.remove(part)
+    return [path]
+
+
+def numbered(pages, stem):
+    """Write pages as STEM_000000.png and so on."""
+    (image,) = modules("PIL.Image")
+    names = []
+    for number, page in enumerate(pages):
+        names.append(f"{stem}_{number:06d}.png")
+        image.fromarray(even(page)).save(names[-1])
+    return names
+
+
+def encode_mp4(pages, path, rate):
+    """Send pages to ffmpeg."""
+    pages = iter(pages)
+    first = even(next(pages))
+    height, width = first.shape[:2]
+    command = [encoder(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
+               "-s", f"{width}x{height}", "-r", str(rate), "-i", "-", "-pix_fmt", "yuv420p",
+               "-crf", "18", path]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        try:
+            process.stdin.write(first.tobytes())
+            for page in pages:
+                process.stdin.write(even(page).tobytes())
+        except BrokenPipeError:                          # ffmpeg says below why it gave up
+            pass
+        said = process.communicate()[1].decode("utf-8", "replace").strip()
+    if process.returncode != 0:
+        raise PostError(f"ffmpeg could not write {path}: {said[-200:]}")

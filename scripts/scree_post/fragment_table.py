@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The fragments of a snapshot: pieces of particles that have not failed, as a table."""
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .box import box_of, thickness
+from .errors import EXIT_USAGE, PostError
+from .pieces import find_pieces
+from .shape import images, mirror_faces, particle_size
+from .view import failed_of
+
+COLUMNS = ("time [s]", "fragment", "particles", "mass [kg]", "volume [m3]", "size [m]",
+           "centre_x [m]", "centre_y [m]", "centre_z [m]", "velocity_x [m/s]", "velocity_y [m/s]",
+           "velocity_z [m/s]", "body")
+
+
+@dataclass
+class Fragments:
+    """All fragments of a time, the heaviest first."""
+
+    time: float                                          # [s]
+    rows: list = field(default_factory=list)             # values of COLUMNS
+    failed: float = 0.0                                  # mass of failed particles [kg]
+    total: float = 0.0                                   # mass of all particles [kg]
+    note: str = ""                                       # what a fragment is in this run
+
+    @property
+    def masses(self):
+        """Mass of each fragment [kg]."""
+        return np.array([row[3] for row in self.rows])
+
+
+def note_of(snap, mirror, periodic):
+    """What a fragment is, in a sentence for people."""
+    text = {"axisymmetric": "axisymmetric: a fragment is a ring around the axis; its mass is that "
+            "of the whole ring, centre_x its radius, size the diameter of its cross-section",
+            "plane_strain": "plane strain: a fragment is a prism as thick as the box; size is the "
+            "diameter of its cross-section"}.get(
+                snap.dimension, "a fragment is a piece in space; size is the diameter of a sphere "
+                "of its volume")
+    faces = mirror_faces(snap)
+    if faces:
+        names = " ".join("xyz"[axis] + face for axis, face in faces)
+        text += (f"; the model is completed at its mirror planes {names}" if mirror else
+                 f"; the model is not completed at its mirror planes {names}")
+    if periodic:
+        text += f"; periodic along {' '.join('xyz'[axis] for axis in sorted(periodic))}"
+    return text
+
+
+def plane_axes(snap):
+    """Axes in which particles can be apart."""
+    return {"3d": (0, 1, 2), "1d": (0,)}.get(snap.dimension, (0, 2))
+
+
+def fragments_of(snap, factor=1.5, cell=None, mirror=True):
+    """The fragments of a snapshot.
+
+    factor  particles are neighbours within this many times the mean of their widths
+    cell    if given, particles of the same and of touching cells of this width [m] are neighbours
+    """
+    snap.need("mass", "volume", "velocity")
+    positions, rows, signs = images(snap) if mirror else (
+        snap.points, np.arange(len(snap.points)), np.ones((len(snap.points), 3)))
+    mass = snap.fields["mass"].astype("f8")[rows]
+    failed = failed_of(snap)[rows]
+    width = particle_size(snap, snap.points[:, 0])[rows]
+    good = ~failed & np.isfinite(positions).all(axis=1)
+    box, axes = box_of(snap), plane_axes(snap)
+    around = box.periodic & set(axes) if box.low is not None and box.high is not None else set()
+    if around and any(axis in around for axis, _ in mirror_faces(snap)):
+        raise PostError(f"{snap.file}: an axis is periodic and has a mirror plane")
+    found = Fragments(snap.time, failed=float(mass[failed].sum()), total=float(mass.sum()),
+                      note=note_of(snap, mirror, around))
+    periodic = [(axes.index(axis), axis) for axis in around]
+    pick = np.flatnonzero(good)
+    if len(pick) == 0:
+        return found
+    if width[pick].max() <= 0.0 and cell is None:
+        raise PostError(f"{snap.file}: particles without volume have no neighbours; use --cell",
+                        EXIT_USAGE)
+    labels = find_pieces(positions[pick][:, axes], width[pick], factor, cell, box, periodic)
+    found.rows = table(snap, labels, positions[pick], signs[pick], rows[pick], (box, around))
+    return found
+
+
+def unwrapped(points, labels, first, box, around):
+    """Points of pieces that lie across a periodic face, moved to the side of their first one."""
+    points = points.copy()
+    for axis in around:
+        length = box.high[axis] - box.low[axis]
+        off = points[:, axis] - points[first[labels], axis]
+        points[:, axis] -= length * np.round(off / length)
+    return points
+
+
+def table(snap, labels, points, signs, rows, wrap):
+    """A row of COLUMNS for each piece, the heaviest first."""
+    box, around = wrap
+    mass = snap.fields["mass"].astype("f8")[rows]
+    volume = snap.fields["volume"].astype("f8")[rows]
+    velocity = snap.fields["velocity"].astype("f8")[rows] * signs
+    count = int(labels.max()) + 1
+    first = np.unique(labels, return_index=True)[1]
+    points = unwrapped(points, labels, first, box, around)
+
+    def total(values):
+        return np.bincount(labels, values, minlength=count)
+
+    heavy = np.maximum(total(mass), 1.0e-300)
+    centre = np.stack([total(mass * points[:, k]) / heavy for k in range(3)], axis=1)
+    for axis in around:                                  # back into the box
+        length = box.high[axis] - box.low[axis]
+        centre[:, axis] = box.low[axis] + (centre[:, axis] - box.low[axis]) % length
+    speed = np.stack([total(mass * velocity[:, k]) / heavy for k in range(3)], axis=1)
+    number, space = np.bincount(labels, minlength=count), total(volume)
+    size = diameter(snap, space, total(volume / np.maximum(points[:, 0], 1.0e-300)))
+    body = main_body(snap.body_rows()[rows], mass, labels, count) + snap.first_body
+    # Bits of sums may differ between equal mirror images: order by rounded mass, then by place.
+    order = np.lexsort((centre[:, 0].round(9), centre[:, 2].round(9),
+                        -np.array([float(f"{value:.9e}") for value in heavy])))
+    return [(snap.time, place + 1, int(number[row]), float(heavy[row]),
+             float(space[row]), float(size[row]),
+             *map(float, centre[row]), *map(float, speed[row]), int(body[row]))
+            for place, row in enumerate(order)]
+
+
+def diameter(snap, volume, volume_over_radius):
+    """Diameter of a sphere of the same volume or of a circle of the same cross-section [m]."""
+    if snap.dimension == "axisymmetric":
+        return 2.0 * np.sqrt(volume_over_radius / (2.0 * math.pi) / math.pi)
+    if snap.dimension == "plane_strain":
+        return 2.0 * np.sqrt(volume / thickness(snap) / math.pi)
+    return np.cbrt(6.0 * volume / math.pi)
+
+
+def main_body(bodies, mass, labels, count):
+    """Row of the body that most of the mass of each piece belongs to."""
+    kinds = int(bodies.max()) + 1
+    share = np.bincount(labels * kinds + bodies, mass, minlength=count * kinds)
+    return share.reshape(count, kinds).argmax(axis=1)

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The look shared by all pictures: letters, colours, units that can be read, saving."""
+import math
+import os
+
+from .errors import EXIT_USAGE, PostError, modules
+
+# Colours that people with any colour vision tell apart (Okabe and Ito 2008).
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444")
+ENDINGS = (".png", ".pdf", ".svg", ".jpg", ".tif")
+
+
+def pyplot():
+    """Matplotlib without a display, in the look shared by all pictures."""
+    (matplotlib,) = modules("matplotlib")
+    matplotlib.use("Agg")
+    (plot,) = modules("matplotlib.pyplot")
+    plot.rcParams.update({
+        "font.family": "DejaVu Sans", "font.size": 11, "axes.titlesize": 11, "axes.labelsize": 11,
+        "axes.linewidth": 0.8, "xtick.labelsize": 10, "ytick.labelsize": 10, "legend.fontsize": 10,
+        "xtick.direction": "out", "ytick.direction": "out", "legend.frameon": False,
+        "savefig.facecolor": "white", "mathtext.default": "regular", "svg.fonttype": "none"})
+    return plot
+
+
+def words(name):
+    """A column or field name as a label."""
+    return name.replace("_", " ")
+
+
+def check_picture(path, option="--out"):
+    """Refuse a picture of an unknown kind or in no folder before any work is done."""
+    if os.path.splitext(path)[1].lower() not in ENDINGS:
+        raise PostError(f"{option} {path}: write a .png, .pdf, .svg, .jpg or .tif", EXIT_USAGE)
+    folder = os.path.dirname(path) or "."
+    if not os.path.isdir(folder):
+        raise PostError(f"cannot write {path}: no folder {folder}")
+
+
+def power(size):
+    """Factor and prefix that bring an odd unit to readable numbers, such as (1e3, "10^-3 ")."""
+    exponent = 3 * math.floor(math.log10(size) / 3.0) if size > 0.0 else 0
+    return (1.0, "") if exponent in (0, 3) else (10.0 ** -exponent, f"$10^{{{exponent}}}$ ")
+
+
+def label_unit(size, unit):
+    """Factor and unit for an axis whose largest number has this size."""
+    factor, label = scaled(size, unit)
+    if label == unit and factor == 1.0 and unit not in ("J", "m", "kg", "s", "Pa", "K", "m/s"):
+        factor, prefix = power(size)
+        label = prefix.strip() if unit == "1" else prefix + unit
+    return factor, "" if label == "1" else label
+
+
+def with_unit(label, unit):
+    """An axis label: words and unit in brackets, if there is one."""
+    return f"{label} [{unit}]" if unit and unit != "1" else label
+
+
+def scaled(largest, unit):
+    """Factor and label that make numbers of this size readable, such as (1e6, "µs")."""
+    steps = {
+        "s": ((1.0, 1.0, "s"), (1.0e-3, 1.0e3, "ms"), (1.0e-6, 1.0e6, "µs"), (0.0, 1.0e9, "ns")),
+        "m": ((0.5, 1.0, "m"), (5.0e-4, 1.0e3, "mm"), (0.0, 1.0e6, "µm")),
+        "J": ((1.0e6, 1.0e-6, "MJ"), (1.0e3, 1.0e-3, "kJ"), (1.0, 1.0, "J"), (0.0, 1.0e3, "mJ")),
+        "Pa": ((1.0e9, 1.0e-9, "GPa"), (1.0e6, 1.0e-6, "MPa"), (1.0e3, 1.0e-3, "kPa"),
+               (0.0, 1.0, "Pa")),
+        "kg": ((1.0, 1.0, "kg"), (1.0e-3, 1.0e3, "g"), (0.0, 1.0e6, "mg")),
+        "m/s": ((1.0e3, 1.0e-3, "km/s"), (0.0, 1.0, "m/s")),
+    }
+    if unit == "s" and largest >= 1.0e-6:                # impacts are told in microseconds
+        return (1.0e6, "µs") if largest < 1.0e-3 else scaled_step(steps[unit], largest)
+    return scaled_step(steps.get(unit, ((0.0, 1.0, unit),)), largest)
+
+
+def scaled_step(steps, largest):
+    """First step whose lower bound the number reaches."""
+    for bound, factor, label in steps:
+        if largest >= bound:
+            return factor, label
+    return steps[-1][1:]
+
+
+def save(figure, path, dpi):
+    """Write a picture under a temporary name, then rename it, so that no half picture is left."""
+    stem, ending = os.path.splitext(path)
+    check_picture(path)
+    part = f"{stem}.part{ending}"
+    try:
+        figure.savefig(part, dpi=dpi)
+        os.replace(part, path)
+    except OSError as error:
+        if os.path.exists(part):
+            os.remove(part)
+        raise PostError(f"cannot write {path}: {error.strerror or error}") from error
+    finally:
+        pyplot().close(figure)

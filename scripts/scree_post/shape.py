@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sizes of particles, mirror images at planes of symmetry, and slices of a model."""
+import math
+
+import numpy as np
+
+from .box import box_of, thickness
+from .errors import PostError
+
+
+def particle_size(snap, radius=None):
+    """Present width of each particle in the plane of the model [m]."""
+    volume = np.where(np.isfinite(snap.fields["volume"]), snap.fields["volume"], 0.0).astype("f8")
+    volume = np.maximum(volume, 0.0)
+    if snap.dimension == "axisymmetric":
+        return np.sqrt(volume / (2.0 * math.pi * np.maximum(radius, 1.0e-300)))
+    if snap.dimension == "plane_strain":
+        return np.sqrt(volume / thickness(snap))
+    return np.cbrt(volume)
+
+
+def images(snap):
+    """All particles with their mirror images at the planes of symmetry.
+
+    Returns positions (m, 3) [m], the rows of the particles they are images of (m), and the signs
+    (m, 3) that turn a vector of the particle into that of its image.
+    """
+    box, axes = box_of(snap), mirror_faces(snap)
+    positions, rows = snap.points, np.arange(len(snap.points))
+    signs = np.ones((len(rows), 3))
+    for axis, face in axes:
+        plane = box.low if face == "lo" else box.high
+        if plane is None and face == "hi":
+            raise PostError(f"{snap.file}: symmetry at {'xyz'[axis]}hi, "
+                            "and the file does not say where that is")
+        plane = 0.0 if plane is None else float(plane[axis])
+        image, turned = positions.copy(), signs.copy()
+        image[:, axis] = 2.0 * plane - image[:, axis]
+        turned[:, axis] *= -1.0
+        positions, signs = np.concatenate([positions, image]), np.concatenate([signs, turned])
+        rows = np.concatenate([rows, rows])
+    return positions, rows, signs
+
+
+def mirror_faces(snap):
+    """Pairs (axis, "lo" or "hi") of the planes at which a model is completed."""
+    found = []
+    for face in snap.symmetry:
+        if face[:1] not in "xyz" or face[1:] not in ("lo", "hi"):
+            raise PostError(f"{snap.file}: unknown symmetry face '{face}' in /provenance")
+        axis = "xyz".index(face[0])
+        if snap.dimension != "3d" and axis == 1 or snap.dimension == "axisymmetric" and axis == 0:
+            continue  # not a direction of this model, or its axis
+        found.append((axis, face[1:]))
+    return found
+
+
+def slice_depth(snap, axis, depth):
+    """Where the slice cuts the line of sight: a plane of symmetry, or the middle of the matter."""
+    for mirror, face in mirror_faces(snap):
+        if mirror == axis:
+            box = box_of(snap)
+            plane = box.low if face == "lo" else box.high
+            return 0.0 if plane is None else float(plane[axis])
+    mass = snap.fields["mass"]
+    return float(np.average(depth[:len(mass)], weights=mass))

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pages of particles: what picture and movie share."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import colour as colours
+from . import look
+from .errors import EXIT_USAGE, PostError, unknown
+from .shape import images, particle_size
+
+LEAST_DOT = 0.4          # smallest width of a particle on the page [points]
+SPREAD = 1.3             # of drawn circles over the spacing of particles: no holes on a lattice
+
+
+@dataclass
+class Options:
+    """How particles are drawn; lengths in m."""
+
+    colour: object = None                                # colours.Colour
+    mirror: bool = True
+    bodies: tuple = ()                                   # names; all if empty
+    hide_failed: bool = False
+    view: tuple = ()                                     # left, right, bottom, top
+    title: str = ""
+    dpi: int = 150
+    wide: float = 9.0                                    # of the page [inch]
+    camera: tuple = (-60.0, 20.0)                        # azimuth, elevation [deg]; 3-D only
+    turn: float = 0.0                                    # of the camera over a film [deg]
+    zoom: float = 1.0
+    keep: tuple = ()                                     # axis, sign, place; 3-D only
+    clock: tuple = (1.0, "s")                            # factor and unit of the time
+
+
+@dataclass
+class Matter:
+    """Particles to be drawn, mirror images among them."""
+
+    time: float                                          # [s]
+    points: object                                       # (n, 3) [m]
+    size: object                                         # (n) [m]
+    values: object                                       # (n) what they are coloured by [SI]
+
+
+def fields_for(name, hide_failed=False):
+    """Fields that a picture needs."""
+    return {colours.field_of(name)[0], "body", "volume", "mass"} | (
+        {"failed", "damage"} if hide_failed else set())
+
+
+def failed_of(snap):
+    """Whether each particle has failed."""
+    mark = snap.fields.get("failed", snap.fields.get("damage"))
+    return np.zeros(len(snap.points), bool) if mark is None else np.asarray(mark) >= 0.999
+
+
+def chosen_rows(snap, options):
+    """Particles of the wanted bodies."""
+    keep = np.ones(len(snap.points), bool)
+    if options.bodies:
+        names = [snap.body_name(row) for row in range(max(1, len(snap.bodies)))]
+        for name in options.bodies:
+            if name not in names:
+                raise unknown("body", name, names, snap.file)
+        keep &= np.isin(snap.body_rows(), [names.index(name) for name in options.bodies])
+    if options.hide_failed:
+        if "failed" not in snap.fields and "damage" not in snap.fields:
+            snap.need("failed")
+        keep &= ~failed_of(snap)
+    return keep
+
+
+def matter(snap, options):
+    """The particles of a snapshot that are to be drawn."""
+    snap.need("volume")
+    keep = chosen_rows(snap, options)
+    values = colours.values_of(snap, options.colour.name)
+    size = particle_size(snap, snap.points[:, 0])
+    points, rows = snap.points, np.arange(len(snap.points))
+    if options.mirror:
+        points, rows, _ = images(snap)
+    pick = keep[rows] & np.isfinite(points).all(axis=1)
+    if options.keep:
+        axis, sign, place = options.keep
+        pick &= sign * (points[:, axis] - place) >= 0.0
+    points, rows = points[pick], rows[pick]
+    if snap.dimension == "axisymmetric" and options.mirror:
+        points = np.concatenate([points, points * (-1.0, 1.0, 1.0)])
+        rows = np.concatenate([rows, rows])
+    return Matter(snap.time, points, size[rows], values[rows])
+
+
+def bounds(parts, plane=(0, 2)):
+    """Left, right, bottom, top around all particles, with a margin [m]."""
+    ends = []
+    for axis in plane:
+        low = [(part.points[:, axis] - 0.5 * part.size).min() for part in parts if len(part.size)]
+        high = [(part.points[:, axis] + 0.5 * part.size).max() for part in parts if len(part.size)]
+        ends += [min(low), max(high)] if low else [-1.0, 1.0]
+    pad = 0.03 * max(ends[1] - ends[0], ends[3] - ends[2])
+    return ends[0] - pad, ends[1] + pad, ends[2] - pad, ends[3] + pad
+
+
+def check_view(view):
+    """Refuse a window that is turned round."""
+    if view and not (view[0] < view[1] and view[2] < view[3]):
+        raise PostError("--view wants LEFT < RIGHT and BOTTOM < TOP", EXIT_USAGE)
+
+
+class PlanePage:
+    """Pages of a run in one or two dimensions, all with the same axes and colours."""
+
+    names = {"axisymmetric": ("r", "z"), "plane_strain": ("x", "z"), "1d": ("x", "z")}
+
+    def __init__(self, snap, options, box):
+        self.options, self.dimension = options, snap.dimension
+        self.box = options.view or box
+        self.metres, self.unit = look.scaled(max(abs(edge) for edge in self.box), "m")
+        self.plot = look.pyplot()
+
+    def shape(self):
+        """Width and height of the page [inch]."""
+        across, tall = self.box[1] - self.box[0], self.box[3] - self.box[2]
+        if self.dimension == "1d":
+            return self.options.wide, 3.0
+        room = self.options.wide - 2.4                   # without labels and colour bar
+        high = room * tall / across
+        if high > 9.0:
+            return max(9.0 * across / tall + 2.4, 4.5), 10.2
+        return self.options.wide, max(high, 1.6) + 1.2
+
+    def draw(self, snap, _share=0.0):
+        """The figure of one time."""
+        part = matter(snap, self.options)
+        figure, axes = self.plot.subplots(figsize=self.shape(), layout="constrained")
+        if self.dimension == "1d":
+            self.line(axes, part)
+        else:
+            self.dots(figure, axes, part)
+            colours.legend(figure, axes, self.options.colour)
+        factor, unit = self.options.clock
+        head = f"{self.options.title}\n" if self.options.title else ""
+        axes.set_title(f"{head}t = {factor * part.time:.4g} {unit}", fontsize=11)
+        return figure
+
+    def dots(self, figure, axes, part):
+        """Particles as circles of their own size, those behind a failed one not hidden by it."""
+        from matplotlib.collections import EllipseCollection
+        k, box = self.metres, self.box
+        wide, _ = figure.get_size_inches()
+        least = LEAST_DOT / 72.0 / wide * (box[1] - box[0])
+        size = k * np.maximum(SPREAD * part.size, least)
+        axes.add_collection(EllipseCollection(
+            size, size, np.zeros(len(size)), units="xy", offsets=k * part.points[:, [0, 2]],
+            offset_transform=axes.transData, facecolors=colours.paint(self.options.colour,
+                                                                      part.values),
+            linewidths=0.0, antialiaseds=len(size) < 20000, rasterized=True))
+        axes.set_xlim(k * box[0], k * box[1])
+        axes.set_ylim(k * box[2], k * box[3])
+        axes.set_aspect("equal")
+        axes.set_facecolor("#f4f4f4")
+        names = self.names[self.dimension]
+        axes.set_xlabel(f"{names[0]} [{self.unit}]")
+        axes.set_ylabel(f"{names[1]} [{self.unit}]")
+
+    def line(self, axes, part):
+        """A run in one dimension: the field along x."""
+        colour = self.options.colour
+        axes.plot(self.metres * part.points[:, 0], colour.factor * part.values, ".",
+                  color=look.COLOURS[0], markersize=3)
+        axes.set_xlim(self.metres * self.box[0], self.metres * self.box[1])
+        pad = 0.03 * (colour.high - colour.low)
+        axes.set_ylim(colour.low - pad, colour.high + pad)
+        axes.set_xlabel(f"x [{self.unit}]")
+        axes.set_ylabel(look.with_unit(colour.label, colour.unit))
+        axes.grid(color="#dddddd", linewidth=0.6)
+
+
+def to_pixels(figure, dpi):
+    """The picture of a figure as bytes (height, width, 4)."""
+    figure.set_dpi(dpi)
+    figure.canvas.draw()
+    pixels = np.asarray(figure.canvas.buffer_rgba()).copy()
+    look.pyplot().close(figure)
+    return pixels

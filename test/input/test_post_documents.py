@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# timeout: 600
+"""Every command of scree-post that a document or a help text shows is run on small runs.
+
+Would catch an option that was renamed, an example that does not work, and a command of a document
+that nobody tried. Usage: test_post_documents.py --scree PATH --work DIR
+"""
+
+import os
+import re
+import shlex
+import shutil
+import sys
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+
+import case                                              # noqa: E402
+from post_command import INPUT, call, run_cases, run_tests  # noqa: E402
+
+from scree_post import film                              # noqa: E402
+from scree_post.command import load                      # noqa: E402
+from scree_post.commands import COMMANDS                 # noqa: E402
+from scree_post.errors import PostError                  # noqa: E402
+
+DOCUMENTS = ("README.md", "doc/guide/first_steps.md", "doc/guide/post_processing.md")
+LEAST = 20               # commands that the documents are known to show
+
+
+def shown(path):
+    """Commands of scree-post in the console blocks of a document."""
+    text = (case.ROOT / path).read_text(encoding="utf-8")
+    found = []
+    for block in re.findall(r"^```(?:console|bash)\n(.*?)^```", text, re.M | re.S):
+        for line in block.replace("\\\n", " ").splitlines():
+            place = re.search(r"(?:^|/|\s)scree-post (.*)", line)
+            if place:                                    # without a comment or a file behind it
+                found.append(re.sub(r"\s+[#>] .*", "", place.group(1)))
+    return found
+
+
+def words_of(line, options):
+    """The words of a command, with the program of this test, and a film that can be written."""
+    words = shlex.split(line)
+    if words[0] == "sweep":
+        words += ["--scree", str(options.scree), "--threads", "1"]
+        if "two_discs" not in line and "--list" not in words:
+            words.append("--list")                       # a long run
+    try:
+        film.encoder()
+    except PostError:
+        words = [re.sub(r"\.mp4$", ".gif", word) for word in words]
+        if words[0] == "movie" and "--out" not in words:
+            words += ["--out", "film.gif"]
+    return words
+
+
+def test_all(options):
+    """An example that does not work as it stands there."""
+    commands = [line for path in DOCUMENTS for line in shown(path)]
+    assert len(commands) >= LEAST, f"only {len(commands)} commands were found"
+    examples = [line for name in COMMANDS for line in load(name).EXAMPLES]
+    assert {line.split()[0] for line in commands} == set(COMMANDS), "a command that no page shows"
+    for line in dict.fromkeys([*commands, *examples]):
+        answer = call(*words_of(line, options), folder=options.work)
+        # other meshes differ; the package vtk need not be there
+        allowed = {"compare": (0, 1) if "coarse" in line else (0,), "check": (0, 77)}
+        assert answer.returncode in allowed.get(line.split()[0], (0,)) and not answer.stderr, (
+            f"scree-post {line}: exit {answer.returncode} {answer.stderr}{answer.stdout[-300:]}")
+
+
+def test_script(options):
+    """The script of the page, which nobody ran."""
+    text = (case.ROOT / "doc/guide/post_processing.md").read_text(encoding="utf-8")
+    (script,) = (block for block in re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
+                 if "scree_post" in block)
+    here = os.getcwd()
+    found = {}
+    try:
+        os.chdir(options.work)
+        exec(compile(script, "post_processing.md", "exec"), found)
+    finally:
+        os.chdir(here)
+    assert found["table"].units["kinetic"] == "J" and len(found["mass"]) > 100
+
+
+if __name__ == "__main__":
+    chosen = case.arguments(__doc__)
+    run_cases(chosen, "two_discs", "coarse", "debris_cloud", "debris_cloud_3d")
+    shutil.rmtree(chosen.work / "out" / "again", ignore_errors=True)
+    shutil.copytree(chosen.work / "out" / "two_discs", chosen.work / "out" / "again")
+    if not (chosen.work / "input").exists():
+        (chosen.work / "input").symlink_to(INPUT)
+    sys.exit(run_tests(globals(), chosen))

@@ -1,0 +1,407 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# timeout: 600
+"""Tests of what scree-post draws and counts on small runs: picture, movie, radiograph, fragments.
+
+Pictures are judged by their numbers. Each test says in its first line which bug it would catch.
+Usage: test_post_pictures.py --scree PATH --work DIR
+"""
+
+import math
+import sys
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+
+import case                                              # noqa: E402
+from post_command import call, run_cases, run_tests, series  # noqa: E402
+
+import numpy as np                                       # noqa: E402
+import scree_post                                        # noqa: E402
+from sample_snapshots import matter, write               # noqa: E402
+from scree_post import film, fragment_table, pieces, view_options  # noqa: E402
+from scree_post.colour import colour_for, paint, values_of  # noqa: E402
+from scree_post.command import parser_of                 # noqa: E402
+from scree_post.commands import movie as movie_command   # noqa: E402
+
+
+def good(answer):
+    """The words of a call that must have gone well and must not have complained."""
+    assert answer.returncode == 0 and not answer.stderr, f"{answer.returncode} {answer.stderr}"
+    return answer.stdout
+
+
+def pixels(path):
+    """Colours of a picture (height, width, 3)."""
+    from PIL import Image
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGB")).astype(int)
+
+
+def share_of(image, colour):
+    """Share of the pixels that have nearly this colour (0 to 255)."""
+    return float((np.abs(image - np.array(colour)).max(axis=2) < 12).mean())
+
+
+def body_page(options, name, *words):
+    """A picture by body, and the colours of the first two bodies in it."""
+    out = options.work / f"{name}_body.png"
+    good(call("picture", options.work / "out" / name, "--colour", "body", "--out", out, *words))
+    image = pixels(out)
+    return image, share_of(image, (0, 114, 178)), share_of(image, (213, 94, 0))
+
+
+def test_plane_picture(options):
+    """Axes that are not equal, a body not drawn, z upside down, another time, matter with holes."""
+    image, left, right = body_page(options, "two_discs", "--time", "0")
+    assert left > 0.04 and abs(left / right - 1.0) < 0.1, f"{left} {right} of two equal discs"
+    blue = np.argwhere(np.abs(image - np.array((0, 114, 178))).max(axis=2) < 12)
+    disc = blue[blue[:, 1] < 0.5 * image.shape[1]]       # not the patch of the legend
+    tall, wide = np.ptp(disc, axis=0)
+    assert abs(tall / wide - 1.0) < 0.03, f"a disc is {wide} x {tall} pixels"
+    assert disc[:, 0].mean() > 0.5 * image.shape[0], "the lower disc is not below"
+    area = len(disc) / (math.pi * wide * tall / 4.0)
+    assert area > 0.9, f"{area:.2f} of the disc are filled"
+    later, _, _ = body_page(options, "two_discs", "--time", "2")
+    assert later.shape[2] == 3 and (later.shape != image.shape or (later != image).any())
+
+
+def test_axisymmetric_picture(options):
+    """One half only, or halves that are not mirror images; --view or --bodies not obeyed."""
+    image, sphere, sheet = body_page(options, "debris_cloud", "--time", "0", "--title", "")
+    assert sphere > 0.005 and sheet > 0.005
+    orange = np.abs(image - np.array((213, 94, 0))).max(axis=2) < 12
+    matter_only = int(0.88 * image.shape[1])             # right of it stands the legend
+    columns = np.flatnonzero(orange[:, :matter_only].any(axis=0))
+    middle = 0.5 * (columns.min() + columns.max())
+    blue = np.argwhere(np.abs(image[:, :matter_only] - np.array((0, 114, 178))).max(axis=2) < 12)
+    assert abs(np.median(blue[:, 1]) - middle) < 0.02 * image.shape[1], "not about the axis"
+    _, sphere, sheet = body_page(options, "debris_cloud", "--time", "0", "--bodies", "sphere")
+    assert sphere > 0.005 and sheet < 0.002, f"{sheet} of a body that was not asked for"
+    snap = scree_post.snapshot(scree_post.series(series(options.work, "debris_cloud"))[-1][1])
+    assert snap.points[:, 0].min() >= 0.0
+
+
+def test_space_picture(options):
+    """Nothing drawn without a display, mirror images or a cut forgotten, a camera that is fixed."""
+    whole, sphere, sheet = body_page(options, "debris_cloud_3d", "--camera", "z")
+    assert whole.std() > 20.0, "an empty page"
+    base = options.work / "out" / "debris_cloud_3d"
+    found = {}
+    for name, words in {"whole": (), "quarter": ("--no-mirror",), "half": ("--keep", "x>0"),
+                        "turned": ("--camera", "30,60"), "large": ("--zoom", "2")}.items():
+        out = options.work / f"space_{name}.png"
+        good(call("picture", base, "--view", "-20mm", "20mm", "-20mm", "20mm", "--camera", "z",
+                  "--colour", "failed", "--title", "", "--out", out, *words))
+        image = pixels(out)
+        # shaded spheres: whatever is not grey, left of the legend
+        part = image[int(0.1 * len(image)):, :int(0.72 * image.shape[1])]
+        found[name] = float((np.ptp(part, axis=2) > 40).mean())
+    assert found["whole"] > 0.2, found
+    assert abs(found["quarter"] / found["whole"] - 0.25) < 0.05, found
+    assert abs(found["half"] / found["whole"] - 0.5) < 0.08, found
+    assert abs(found["turned"] - found["whole"]) > 0.01, found
+
+
+def frames_of(path):
+    """The pages of a film."""
+    import subprocess
+    if path.suffix == ".gif":
+        from PIL import Image, ImageSequence
+        with Image.open(path) as image:
+            return [np.asarray(page.convert("RGB")).astype(int)
+                    for page in ImageSequence.Iterator(image)]
+    folder = path.with_suffix("")
+    folder.mkdir(exist_ok=True)
+    for old in folder.glob("*.png"):
+        old.unlink()
+    subprocess.run([film.encoder(), "-y", "-loglevel", "error", "-i", path, folder / "%03d.png"],
+                   check=True)
+    return [pixels(page) for page in sorted(folder.glob("*.png"))]
+
+
+def test_movie(options):
+    """A page missing, all pages the same, colours that change from page to page, half a film."""
+    base = options.work / "out"
+    times = [time for time, _ in scree_post.series(series(options.work, "two_discs"))]
+    for name in ("discs.gif", "discs.mp4"):
+        out = options.work / name
+        if out.suffix == ".mp4":
+            try:
+                film.encoder()
+            except scree_post.PostError as error:
+                assert "imageio-ffmpeg" in str(error) and error.code == 2
+                answer = call("movie", base / "two_discs", "--out", out)
+                assert answer.returncode == 2 and "write a .gif" in answer.stderr, answer.stderr
+                continue
+        text = good(call("movie", base / "two_discs", "--colour", "pressure", "--dpi", "50",
+                         "--out", out))
+        assert f"{len(times)} pages" in text, text
+        pages = frames_of(out)
+        assert len(pages) == len(times), f"{len(pages)} pages of {len(times)} in {name}"
+        assert len({page.shape for page in pages}) == 1
+        changed = [float((np.abs(one - two).max(axis=2) > 30).mean())
+                   for one, two in zip(pages, pages[1:])]
+        assert min(changed) > 0.001, f"pages that do not differ: {changed}"
+        bar = [page[page.shape[0] // 4:3 * page.shape[0] // 4, int(0.90 * page.shape[1]):]
+               for page in pages]
+        assert max(np.abs(one - bar[0]).mean() for one in bar) < 4.0, "the colour bar changes"
+    assert not list(options.work.glob("*.part*"))
+    good(call("movie", base / "two_discs", "--every", "5", "--from", "0.5", "--out",
+              options.work / "page.png", "--dpi", "50"))
+    late = [time for time in times if time >= 0.5][::5]
+    assert len(list(options.work.glob("page_*.png"))) == len(late)
+
+
+def test_turning_film(options):
+    """A camera that does not turn, a window that does, in three dimensions."""
+    out = options.work / "turning.gif"
+    good(call("movie", options.work / "out" / "debris_cloud_3d", "--turn", "90", "--every", "2",
+              "--dpi", "50", "--colour", "body", "--out", out))
+    pages = frames_of(out)
+    assert len(pages) == 3 and len({page.shape for page in pages}) == 1
+    assert (np.abs(pages[0] - pages[1]).max(axis=2) > 30).mean() > 0.02
+
+
+def test_colours(options):
+    """A component taken for another, a range that strays stretch, signs that do not show."""
+    file = scree_post.series(series(options.work, "debris_cloud"))[-1][1]
+    snap = scree_post.snapshot(file)
+    velocity = snap.fields["velocity"].astype("f8")
+    assert np.array_equal(values_of(snap, "velocity.z"), velocity[:, 2])
+    assert np.allclose(values_of(snap, "velocity"), np.linalg.norm(velocity, axis=1), rtol=1e-12)
+    assert np.array_equal(values_of(snap, "x"), snap.points[:, 0])
+    speed = colour_for("velocity", [snap])
+    assert speed.unit == "km/s" and speed.low == 0.0 and speed.label == "speed"
+    largest = np.linalg.norm(velocity, axis=1).max()
+    assert abs(1.0e3 * speed.high / largest - 1.0) < 0.3, f"{speed.high} for {largest}"
+    snap.fields["pressure"] = np.linspace(-1.0e9, 1.0e9, len(snap.points))
+    both = colour_for("pressure", [snap])
+    assert both.map == "coolwarm" and both.low == -both.high and both.unit == "GPa"
+    snap.fields["pressure"][:] = 1.0
+    snap.fields["pressure"][0] = 1.0e30
+    snap.fields["pressure"][1:600] = np.linspace(0.0, 2.0, 599)
+    stray = colour_for("pressure", [snap])
+    assert stray.high < 10.0 and stray.beyond == (False, True), stray
+    ends = paint(both, np.array([-2.0e9, 2.0e9, np.nan]))
+    assert (ends[0] != ends[1]).any() and (ends[2, :3] == 0.6).all()
+
+
+def test_radiograph(options):
+    """Mass lost between particles and picture on files of the program."""
+    for name, copies in (("debris_cloud", 1.0), ("debris_cloud_3d", 4.0), ("two_discs", 1.0)):
+        text = good(call("radiograph", options.work / "out" / name, "--frames", "2", "--dpi", "50",
+                         "--pixel", "10" if name == "two_discs" else "0.5",
+                         "--out", options.work / f"{name}_ray.png"))
+        rows = [line.split() for line in text.splitlines()[1:3]]
+        file = scree_post.series(series(options.work, name))[-1][1]
+        mass = copies * scree_post.snapshot(file).fields["mass"].sum(dtype="f8")
+        assert abs(float(rows[-1][3]) / mass - 1.0) < 1.0e-7, f"{name}: {rows[-1]} {mass}"
+        assert all(abs(float(row[4]) / float(row[3]) - 1.0) < 1.0e-6 for row in rows), rows
+
+
+def lattice(corner, cells, step=1.0e-3):
+    """Points of a block of cells."""
+    axes = [step * (np.arange(count) + 0.5) for count in cells]
+    return np.array(corner) + np.stack([g.ravel() for g in np.meshgrid(*axes)], axis=1)
+
+
+def snapshot_of(options, points, dimension="3d", symmetry="", failed=None, echo="", step=1.0e-3):
+    """A snapshot of particles of one width."""
+    volume = np.full(len(points), step ** 3)
+    if dimension == "axisymmetric":
+        volume = 2.0 * math.pi * points[:, 0] * step ** 2
+    velocity = np.tile((1.0, 2.0, 3.0), (len(points), 1))
+    fields = matter(1000.0 * volume, volume, velocity)
+    fields["failed"] = (np.zeros(len(points)) if failed is None else failed, "1")
+    snap = scree_post.snapshot(write(f"{options.work}/blocks.hdf", 1.0e-6, points, fields,
+                                     dimension=dimension, symmetry=symmetry))
+    snap.echo = echo
+    return snap
+
+
+def test_fragments_of_blocks(options):
+    """Blocks tied that are apart or parted that touch; masses, places, sizes of the wrong block."""
+    points = np.concatenate([lattice((0, 0, 0), (4, 4, 4)), lattice((0, 0, 5.6e-3), (3, 3, 3)),
+                             lattice((20e-3, 0, 0), (2, 1, 1))])
+    random = np.random.default_rng(3).permutation(len(points))
+    snap = snapshot_of(options, points[random])
+    for how in ({"factor": 1.5}, {"cell": 1.3e-3}):
+        found = fragment_table.fragments_of(snap, **how)
+        assert [row[2] for row in found.rows] == [64, 27, 2], f"{how}: {found.rows}"
+    heavy = fragment_table.fragments_of(snap, factor=1.5).rows[0]
+    assert abs(heavy[3] - 64.0e-6) < 1.0e-15 and abs(heavy[4] - 64.0e-9) < 1.0e-18
+    assert np.allclose(heavy[6:9], 2.0e-3, rtol=1e-9) and np.allclose(heavy[9:12], (1, 2, 3))
+    assert abs(heavy[5] - (6.0 * 64.0e-9 / math.pi) ** (1 / 3)) < 1.0e-12
+    one = fragment_table.fragments_of(snap, factor=2.7)  # the gap is 1.6 + 1 widths
+    assert [row[2] for row in one.rows] == [91, 2], one.rows
+    failed = (points[random][:, 2] > 2.0e-3) & (points[random][:, 2] < 3.0e-3)
+    found = fragment_table.fragments_of(snapshot_of(options, points[random],
+                                                    failed=failed.astype(float)))
+    assert [row[2] for row in found.rows] == [32, 27, 16, 2], found.rows
+    assert abs(found.masses.sum() + found.failed - found.total) < 1.0e-15
+    assert abs(found.failed - 16.0e-6) < 1.0e-15
+
+
+def test_fragments_by_brute_force(_options):
+    """Pairs lost in the search by cells, where widths and densities differ."""
+    random = np.random.default_rng(11)
+    for axes, count in ((2, 400), (3, 500), (1, 60)):
+        points = random.uniform(-1.0, 1.0, (count, axes)) ** 3
+        width = random.uniform(0.5, 1.5, count) * 0.6 / count ** (1.0 / axes)
+        labels = pieces.find_pieces(points, width, 1.2)
+        reach = 0.6 * (width[:, None] + width[None, :])
+        near = ((points[:, None, :] - points[None, :, :]) ** 2).sum(axis=2) <= reach ** 2
+        mine = np.arange(count)
+        for _ in range(count):                           # labels flow until nothing changes
+            lower = np.where(near, mine[None, :], count).min(axis=1)
+            if np.array_equal(lower, mine):
+                break
+            mine = lower
+        assert 3 < len(set(mine)) < count, "nothing to find"
+        pairs = set(zip(labels.tolist(), mine.tolist()))
+        assert len(pairs) == len(set(labels.tolist())) == len(set(mine.tolist())), f"{axes} axes"
+
+
+def test_fragments_at_faces(options):
+    """A piece across a mirror plane counted twice or halved, a piece cut at a periodic face."""
+    points = np.concatenate([lattice((0, 0, 0), (2, 2, 2)), lattice((6e-3, 0, 0), (1, 1, 1))])
+    found = fragment_table.fragments_of(snapshot_of(options, points, symmetry="xlo ylo"))
+    # the lone one touches the plane y = 0, not x = 0
+    assert [row[2] for row in found.rows] == [32, 2, 2], found.rows
+    assert abs(found.total - 4.0 * 9.0e-6) < 1.0e-15
+    assert np.allclose(found.rows[0][9:12], (0, 0, 3), atol=1e-12), "velocity of the whole"
+    assert "mirror planes xlo ylo" in found.note
+    half = fragment_table.fragments_of(snapshot_of(options, points, symmetry="xlo ylo"),
+                                       mirror=False)
+    assert [row[2] for row in half.rows] == [8, 1] and "not completed" in half.note
+    echo = ("&grid\n   lo = 0.0, 0.0, 0.0\n   hi = 0.01, 0.01, 0.01\n   dx = 0.002\n/\n"
+            "&boundary\n   face = 'zlo'\n   type = 'periodic'\n/\n")
+    points = np.concatenate([lattice((0, 0, 0), (1, 1, 1)), lattice((0, 0, 8e-3), (1, 1, 2)),
+                             lattice((5e-3, 0, 4e-3), (1, 1, 1))])
+    found = fragment_table.fragments_of(snapshot_of(options, points, echo=echo))
+    assert [row[2] for row in found.rows] == [3, 1], found.rows
+    assert abs(found.rows[0][8] - 9.5e-3) < 1.0e-12, f"centre at {found.rows[0][8]}"
+    assert "periodic along z" in found.note
+    found = fragment_table.fragments_of(snapshot_of(options, points))
+    assert [row[2] for row in found.rows] == [2, 1, 1], "ends tied without a periodic face"
+
+
+def test_fragments_are_rings(options):
+    """A ring of an axisymmetric run told as a lump: mass, radius, size of the cross-section."""
+    flat = lattice((4e-3, 0, 0), (3, 1, 3))
+    flat[:, 1] = 0.0
+    found = fragment_table.fragments_of(snapshot_of(options, flat, "axisymmetric"))
+    (row,) = found.rows
+    assert "ring" in found.note
+    assert abs(row[3] / (1000.0 * 2.0 * math.pi * 5.5e-3 * 9.0e-6) - 1.0) < 1.0e-12, row[3]
+    assert abs(row[5] / (2.0 * math.sqrt(9.0e-6 / math.pi)) - 1.0) < 1.0e-9, row[5]
+
+
+def test_fragments_command(options):
+    """A table that does not hold the mass of the particles, or that cannot be read again."""
+    table = options.work / "pieces.csv"
+    for name, copies in (("debris_cloud_3d", 4.0), ("debris_cloud", 1.0)):
+        text = good(call("fragments", options.work / "out" / name, "--all", "--table", table,
+                         "--out", options.work / "pieces.png"))
+        found = scree_post.history(str(table))
+        assert found.order == [title.split(" [")[0] for title in fragment_table.COLUMNS]
+        assert found.units["mass"] == "kg" and found.units["velocity_z"] == "m/s"
+        frames = scree_post.series(series(options.work, name))
+        for time, file in frames:
+            snap = scree_post.snapshot(file)
+            whole = copies * snap.fields["mass"][snap.fields["failed"] < 0.5].sum(dtype="f8")
+            rows = np.abs(found["time"] - time) < 1.0e-12
+            assert abs(found["mass"][rows].sum() / whole - 1.0) < 1.0e-6, f"{name} at {time}"
+            assert (np.diff(found["mass"][rows]) <= 1.0e-9 * found["mass"].max()).all()
+        assert snap.fields["failed"].sum() > 100, "nothing has failed in the run"
+        assert text.count("fragments, ") == len(frames)
+        assert pixels(options.work / "pieces.png").std() > 10.0
+
+
+def refused(answer, code, *parts):
+    """A call that must end with one line on standard error that holds some words."""
+    said = answer.stderr.strip().splitlines()
+    assert answer.returncode == code and len(said) == 1, f"exit {answer.returncode}: {said}"
+    assert all(part in said[0] for part in parts), f"{parts} not in: {said[0]}"
+
+
+def test_mistakes(options):
+    """A trace instead of a sentence, no suggestion, a wrong exit code, half a picture."""
+    discs, cloud = (options.work / "out" / name for name in ("two_discs", "debris_cloud_3d"))
+    never = ("--out", options.work / "never.png")
+    cases = [
+        (("picture", discs, "--colour", "presure", *never), 2, "did you mean 'pressure'"),
+        (("picture", discs, "--colour", "velocity.w", *never), 2, "no component 'w'", "x, y, z"),
+        (("picture", discs, "--colour", "pressure.x", *never), 2, "no components"),
+        (("picture", discs, "--bodies", "lefd", *never), 2, "did you mean 'left'"),
+        (("picture", discs, "--hide-failed", *never), 3, "'failed'", "&output fields"),
+        (("picture", discs, "--time", "5lightyears", *never), 2, "5us"),
+        (("picture", discs, "--range", "2", "1", *never), 2, "LOW < HIGH"),
+        (("picture", discs, "--view", "1", "0", "0", "1", *never), 2, "LEFT < RIGHT"),
+        (("picture", discs, "--keep", "y>0", *never), 2, "three dimensions"),
+        (("picture", discs, "--map", "jet", *never), 2, "viridis"),
+        (("picture", discs, "--out", options.work / "a.doc"), 2, ".png"),
+        (("picture", discs, "--out", options.work / "none" / "a.png"), 3, "no folder"),
+        (("picture", cloud, "--camera", "up", *never), 2, "AZIMUTH"),
+        (("picture", cloud, "--keep", "y=0", *never), 2, "'y>0'"),
+        (("picture", cloud, "--keep", "y>left", *never), 2, "'left'"),
+        (("picture", cloud, "--zoom", "0", *never), 2, "--zoom"),
+        (("movie", discs, "--out", "film.avi"), 2, ".mp4"),
+        (("movie", discs, "--turn", "9", "--out", options.work / "never.gif"), 2, "--turn"),
+        (("movie", discs, "--from", "99", "--out", options.work / "never.gif"), 2, "no snapshot"),
+        (("movie", discs, "--rate", "0", "--out", options.work / "never.gif"), 2, "--rate"),
+        (("movie", options.work / "out" / "none"), 3, "no such file"),
+        (("fragments", discs, "--reach", "0", *never), 2, "--reach"),
+        (("fragments", discs, "--cell", "0", *never), 2, "--cell"),
+        (("fragments", discs, "--least", "0", *never), 2, "--least"),
+        (("fragments", discs, "--table", options.work / "no" / "t.csv", *never), 3, "cannot write")]
+    for words, code, *parts in cases:
+        refused(call(*words), code, *parts)
+    assert not list(options.work.glob("never*")) and not list(options.work.glob("*.part*"))
+
+
+def test_missing_packages(options):
+    """A trace where pyvista or ffmpeg is not installed."""
+    import importlib
+    from scree_post import errors
+    saved, which = importlib.import_module, film.shutil.which
+
+    def without(name, *rest):
+        if name.split(".")[0] in ("vtk", "pyvista"):
+            raise ImportError("no", name=name)
+        return saved(name, *rest)
+
+    errors.importlib.import_module, film.shutil.which = without, lambda name: None
+    hidden = sys.modules.get("imageio_ffmpeg")
+    sys.modules["imageio_ffmpeg"] = None
+    try:
+        refused(call("picture", options.work / "out" / "debris_cloud_3d", "--out",
+                     options.work / "a.png"), 3, "'vtk' is missing", "scripts/setup.sh")
+        refused(call("movie", options.work / "out" / "two_discs", "--out",
+                     options.work / "a.mp4"), 2, "imageio-ffmpeg", "write a .gif")
+    finally:
+        errors.importlib.import_module, film.shutil.which = saved, which
+        if hidden is None:
+            del sys.modules["imageio_ffmpeg"]
+        else:
+            sys.modules["imageio_ffmpeg"] = hidden
+
+
+def test_sample(options):
+    """A film whose window is that of its first page."""
+    frames = scree_post.series(series(options.work, "debris_cloud"))
+    files = view_options.sample(frames)
+    assert files[0] == frames[0][1] and files[-1] == frames[-1][1] and len(files) == 6
+    arguments = parser_of("movie", movie_command).parse_args(
+        [series(options.work, "debris_cloud")])
+    page = view_options.pages(arguments, files)
+    snap = scree_post.snapshot(frames[-1][1])
+    assert page.box[3] > snap.points[:, 2].max() and page.box[1] > snap.points[:, 0].max()
+    assert page.box[0] == -page.box[1]
+
+
+if __name__ == "__main__":
+    chosen = case.arguments(__doc__)
+    run_cases(chosen, "two_discs", "debris_cloud", "debris_cloud_3d")
+    sys.exit(run_tests(globals(), chosen))

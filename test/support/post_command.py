@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Run the command scree-post inside a test, and small runs of the program for it to look at.
+
+    import post_command
+    answer = post_command.call("info", path)     # answer.returncode, answer.stdout, answer.stderr
+
+A new Python for each call would take most of the time of the tests; that the command also starts by
+itself is tested once.
+"""
+
+import contextlib
+import io
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import case
+
+SCRIPTS = case.ROOT / "scripts"
+sys.path.insert(0, str(SCRIPTS))
+INPUT = case.ROOT / "input"
+# Small runs: options of the program by the folder of their results.
+RUNS = {
+    "two_discs": ("two_discs/scene.nml", ("grid.dx=0.05", "output[discs].dt=0.5")),
+    "coarse": ("two_discs/scene.nml", ("grid.dx=0.1",)),
+    "debris_cloud": ("debris_cloud/scene.nml", ("grid.dx=0.775", "time.t_end=10.5",
+                                                "output[cloud].dt=1.5")),
+    "debris_cloud_3d": ("debris_cloud/quarter_3d.nml", (
+        "grid.dx=1.55", "time.t_end=4", "body[sphere].velocity=0,0,3",
+        "region[plate].hi=12.4,12.4,3.1")),
+}
+
+
+def call(*words, folder="/"):
+    """Exit code and what scree-post prints, in this process, from another folder."""
+    from scree_post import command
+    out, errors, here, saved = io.StringIO(), io.StringIO(), os.getcwd(), sys.argv
+    sys.argv = ["scree-post", *map(str, words)]
+    code = 0
+    try:
+        os.chdir(folder)
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors):
+            command.run()
+    except SystemExit as leave:
+        code = leave.code
+    finally:
+        os.chdir(here)
+        sys.argv = saved
+    return SimpleNamespace(returncode=code, stdout=out.getvalue(), stderr=errors.getvalue())
+
+
+def process(*words, folder="/"):
+    """The same in a process of its own and without a display."""
+    environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
+    environment["PYTHONPATH"] = str(SCRIPTS)
+    return subprocess.run([sys.executable, "-m", "scree_post", *map(str, words)], cwd=folder,
+                          env=environment, text=True, capture_output=True, check=False)
+
+
+def run_cases(options, *names):
+    """Run the named small cases into WORK/out/NAME; the result is the folder WORK."""
+    for name in names:
+        deck, settings = RUNS[name]
+        folder = options.work / "out" / name
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        words = [options.scree, "--quiet", "--case", name, "--outdir", folder]
+        for setting in settings:
+            words += ["--set", setting]
+        answer = subprocess.run([str(word) for word in [*words, INPUT / deck]],
+                                capture_output=True, text=True,
+                                env={**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"})
+        if answer.returncode != 0:
+            raise AssertionError(f"{name}: {answer.returncode} {answer.stdout}{answer.stderr}")
+    return options.work
+
+
+def series(work, name):
+    """The series of a small case."""
+    return str(Path(work) / "out" / name / f"{name}_p.hdf.series")
+
+
+def run_tests(tests, options):
+    """Call every function test_NAME(options) of a module; the result is the exit code."""
+    chosen = [(name, test) for name, test in tests.items() if name.startswith("test_")]
+    failures = 0
+    for name, test in chosen:
+        try:
+            test(options)
+            print(f"passed {name}", flush=True)
+        except Exception as error:  # every test is to run, whatever the others do
+            failures += 1
+            print(f"FAILED {name}: {type(error).__name__}: {error}", flush=True)
+    print(f"{len(chosen) - failures} of {len(chosen)} tests passed")
+    return 1 if failures or not chosen else 0
