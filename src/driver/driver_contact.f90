@@ -137,8 +137,8 @@ contains
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: who(:)                  !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (row) How far they reach [m]
-      real(wp), intent(out) :: area(:, :, :)         !! (3, a, b) Between two, for a < b [m2]
-      real(wp), intent(out) :: normal(:, :, :)       !! (3, a, b) Its direction [1]
+      real(wp), contiguous, intent(out) :: area(:, :, :) !! (3, a, b) Between two, for a < b [m2]
+      real(wp), contiguous, intent(out) :: normal(:, :, :) !! (3, a, b) Its direction [1]
       integer, intent(out) :: state(:, :)            !! (a, b) How near they are, for a < b
       real(wp) :: gap
       integer :: a, b

@@ -11,7 +11,7 @@ module driver_summary
       removed_particles
    use driver_output, only: outputs_t
    use driver_restart, only: describe_state
-   use driver_simulation, only: simulation_t
+   use driver_simulation, only: nodes_t, simulation_t
    use driver_step, only: count_particles
    use io_digest, only: state_digest
    use io_state, only: state_t
@@ -130,6 +130,7 @@ contains
          total = seconds(phase%sort) + seconds(phase%scatter) + seconds(phase%exchange) &
             + seconds(phase%wait) + seconds(phase%grid) + seconds(phase%gather)
          if (phase%conduction > 0) total = total + seconds(phase%conduction)
+         if (phase%contact > 0) total = total + seconds(phase%contact)
       end associate
       rate = 0.0_wp
       if (total > 0.0_wp) rate = real(updates, wp)/total
@@ -149,16 +150,16 @@ contains
                + 4_int64*(size(store%home) + size(store%cell_start))
          end associate
       end do
-      associate (nodes => simulation%nodes)
-         total = total + 8_int64*(length(nodes%motion) + length(nodes%mass) &
-            + length(nodes%velocity) + length(nodes%acceleration) + length(nodes%extra) &
-            + length(nodes%strain) + length(nodes%share) + length(nodes%volume) &
-            + length(nodes%force) + length(nodes%gradient) + length(nodes%middle) &
-            + length(nodes%filtered) + length(nodes%term) + length(nodes%loss) &
-            + length(nodes%mean) + length(nodes%star) + length(nodes%unit) &
-            + length(nodes%difference))
-         if (allocated(nodes%weight)) total = total + 8_int64*size(nodes%weight, kind=int64)
-      end associate
+      total = total + node_bytes(simulation%nodes)
+      if (allocated(simulation%contact)) then
+         associate (contact => simulation%contact)
+            do index = 1, size(contact%field)
+               total = total + node_bytes(contact%field(index)%nodes)
+            end do
+            total = total + 8_int64*(length(contact%outward) + length(contact%area) &
+               + length(contact%reach))
+         end associate
+      end if
       if (allocated(simulation%conduction)) then
          associate (heat => simulation%conduction)
             total = total + 8_int64*(length(heat%content) + length(heat%total) &
@@ -171,6 +172,20 @@ contains
       bytes = 0.0_wp
       if (particles > 0) bytes = real(total(1), wp)/real(particles, wp)
    end function bytes_per_particle
+
+   !> Memory of node fields [byte].
+   pure integer(int64) function node_bytes(nodes) result(bytes)
+      type(nodes_t), intent(in) :: nodes             !! Those of the run, or of a velocity field
+
+      bytes = 8_int64*(length(nodes%motion) + length(nodes%mass) &
+         + length(nodes%velocity) + length(nodes%acceleration) + length(nodes%extra) &
+         + length(nodes%strain) + length(nodes%share) + length(nodes%volume) &
+         + length(nodes%force) + length(nodes%gradient) + length(nodes%middle) &
+         + length(nodes%filtered) + length(nodes%term) + length(nodes%loss) &
+         + length(nodes%mean) + length(nodes%star) + length(nodes%unit) &
+         + length(nodes%difference) + length(nodes%push) + length(nodes%rubbed))
+      if (allocated(nodes%weight)) bytes = bytes + 8_int64*size(nodes%weight, kind=int64)
+   end function node_bytes
 
    !> Numbers in an array that may not exist.
    pure integer(int64) function length(array) result(numbers)

@@ -54,17 +54,39 @@ contains
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Contributions
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node) Sums
-      integer :: place, other, mine, theirs, length(3)
+      integer :: place, other, shift(3), extent(3), theirs(3), origin(3), margin(3), low(3), high(3)
 
+      extent = extent_of(tile)
+      margin = merge(grid%margin, 0, grid%active)
       call clear_patch(total)
       do place = 1, neighbors
          other = tiles%neighbor(place, tile)
          if (other == 0) cycle
-         call common_box(grid, tiles, tile, other, place, mine, theirs, length)
-         if (any(length < 0)) cycle
-         call add_box(size(patch, 1), size(patch, 2), mine, theirs, length, grid%stride, &
+         ! as in common_box, whose call would cost 0.7 % of the instructions of a step
+         shift(1) = mod(place - 1, 3) - 1
+         shift(2) = mod((place - 1)/3, 3) - 1
+         shift(3) = (place - 1)/9 - 1
+         theirs = extent_of(other)
+         ! lower corner of the other tile, and the box that both have, seen from this one
+         origin = merge(extent, merge(-theirs, 0, shift == -1), shift == 1)
+         low = max(0, origin) - margin
+         high = min(extent, origin + theirs) + margin
+         if (any(high < low)) cycle
+         call add_box(size(patch, 1), size(patch, 2), dot_product(low + margin, grid%stride), &
+            dot_product(low - origin + margin, grid%stride), high - low, grid%stride, &
             patch(:, :, other), total)
       end do
+
+   contains
+
+      !> Cells of a tile along the active directions.
+      pure function extent_of(index) result(cells)
+         integer, intent(in) :: index                !! Which tile
+         integer :: cells(3)
+
+         cells = merge(min(grid%width, grid%cells - tiles%coordinate(:, index)*grid%width), 0, &
+            grid%active)
+      end function extent_of
    end subroutine assemble
 
    !> Greatest values of the patches that touch the nodes of one tile, its margin included.

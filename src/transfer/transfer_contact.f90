@@ -48,10 +48,10 @@ contains
    pure subroutine push_apart(mass, velocity, normal, state, law, push)
       real(wp), intent(in) :: mass(:)                !! (body) At the node [kg]
       real(wp), intent(in) :: velocity(:, :)         !! (3, body) At the end of the step [m/s]
-      real(wp), intent(in) :: normal(:, :, :)        !! (3, a, b) From a to b, for a < b [1]
+      real(wp), contiguous, intent(in) :: normal(:, :, :) !! (3, a, b) From a to b, for a < b [1]
       integer, intent(in) :: state(:, :)             !! (a, b) How near they are, for a < b
       type(pair_law_t), intent(in) :: law(:, :)      !! (a, b) What holds between them
-      real(wp), intent(out) :: push(:, :, :)         !! (3, a, b) On b, for a < b [kg m/s]
+      real(wp), contiguous, intent(out) :: push(:, :, :) !! (3, a, b) On b, for a < b [kg m/s]
       real(wp) :: now(3, size(mass)), change(3), wish(3), gain, scale
       integer :: a, b, turn, pairs
 
