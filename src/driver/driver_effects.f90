@@ -85,7 +85,7 @@ contains
    end function material_line
 
    !> Has a model that the deck does not name nothing to do, as what it belongs to is off?
-   logical function idle(model, group, effects)
+   logical function idle(model, group, effects) result(nothing)
       integer, intent(in) :: model                   !! In `model_names`
       type(group_t), intent(in) :: group             !! &material
       type(group_t), intent(in) :: effects           !! &effects
@@ -95,10 +95,10 @@ contains
       on = .true.
       if (model_names(model) == "strength_model") call effects%get("strength", on)
       if (model_names(model) == "eos_model") call effects%get("eos", on)
-      idle = .not. on
+      nothing = .not. on
       if (model_names(model) == "strength_model" .and. group%known("elastic")) then
          call group%get("elastic", word)
-         idle = idle .or. word == "none"
+         nothing = nothing .or. word == "none"
       end if
    end function idle
 end module driver_effects
