@@ -54,6 +54,7 @@ contains
       end if
       call read_boundary(deck, simulation)
       simulation%grid%margin = simulation%method%margin()
+      simulation%grid%reaches = merge(2, 1, simulation%method%dual)
       call simulation%grid%start(block_of(deck))
       call check_periodic(deck, simulation%grid)
       call read_effects(deck, simulation)

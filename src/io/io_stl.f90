@@ -4,7 +4,7 @@ module io_stl
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use base_text, only: number, shortened, split, text_t
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: real32
    implicit none
    private
@@ -101,10 +101,11 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
       type(text_t), allocatable :: words(:)
       character(len=:), allocatable :: line
+      real(wp), allocatable :: room(:, :, :)
       real(wp) :: values(3)
       integer :: first, last, row, corners, facets, status
 
-      allocate (corner(3, 3, facets_of(text)))
+      allocate (room(3, 3, facets_of(text)))
       first = 1
       row = 0
       facets = 0
@@ -119,12 +120,14 @@ contains
          select case (words(1)%text)
          case ("vertex")
             status = 1
+            ! a comma or a stroke in place of a number leaves what was there
+            values = ieee_value(values, ieee_quiet_nan)
             if (size(words) == 4 .and. corners < 3) &
                read (line(index(line, "vertex") + 6:), *, iostat=status) values
-            if (status == 0 .and. .not. all(ieee_is_finite(values))) status = 1
             if (status /= 0) exit
+            if (.not. all(ieee_is_finite(values))) exit
             corners = corners + 1
-            corner(:, corners, facets) = values
+            room(:, corners, facets) = values
          case ("facet")
             if (corners /= 3) exit
             facets = facets + 1
@@ -143,6 +146,9 @@ contains
          call complain(error, path, "it ends within a solid, in line "//number(row)// &
             "; it is cut short")
       end if
+      if (allocated(error)) return
+      allocate (corner(3, 3, facets))
+      corner(:, :, :) = room(:, :, :facets)
    end subroutine read_text
 
    !> A line without tabs and carriage returns.
@@ -156,15 +162,15 @@ contains
       end do
    end function plain
 
-   !> How often facets end in a text, and one more for one that does not.
+   !> How often a text speaks of a facet, in its lines and in names: as many it may hold.
    pure integer function facets_of(text) result(facets)
       character(len=*), intent(in) :: text               !! All of the file
       integer :: found, from
 
-      facets = 1
+      facets = 0
       from = 1
       do
-         found = index(text(from:), "facet ")
+         found = index(text(from:), "facet")
          if (found == 0) return
          facets = facets + 1
          from = from + found

@@ -36,6 +36,9 @@ module mesh_grid
       integer :: tiles(3) = 1                        !! Tiles along each direction
       integer :: tile_cells = 1                      !! Cells of a tile
       integer :: margin = 0                          !! Layers of nodes beyond the faces of a tile
+      !> Ways on which a margin counts before patches are exchanged again: to the nodes, and with
+      !! the dual gradient back as well
+      integer :: reaches = 1
       integer :: tile_nodes = 1                      !! Nodes of a tile, with faces and margin
       integer :: stride(3) = 0                       !! Step in the node index of a tile
       integer :: lane_offset(lanes) = 0              !! Node index of a lane above the cell's first
@@ -71,7 +74,8 @@ contains
       do direction = 1, 3
          if (.not. self%active(direction)) cycle
          self%width(direction) = tile_width(self%cells(direction), self%periodic(direction), &
-            merge(block, default_width(self%dimensions), block > 0), least_width + self%margin)
+            merge(block, default_width(self%dimensions), block > 0), least_width &
+            + self%reaches*self%margin)
       end do
       self%tiles = (self%cells + self%width - 1)/self%width
       self%tile_cells = product(self%width)

@@ -2,7 +2,8 @@
 """Regions from STL files: what they hold, what is said of leaks, and files that are broken.
 
 Would catch a point that is taken for outside because its ray meets an edge or a corner, volumes that do not fit,
-a text and a binary file that differ, transformations in another order, and a broken file that is taken for a whole one.
+a text and a binary file that differ, facets of a text that it does not hold, or too little room for those behind
+tabs, transformations in another order, and a broken file that is taken for a whole one.
 """
 
 import struct
@@ -108,6 +109,8 @@ class Facets(unittest.TestCase):
         off = np.linalg.norm(found - 0.5, axis=1)
         self.assertLess(off.max(), 0.3)
         self.assertTrue(np.array_equal(found, self.points(self.run_of("text", text(facets), dx=0.03125))))
+        tabs = text(facets).replace(b"facet normal", b"facet\tnormal")
+        self.assertTrue(np.array_equal(found, self.points(self.run_of("tabs", tabs, dx=0.03125))))
         for ranks in (2, 3):
             other = self.run_of("ball_ranks", binary(facets), ranks=ranks, dx=0.03125)
             self.assertEqual(other.summary["digest"], one.summary["digest"])
@@ -174,6 +177,7 @@ class Facets(unittest.TestCase):
                 ("word", plain.replace(b"outer loop", b"outer lop", 1).replace(b"\tvertex", b"\tvertices", 1),
                  "line 4: expected a facet with three vertices of three numbers, not 'vertices"),
                 ("numbers", "\r\n".join(lines[:3] + ["vertex 1 2 x"] + lines[4:]).encode(), "line 4: expected"),
+                ("stroke", "\r\n".join(lines[:3] + ["vertex 1 2 /"] + lines[4:]).encode(), "line 4: expected"),
                 ("two", "\r\n".join(lines[:4] + ["vertex 1 nan 3"] + lines[5:]).encode(), "line 5: expected")]:
             with self.subTest(name):
                 run = self.run_of(name, content, options=("--check",), expect=2)

@@ -51,6 +51,19 @@ BAR = """
 &boundary  face='xlo'  type='symmetry' /
 """
 
+# Boxes that reach beyond their cells, nodes that see farther particles, and tiles as thin as may be.
+CROSSED = """
+&run  dimension='plane_strain' /
+&grid  lo=-1,0,-1  hi=3,1,2  dx=0.1  block=4 /
+&time  t_end=0.03 /
+&method  quadrature='sub_points' /
+&material  name='rubber'  density=1000  young=1.0e6  poisson=0.3 /
+&region  name='left'   shape='box'  lo=0,0,0      hi=0.8,1,0.8 /
+&region  name='right'  shape='box'  lo=0.8,0,0.1  hi=1.6,1,0.9 /
+&body  name='left'   region='left'   material='rubber'  velocity=5,0,0 /
+&body  name='right'  region='right'  material='rubber'  velocity=-5,0,0.4 /
+"""
+
 
 def checkpoint(run):
     """The newest checkpoint."""
@@ -157,6 +170,9 @@ def main():
         if rule != "point":
             restart(options, sheet, f"block_{rule}", deck, digest, (2, 1), (1, 2), 21)
     sheet.require(len(seen) == 3, "every rule of the dual gradient gives another state")
+
+    _, digest = compare(options, sheet, "crossed", CROSSED, ((1, 1), (2, 1), (3, 1)))
+    restart(options, sheet, "crossed", CROSSED, digest, (2, 1), (1, 2), 21)
 
     _, digest = compare(options, sheet, "bar", BAR)
     restart(options, sheet, "bar", BAR, digest, (2, 1), (1, 2), 75)
