@@ -5,10 +5,10 @@ module driver_nodes
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
+   use driver_light_nodes, only: calm_light_nodes
    use driver_method, only: stress_after
    use driver_simulation, only: nodes_t, scratch_t, simulation_t
    use mesh_boundary, only: face_friction
-   use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use transfer_scatter, only: motion_columns
@@ -256,16 +256,28 @@ contains
       !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
-         if (dt > 0.0_wp .and. tile <= simulation%tiles%own) call book_push(simulation, &
-            simulation%scratch(omp_get_thread_num())%ledger, tile, &
-            simulation%nodes%push(:, :, tile), simulation%nodes%velocity(:, :, tile) &
-            + 0.5_wp*dt*simulation%nodes%acceleration(:, :, tile))
+         if (dt > 0.0_wp .and. tile <= simulation%tiles%own) &
+            call book_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
          call finish_tile(simulation, tile, dt)
          call book_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
    end subroutine finish_nodes
+
+   !> Book what faces and gravity did to the nodes of a tile, at the velocity after contact.
+   subroutine book_tile(simulation, scratch, tile, dt)
+      type(simulation_t), intent(in) :: simulation   !! The run, the velocity field at hand
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp) :: centre(3, simulation%grid%tile_nodes)
+
+      associate (nodes => simulation%nodes)
+         centre = nodes%velocity(:, :, tile) + 0.5_wp*dt*nodes%acceleration(:, :, tile)
+         call book_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre)
+      end associate
+   end subroutine book_tile
 
    !> Make room for what moves and strains the particles.
    subroutine ensure_moved(simulation)
@@ -416,37 +428,6 @@ contains
       end do
       call ledger%sums(external_work)%add(work)
    end subroutine book_push
-
-   !> Bound what a light node gains in the step in the velocity that strains: its force over its
-   !! mass has no bound, while particles near it gain only their share of the force.
-   !! Node volumes count with the weights of cells, so they tell how light a node and its cells are.
-   !! Gains that move a node by less than a small share of a cell stay.
-   pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
-      type(grid_t), intent(in) :: grid               !! The grid
-      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
-      real(wp), intent(in) :: volume(:)              !! (node) With the weights of cells [m3]
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the step [m/s]
-      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
-      real(wp), contiguous, intent(inout) :: strain(:, :) !! (3, node) Velocity that strains [m/s]
-      real(wp), parameter :: light = 0.125_wp        !! Below this share of the volume around
-      real(wp), parameter :: small = 3.0e-3_wp       !! Share of a cell that is let pass
-      real(wp) :: around(size(volume)), share, gain
-      integer :: node
-
-      ! most tiles have no node that gains so much, and need no volumes
-      if (.not. dt**2*sqrt(maxval(acceleration(1, :)**2 + acceleration(2, :)**2 &
-         + acceleration(3, :)**2)) > small*grid%spacing) return
-      call grid%node_volume(coordinate, around)
-      do node = 1, size(volume)
-         if (.not. volume(node) < light*around(node)) cycle
-         gain = dt**2*sqrt(acceleration(1, node)**2 + acceleration(2, node)**2 &
-            + acceleration(3, node)**2)
-         if (.not. gain > small*grid%spacing) cycle
-         share = max(volume(node)/(light*around(node)), small*grid%spacing/gain)
-         if (share < 1.0_wp) strain(:, node) = velocity(:, node) + share*dt*acceleration(:, node)
-      end do
-   end subroutine calm_light_nodes
 
    !> Node velocities from the momentum that was mapped a second time, as the velocity that strains
    !! the particles, where no other body may change it.
