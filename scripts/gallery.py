@@ -72,10 +72,9 @@ def section(folder):
     title = paragraphs[0].removeprefix("# ")
     words, place = PICTURE.search(text).groups()
     picture = (folder / place).resolve().relative_to(ROOT)
-    above = "../"
     lines = [f"## {title}", re.sub(r"\]\((?!http)([^)]+)\)", lambda link: relink(folder, link[1]),
                                    paragraphs[1]),
-             f"![{words}]({above}{picture})"]
+             f"![{words}](../{picture})"]
     found = FIGURES.search(text)
     if found:
         lines.append(found[1].strip())
@@ -88,12 +87,16 @@ def relink(folder, target):
     return f"](../{(folder / target).resolve().relative_to(ROOT)})"
 
 
+def page():
+    """The whole page."""
+    return HEAD + "\n" + "\n\n".join(section(folder) for folder in scenes()) + "\n"
+
+
 def main():
     """Run and write; exit code 1 if a scene failed."""
     options = arguments()
     failed = [] if options.page else run(options)
-    PAGE.write_text(HEAD + "\n" + "\n\n".join(section(folder) for folder in scenes()) + "\n",
-                    encoding="utf-8")
+    PAGE.write_text(page(), encoding="utf-8")
     print(PAGE.relative_to(ROOT))
     return 1 if failed else 0
 
