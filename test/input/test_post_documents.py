@@ -47,6 +47,8 @@ def words_of(line, options):
         words += ["--scree", str(options.scree), "--threads", "1"]
         if "two_discs" not in line and "--list" not in words:
             words.append("--list")                       # a long run
+    if words[0] == "accuracy":
+        words += ["--scree", str(options.scree)]
     try:
         film.encoder()
     except PostError:

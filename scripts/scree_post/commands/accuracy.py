@@ -28,7 +28,7 @@ from ..errors import EXIT_USAGE, PostError
 ROOT = Path(__file__).resolve().parents[3]
 SUMMARY = "how accurate a number of a deck is, and what more costs"
 EXAMPLES = ("accuracy input/taylor_copper/scene.nml --quantity length radius --factors 4,2,1",
-            "accuracy scene.nml --quantity kinetic:max --factors 2,1,0.5 --methods ddmp,mpm")
+            "accuracy input/two_discs/scene.nml --quantity kinetic:min --factors 4,2,1 --methods ddmp,mpm")
 AXES = {"3d": (0, 1, 2), "plane_strain": (0, 2), "axisymmetric": (0, 2), "1d": (0,)}
 SAFE, WARY = 1.25, 3.0                   # factors of safety: the order is as expected, or it is not
 EXPECTED = (0.5, 2.5)                    # orders that are believed
@@ -186,8 +186,9 @@ def make_runs(options, grid, method, sizes):
                   summary["steps"], summary["ledger"]["start"]["mass"])
         for quantity in options.quantity:
             run.values[quantity] = case.value(quantity, options.body, options.percentile)
-        print(f"{method or 'deck'}, cells of {size:.4g}: {run.steps} steps, "
-              f"{run.seconds:.3g} core-seconds", file=sys.stderr, flush=True)
+        if sys.stderr.isatty():
+            print(f"{method or 'deck'}, cells of {size:.4g}: {run.steps} steps, "
+                  f"{run.seconds:.3g} core-seconds", file=sys.stderr, flush=True)
         runs.append(run)
     warn_of_mass(runs)
     return runs
@@ -199,8 +200,7 @@ def warn_of_mass(runs):
     if max(masses) - min(masses) > UNLIKE * max(masses):
         print(f"note: the mass of the bodies differs by {100 * (max(masses) / min(masses) - 1):.2g} %"
               " between the grids, as their edges do not lie between particles in all of them. That "
-              "hides the order; factors such as 2,1,0.5 may do, or packing='cut' of &body",
-              file=sys.stderr)
+              "hides the order; factors such as 2,1,0.5 may do, or packing='cut' of &body")
 
 
 def observed_order(coarse, middle, ratio_fine, ratio_coarse):
