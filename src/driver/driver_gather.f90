@@ -8,13 +8,13 @@ module driver_gather
    use driver_culprit, only: tile_bounds
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
    use driver_method, only: method_t, stress_before
-   use driver_nodes, only: node_gradient, nodes_seen, stress_before_it
+   use driver_nodes, only: node_gradient, stress_before_it
    use driver_packing, only: excess_fill, repack
    use driver_retire, only: erode_tile, fastest_left, retire_tile
-   use driver_scatter, only: find_places
+   use driver_scatter, only: find_places, nodes_seen
    use driver_simulation, only: scratch_t, simulation_t
    use driver_sweep, only: find_filtered, find_slopes
-   use material_kinematics, only: centre_gradient
+   use material_kinematics, only: centre_backward, centre_gradient
    use material_matter, only: deformation_t, matter_t
    use material_type, only: material_t
    use omp_lib, only: omp_get_thread_num
@@ -462,26 +462,6 @@ contains
          call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
       end associate
    end subroutine strain_particles
-
-   !> Gradient at the middle of a step whose motion is over: places were x - G x with the gradient
-   !! at the new places, so it is G (I - G/2)**-1.
-   pure subroutine centre_backward(count, gradient)
-      integer, intent(in) :: count                   !! Particles
-      real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle of the tile, 9)
-      integer :: p, k
-
-      do k = 1, 9
-         do p = 1, count
-            gradient(p, k) = -gradient(p, k)
-         end do
-      end do
-      call centre_gradient(count, gradient)
-      do k = 1, 9
-         do p = 1, count
-            gradient(p, k) = -gradient(p, k)
-         end do
-      end do
-   end subroutine centre_backward
 
    !> Book what artificial viscosity and plastic flow took.
    subroutine book_losses(ledger, material, matter, deformation, count)

@@ -3,12 +3,13 @@
 !! several tiles share get the same bits on each of them.
 module driver_nodes
    use base_kinds, only: wp
+   use driver_calm, only: calm_light_nodes
    use driver_cost, only: book_cost, cost_clock
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
    use driver_method, only: stress_after
+   use driver_scatter, only: nodes_seen
    use driver_simulation, only: nodes_t, scratch_t, simulation_t
    use mesh_boundary, only: face_friction
-   use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, empty_box, ensure_boxes, ensure_patch, widen_box
    use omp_lib, only: omp_get_thread_num
    use transfer_scatter, only: motion_columns
@@ -16,7 +17,7 @@ module driver_nodes
    private
 
    public :: node_gradient, book_push, divide, dual_fields, ensure_weights, finish_nodes, &
-      move_nodes, nodes_seen, remap_nodes, renew_sums, start_nodes, strain_nodes
+      move_nodes, remap_nodes, renew_sums, start_nodes, strain_nodes
 
    integer, parameter, public :: stress_before_it = 8 !! Rows of the motion before node stress
 
@@ -424,37 +425,6 @@ contains
       call ledger%sums(external_work)%add(work)
    end subroutine book_push
 
-   !> Bound what a light node gains in the step in the velocity that strains: its force over its
-   !! mass has no bound, while particles near it gain only their share of the force.
-   !! Node volumes count with the weights of cells, so they tell how light a node and its cells are.
-   !! Gains that move a node by less than a small share of a cell stay.
-   pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
-      type(grid_t), intent(in) :: grid               !! The grid
-      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
-      real(wp), intent(in) :: volume(:)              !! (node) With the weights of cells [m3]
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the step [m/s]
-      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
-      real(wp), contiguous, intent(inout) :: strain(:, :) !! (3, node) Velocity that strains [m/s]
-      real(wp), parameter :: light = 0.125_wp        !! Below this share of the volume around
-      real(wp), parameter :: small = 3.0e-3_wp       !! Share of a cell that is let pass
-      real(wp) :: around(size(volume)), share, gain
-      integer :: node
-
-      ! most tiles have no node that gains so much, and need no volumes
-      if (.not. dt**2*sqrt(maxval(acceleration(1, :)**2 + acceleration(2, :)**2 &
-         + acceleration(3, :)**2)) > small*grid%spacing) return
-      call grid%node_volume(coordinate, around)
-      do node = 1, size(volume)
-         if (.not. volume(node) < light*around(node)) cycle
-         gain = dt**2*sqrt(acceleration(1, node)**2 + acceleration(2, node)**2 &
-            + acceleration(3, node)**2)
-         if (.not. gain > small*grid%spacing) cycle
-         share = max(volume(node)/(light*around(node)), small*grid%spacing/gain)
-         if (share < 1.0_wp) strain(:, node) = velocity(:, node) + share*dt*acceleration(:, node)
-      end do
-   end subroutine calm_light_nodes
-
    !> Node velocities from the momentum that was mapped a second time, as the velocity that strains
    !! the particles, where no other body may change it.
    subroutine remap_nodes(simulation)
@@ -518,19 +488,4 @@ contains
       call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
          gradient)
    end subroutine node_gradient
-
-   !> First and last of the nodes that the particles of a tile see.
-   pure subroutine nodes_seen(simulation, tile, low, high)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! An own tile
-      integer, intent(out) :: low, high              !! First and last; 1 and 0 without particles
-
-      low = 1
-      high = 0
-      associate (grid => simulation%grid, box => simulation%nodes%touched(:, :, tile))
-         if (any(box(:, 2) < box(:, 1))) return
-         low = 1 + dot_product(box(:, 1) + merge(grid%margin, 0, grid%active), grid%stride)
-         high = 1 + dot_product(box(:, 2) + merge(grid%margin, 0, grid%active), grid%stride)
-      end associate
-   end subroutine nodes_seen
 end module driver_nodes

@@ -14,7 +14,7 @@ module driver_scatter
    implicit none
    private
 
-   public :: find_places, scatter_particles
+   public :: find_places, nodes_seen, scatter_particles
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
 
@@ -180,4 +180,19 @@ contains
             coordinate, store, tile, scratch%places)
       end associate
    end subroutine find_places
+
+   !> First and last of the nodes that the particles of a tile see.
+   pure subroutine nodes_seen(simulation, tile, low, high)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! An own tile
+      integer, intent(out) :: low, high              !! First and last; 1 and 0 without particles
+
+      low = 1
+      high = 0
+      associate (grid => simulation%grid, box => simulation%nodes%touched(:, :, tile))
+         if (any(box(:, 2) < box(:, 1))) return
+         low = 1 + dot_product(box(:, 1) + merge(grid%margin, 0, grid%active), grid%stride)
+         high = 1 + dot_product(box(:, 2) + merge(grid%margin, 0, grid%active), grid%stride)
+      end associate
+   end subroutine nodes_seen
 end module driver_scatter

@@ -1,0 +1,43 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Light nodes at the surface of matter, and how much their velocity may gain.
+module driver_calm
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   implicit none
+   private
+
+   public :: calm_light_nodes
+
+contains
+
+   !> Bound what a light node gains in the step in the velocity that strains: its force over its
+   !! mass has no bound, while particles near it gain only their share of the force.
+   !! Node volumes count with the weights of cells, so they tell how light a node and its cells are.
+   !! Gains that move a node by less than a small share of a cell stay.
+   pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      real(wp), intent(in) :: volume(:)              !! (node) With the weights of cells [m3]
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the step [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp), contiguous, intent(inout) :: strain(:, :) !! (3, node) Velocity that strains [m/s]
+      real(wp), parameter :: light = 0.125_wp        !! Below this share of the volume around
+      real(wp), parameter :: small = 3.0e-3_wp       !! Share of a cell that is let pass
+      real(wp) :: around(size(volume)), share, gain
+      integer :: node
+
+      ! most tiles have no node that gains so much, and need no volumes
+      if (.not. dt**2*sqrt(maxval(acceleration(1, :)**2 + acceleration(2, :)**2 &
+         + acceleration(3, :)**2)) > small*grid%spacing) return
+      call grid%node_volume(coordinate, around)
+      do node = 1, size(volume)
+         if (.not. volume(node) < light*around(node)) cycle
+         gain = dt**2*sqrt(acceleration(1, node)**2 + acceleration(2, node)**2 &
+            + acceleration(3, node)**2)
+         if (.not. gain > small*grid%spacing) cycle
+         share = max(volume(node)/(light*around(node)), small*grid%spacing/gain)
+         if (share < 1.0_wp) strain(:, node) = velocity(:, node) + share*dt*acceleration(:, node)
+      end do
+   end subroutine calm_light_nodes
+end module driver_calm
