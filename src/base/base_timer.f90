@@ -8,7 +8,7 @@ module base_timer
    implicit none
    private
 
-   public :: thread_seconds, timer_t, wall_seconds
+   public :: process_seconds, thread_seconds, timer_t, wall_seconds
 
    integer, parameter :: name_length = 32                !! Longest name of a phase
    integer, parameter :: most_phases = 32                !! Phases of a timer
@@ -72,14 +72,30 @@ contains
    !> Seconds that the calling thread has worked: it does not count while others have the processor.
    function thread_seconds() result(seconds)
       integer(c_int), parameter :: of_this_thread = 3_c_int
+      real(wp) :: seconds
+
+      seconds = clock_seconds(of_this_thread)
+   end function thread_seconds
+
+   !> Seconds that all threads of this process have worked.
+   function process_seconds() result(seconds)
+      integer(c_int), parameter :: of_this_process = 2_c_int
+      real(wp) :: seconds
+
+      seconds = clock_seconds(of_this_process)
+   end function process_seconds
+
+   !> What a clock of POSIX shows, 0 if there is none.
+   function clock_seconds(clock) result(seconds)
+      integer(c_int), intent(in) :: clock                !! Which
       real(wp), parameter :: nano = 1.0e-9_wp
       type(time_t) :: now
       real(wp) :: seconds
 
       seconds = 0.0_wp
-      if (clock_gettime(of_this_thread, now) == 0) &
+      if (clock_gettime(clock, now) == 0) &
          seconds = real(now%seconds, wp) + nano*real(now%nanoseconds, wp)
-   end function thread_seconds
+   end function clock_seconds
 
    !> Number of the phase of this name. The last place is shared by all names that do not fit.
    function timer_phase(self, name) result(index)

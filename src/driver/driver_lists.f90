@@ -22,8 +22,8 @@ contains
       case ("fields")
          text = joined(field_names)
       case ("shapes")
-         text = joined([character(len=12) :: "box", "sphere", "cylinder", "union", "difference", &
-            "intersection"])
+         text = joined([character(len=12) :: "box", "sphere", "cylinder", "cone", "ellipsoid", &
+            "torus", "halfspace", "stl", "union", "difference", "intersection"])
       case default
          text = "strength_model: "//joined(law_names)//new_line("a")//"eos_model: " &
             //joined(eos_names)//new_line("a")//"damage_model: "//joined(damage_names) &

@@ -3,9 +3,9 @@
 !! several tiles share get the same bits on each of them.
 module driver_nodes
    use base_kinds, only: wp
-   use driver_calm, only: calm_light_nodes
    use driver_cost, only: book_cost, cost_clock
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
+   use driver_light_nodes, only: calm_light_nodes
    use driver_method, only: stress_after
    use driver_scatter, only: nodes_seen
    use driver_simulation, only: nodes_t, scratch_t, simulation_t
@@ -264,16 +264,28 @@ contains
       !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
-         if (dt > 0.0_wp .and. tile <= simulation%tiles%own) call book_push(simulation, &
-            simulation%scratch(omp_get_thread_num())%ledger, tile, &
-            simulation%nodes%push(:, :, tile), simulation%nodes%velocity(:, :, tile) &
-            + 0.5_wp*dt*simulation%nodes%acceleration(:, :, tile))
+         if (dt > 0.0_wp .and. tile <= simulation%tiles%own) &
+            call book_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
          call finish_tile(simulation, tile, dt)
          call book_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
    end subroutine finish_nodes
+
+   !> Book what faces and gravity did to the nodes of a tile, at the velocity after contact.
+   subroutine book_tile(simulation, scratch, tile, dt)
+      type(simulation_t), intent(in) :: simulation   !! The run, the velocity field at hand
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp) :: centre(3, simulation%grid%tile_nodes)
+
+      associate (nodes => simulation%nodes)
+         centre = nodes%velocity(:, :, tile) + 0.5_wp*dt*nodes%acceleration(:, :, tile)
+         call book_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre)
+      end associate
+   end subroutine book_tile
 
    !> Make room for what moves and strains the particles.
    subroutine ensure_moved(simulation)

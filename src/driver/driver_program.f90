@@ -14,6 +14,7 @@ module driver_program
       git_commit, version_text
    use driver_check, only: cost_text
    use driver_command_line, only: command_t, help_text, parse, program_arguments
+   use driver_effects, only: effects_text
    use driver_exact_start, only: place_exact, strain_exact
    use driver_example, only: copied_t, copy_example, examples_text, next_steps
    use driver_job, only: job_text
@@ -172,6 +173,7 @@ contains
       end if
       if (session%command%check) then
          write (output_unit, "(a)") session%deck%report()
+         write (output_unit, "(a)", advance="no") effects_text(session%deck)
          write (output_unit, "(a)", advance="no") cost_text(session%simulation, session%bodies, &
             session%survey, session%limits, session%outputs%expected(session%limits%time_end))
          if (session%survey%particles <= most_particles) call try_out(session, error)
@@ -280,7 +282,8 @@ contains
          call session%log%info("deck      "//session%command%deck//"  case "//outputs%case//"  "// &
             trim(ranks)//" ranks x "//trim(threads)//" threads  results "//outputs%folder)
          if (session%deck%warnings() > 0) call session%log%warn(session%deck%report())
-         call session%log%info(cost_text(session%simulation, session%bodies, session%survey, &
+         call session%log%info(effects_text(session%deck)// &
+            cost_text(session%simulation, session%bodies, session%survey, &
             session%limits, outputs%expected(session%limits%time_end)))
          if (communicator%rank == 0) call write_file(stem//".echo.nml", session%deck%echo(), error)
          call agree(communicator, error)

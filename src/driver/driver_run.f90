@@ -7,7 +7,7 @@ module driver_run
    use base_error, only: error_t, exit_again, exit_physics, exit_success, fail
    use base_kinds, only: int64, wp
    use base_log, only: log_t, progress_heading, progress_line, progress_t
-   use base_timer, only: wall_seconds
+   use base_timer, only: process_seconds, wall_seconds
    use driver_balance, only: balance_ranks, balancing_t, read_balancing, watch_costs
    use driver_bounds, only: rule_deck, rule_end
    use driver_culprit, only: name_limiting, replay_text
@@ -143,7 +143,9 @@ contains
          if (allocated(error)) exit
          call ask(simulation, limits, watch)
          call watch_costs(simulation, limits%balancing)
+         simulation%worked = simulation%worked - process_seconds()
          call advance(simulation, dt, error)
+         simulation%worked = simulation%worked + process_seconds()
          if (allocated(error)) exit
          call balance_ranks(simulation, limits%balancing)
          call write_outputs(simulation, outputs, .false., log, error)

@@ -58,7 +58,7 @@ contains
       call check_periodic(deck, simulation%grid)
       call read_effects(deck, simulation)
       if (.not. deck%sound("region")) return
-      call read_shapes(deck, simulation%grid, shapes)
+      call read_shapes(deck, simulation%communicator, simulation%grid, shapes)
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
       if (deck%errors() > 0) return
@@ -263,6 +263,7 @@ contains
             call group%get("ppc", body%per_cell)
             call group%get("packing", packing)
             body%cut = packing == "cut"
+            body%jitter = packing == "jitter"
             call group%get("velocity", body%velocity)
             call group%get("spin", body%spin)
             call group%get("temperature", body%temperature)

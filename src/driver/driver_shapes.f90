@@ -1,12 +1,15 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Shapes from the regions of a deck.
 module driver_shapes
+   use base_communicator, only: communicator_t
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
    use base_text, only: text_t
+   use driver_facets, only: read_facets
    use mesh_grid, only: grid_t
    use particle_shape, only: box, combine, cylinder, set_difference, set_intersection, set_union, &
       shape_holder_t, sphere
+   use particle_solids, only: cone, ellipsoid, half_space, torus
    implicit none
    private
 
@@ -23,8 +26,9 @@ module driver_shapes
 contains
 
    !> Build all regions.
-   subroutine read_shapes(deck, grid, shapes)
+   subroutine read_shapes(deck, communicator, grid, shapes)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
       type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
       type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
       type(group_t) :: group
@@ -36,13 +40,14 @@ contains
          call group%get("name", shapes(index)%name)
       end do
       do index = 1, size(shapes)
-         call build(deck, grid, shapes, index)
+         call build(deck, communicator, grid, shapes, index)
       end do
    end subroutine read_shapes
 
    !> Build one region and those that it is made of.
-   recursive subroutine build(deck, grid, shapes, index)
+   recursive subroutine build(deck, communicator, grid, shapes, index)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
       type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Which one
@@ -60,7 +65,11 @@ contains
       call group%get("shape", word)
       select case (word)
       case ("union", "difference", "intersection")
-         call build_set(deck, grid, shapes, index, group, word)
+         call build_set(deck, communicator, grid, shapes, index, group, word)
+      case ("stl")
+         call read_facets(communicator, deck, group, shapes(index)%shape)
+      case ("ellipsoid", "cone", "torus", "halfspace")
+         call build_solid(grid, group, word, shapes(index)%shape)
       case default
          call build_simple(grid, group, word, shapes(index)%shape)
       end select
@@ -107,9 +116,39 @@ contains
       end select
    end subroutine build_simple
 
+   !> An ellipsoid, cone, ring or half space.
+   subroutine build_solid(grid, group, word, holder)
+      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(group_t), intent(in) :: group             !! The region
+      character(len=*), intent(in) :: word           !! Kind of shape
+      type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
+      real(wp) :: centre(3), axis(3), semi_axes(3), radius, radius2, height
+
+      call group%get("centre", centre)
+      call group%get("axis", axis)
+      call group%get("radius", radius)
+      call group%get("radius2", radius2)
+      where (.not. grid%active) centre = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), &
+         grid%axisymmetric)
+      select case (word)
+      case ("ellipsoid")
+         call group%get("semi_axes", semi_axes)
+         call holder%set(ellipsoid(centre, semi_axes))
+      case ("cone")
+         call group%get("height", height)
+         call holder%set(cone(centre, axis, radius, radius2, height))
+      case ("torus")
+         call holder%set(torus(centre, axis, radius, radius2))
+      case default
+         call group%get("normal", axis)
+         call holder%set(half_space(centre, axis))
+      end select
+   end subroutine build_solid
+
    !> A set operation on other regions.
-   recursive subroutine build_set(deck, grid, shapes, index, group, word)
+   recursive subroutine build_set(deck, communicator, grid, shapes, index, group, word)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
       type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Which one
@@ -124,7 +163,7 @@ contains
       do n = 1, size(names)
          do other = 1, size(shapes)
             if (shapes(other)%name /= names(n)%text) cycle
-            call build(deck, grid, shapes, other)
+            call build(deck, communicator, grid, shapes, other)
             operands(n) = shapes(other)%shape
          end do
       end do

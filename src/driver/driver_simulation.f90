@@ -174,6 +174,7 @@ module driver_simulation
       type(text_t), allocatable :: body_names(:)     !! (body) For messages
       integer(int64) :: halved = 0                   !! Particles halved on this rank
       integer(int64) :: updates = 0                  !! Particle updates of this rank
+      real(wp) :: worked = 0.0_wp                    !! Of the processor in its steps [s]
       real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
       integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then
       type(load_t) :: load                           !! How evenly the ranks work

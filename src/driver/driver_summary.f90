@@ -25,6 +25,7 @@ module driver_summary
    integer, parameter :: extremes = 5                !! Number of extremes
    character(len=12), parameter :: extreme_names(extremes) = [character(len=12) :: "speed_max", &
       "pressure_min", "pressure_max", "density_min", "density_max"]
+   real(wp), parameter :: nano = 1.0e-9_wp           !! Times are added up in whole [ns]
    integer, parameter :: kinds = 5                   !! Numbers about what ranks say to each other
    character(len=15), parameter :: kind_names(kinds) = [character(len=15) :: "patch_messages", &
       "patch_bytes", "moving_messages", "moving_bytes", "tiles_sent"]
@@ -45,7 +46,7 @@ contains
       type(balance_t) :: now
       type(state_t) :: state
       character(len=16) :: digest
-      integer(int64) :: counts(3), traffic(kinds)
+      integer(int64) :: counts(4), traffic(kinds)
       real(wp) :: rate, bytes, range(extremes)
       real(wp), allocatable :: least(:), mean(:), greatest(:)
 
@@ -53,11 +54,10 @@ contains
          simulation%materials, now)
       call describe_state(simulation, state)
       digest = state_digest(simulation%communicator, simulation%stores, state)
-      counts = [count_particles(simulation), simulation%updates, simulation%halved]
+      counts = [count_particles(simulation), simulation%updates, simulation%halved, &
+         nint(simulation%worked/nano, int64)]
       call simulation%communicator%total(counts)
-      allocate (least(simulation%timer%count()), mean(simulation%timer%count()), &
-         greatest(simulation%timer%count()))
-      call simulation%timer%spread(simulation%communicator, wall, least, mean, greatest)
+      call spread_timers(simulation, wall, least, mean, greatest)
       rate = step_rate(simulation, counts(2), greatest)
       bytes = bytes_per_particle(simulation, counts(1))
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
@@ -77,7 +77,7 @@ contains
       call json%add("time", simulation%time)
       call json%add("particles", counts(1))
       call json%add("wall_s", wall)
-      call json%add("particle_updates_per_s", rate)
+      call add_work(json, counts(2), nano*real(counts(4), wp), rate)
       call json%add("bytes_per_particle", bytes)
       call json%add("ranks", simulation%communicator%size)
       call json%add("threads", omp_get_max_threads())
@@ -92,6 +92,32 @@ contains
       call add_files(json, outputs)
       call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
    end subroutine summarise
+
+   !> What was done in the steps, and how fast.
+   subroutine add_work(json, updates, worked, rate)
+      type(json_t), intent(inout) :: json            !! The summary
+      integer(int64), intent(in) :: updates          !! Of particles, on all ranks
+      real(wp), intent(in) :: worked                 !! Of the processor, on all ranks [s]
+      real(wp), intent(in) :: rate                   !! Updates a second of wall time
+
+      call json%add("processor_s", worked)
+      call json%add("particle_updates", updates)
+      call json%add("particle_updates_per_s", rate)
+   end subroutine add_work
+
+   !> Times of all phases over the ranks. Collective.
+   subroutine spread_timers(simulation, wall, least, mean, greatest)
+      type(simulation_t), intent(in) :: simulation   !! The run at its end
+      real(wp), intent(in) :: wall                   !! Wall time of the whole run [s]
+      real(wp), allocatable, intent(out) :: least(:) !! (phase) [s]
+      real(wp), allocatable, intent(out) :: mean(:)  !! (phase) [s]
+      real(wp), allocatable, intent(out) :: greatest(:) !! (phase) [s]
+      integer :: phases
+
+      phases = simulation%timer%count()
+      allocate (least(phases), mean(phases), greatest(phases))
+      call simulation%timer%spread(simulation%communicator, wall, least, mean, greatest)
+   end subroutine spread_timers
 
    !> Particle updates a second of wall time in the steps, without output and checkpoints.
    pure real(wp) function step_rate(simulation, updates, seconds) result(rate)

@@ -51,7 +51,11 @@ contains
             call deck%complain(region, "hi must be above lo in "//axis_names(k), "hi")
             return
          end do
-      case ("cylinder")
+      case ("halfspace")
+         call region%get("normal", axis)
+         if (region%known("normal") .and. sum(abs(axis)) <= 0.0_wp) &
+            call deck%complain(region, "normal must not be 0", "normal")
+      case ("cylinder", "cone", "torus")
          call region%get("axis", axis)
          if (region%known("axis") .and. sum(abs(axis)) <= 0.0_wp) &
             call deck%complain(region, "axis must not be 0", "axis")

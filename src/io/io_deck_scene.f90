@@ -8,7 +8,9 @@ module io_deck_scene
 
    public :: declare_body, declare_boundary, declare_contact, declare_region
 
-   character(len=*), parameter :: solids = "shape = sphere cylinder" !! Shapes with a centre
+   character(len=*), parameter :: solids = &
+      "shape = sphere cylinder ellipsoid cone torus halfspace" !! Shapes with a centre
+   character(len=*), parameter :: round = "shape = sphere cylinder cone torus" !! With a radius
    character(len=*), parameter :: sets = "shape = union difference intersection"
 
 contains
@@ -20,16 +22,26 @@ contains
       call schema%group("region", "a shape, or a set operation on shapes", many=.true.)
       call schema%text("region", "name", "what bodies and other regions refer to")
       call schema%text("region", "shape", "kind of shape", &
-         words="box sphere cylinder union difference intersection")
+         words="box sphere cylinder cone ellipsoid torus halfspace stl union difference "// &
+         "intersection")
       call schema%real("region", "lo(3)", "lower corner of a box", unit="m", owner="shape = box")
       call schema%real("region", "hi(3)", "upper corner of a box", unit="m", owner="shape = box")
-      call schema%real("region", "centre(3)", "centre, for a cylinder the middle of its axis", &
-         unit="m", owner=solids)
-      call schema%real("region", "radius", "radius", unit="m", range="> 0", owner=solids)
+      call schema%real("region", "centre(3)", "centre; of a cylinder or cone the middle of its "// &
+         "axis, of a halfspace a point of its plane", unit="m", owner=solids)
+      call schema%real("region", "radius", "radius; of a cone where its axis begins, of a "// &
+         "torus of the circle in its middle", unit="m", range="> 0", owner=round)
+      call schema%real("region", "radius2", "of a cone at the end of its axis, 0 = a tip; of a "// &
+         "torus that of its section", unit="m", range=">= 0", owner="shape = cone torus")
+      call schema%real("region", "semi_axes(3)", "half the axes, along x, y and z", unit="m", &
+         range="> 0", owner="shape = ellipsoid")
       call schema%real("region", "axis(3)", "direction of the axis", default="0 0 1", &
-         owner="shape = cylinder")
+         owner="shape = cylinder cone torus")
+      call schema%real("region", "normal(3)", "direction out of the halfspace", &
+         owner="shape = halfspace")
+      call schema%text("region", "file", "facets in STL, lengths in the unit of the deck; path "// &
+         "relative to the deck", owner="shape = stl")
       call schema%real("region", "height", "length along the axis", unit="m", range="> 0", &
-         owner="shape = cylinder")
+         owner="shape = cylinder cone")
       call schema%text("region", "of(:8)", &
          "regions that the set operation takes; difference: the "// &
          "first without the others", owner=sets)
@@ -38,7 +50,8 @@ contains
          unit="deg", default="0 0 0")
       call schema%real("region", "translate(3)", "displacement, applied last", unit="m", &
          default="0 0 0")
-      call schema%require("region", "name shape lo hi centre radius height of")
+      call schema%require("region", "name shape lo hi centre radius radius2 semi_axes "// &
+         "normal file height of")
       call schema%refer("region", "of", "region")
    end subroutine declare_region
 
@@ -54,8 +67,9 @@ contains
          range="> 0 <= 16")
       call schema%text("body", "packing", &
          "lattice: whole sites with their middles inside; cut: "// &
-         "those at the surface have the volume and centre of what is inside", default="lattice", &
-         words="lattice cut")
+         "those at the surface have the volume and centre of what is inside; jitter: a lattice "// &
+         "whose points are moved aside by chance, up to a quarter of their distance", &
+         default="lattice", words="lattice cut jitter")
       call schema%real("body", "velocity(3)", "velocity of its centre of mass", unit="m/s", &
          default="0 0 0")
       call schema%real("body", "spin(3)", "angular velocity about its centre of mass", unit="1/s", &

@@ -8,6 +8,7 @@ module particle_fill
    use base_communicator, only: communicator_t
    use base_constants, only: pi
    use base_kinds, only: int64, wp
+   use base_random, only: random_uniform
    use base_sort, only: sort_order
    use mesh_curve, only: curve_coordinate, curve_key
    use mesh_grid, only: grid_t
@@ -26,6 +27,7 @@ module particle_fill
       integer :: per_cell(3) = 2                      !! Particles along each edge of a cell
       !> Do sites at the surface hold what is inside?
       logical :: cut = .false.
+      logical :: jitter = .false.                     !! Are particles moved aside by chance?
       real(wp) :: density = 0.0_wp                    !! [kg/m3]
       real(wp) :: velocity(3) = 0.0_wp                !! [m/s]
       real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
@@ -342,6 +344,8 @@ contains
                   store%identity(p) = it%first_identity + number(1) + all_sites(1)*(number(2) &
                      + all_sites(2)*number(3))
                   if (allocated(store%body)) store%body(p) = body
+                  if (it%jitter) position = position + chance(store%identity(p)) &
+                     *site_edge(grid, it)
                   store%home(p) = cell(1) + grid%width(1)*(cell(2) + grid%width(2)*cell(3))
                   store%position(p, :) = position
                   store%velocity(p, :) = it%velocity
@@ -353,6 +357,19 @@ contains
          end do
       end associate
    end subroutine fill_tile
+
+   !> How far a particle is moved from the middle of its site, in edges of it: up to a quarter to
+   !! either side. It depends on its identity alone.
+   pure function chance(identity) result(shift)
+      integer(int64), intent(in) :: identity          !! Of the particle
+      real(wp) :: shift(3)
+      integer(int64), parameter :: seed = 12345_int64
+      integer :: k
+
+      do k = 1, 3
+         shift(k) = 0.5_wp*random_uniform(seed, identity, int(k, int64)) - 0.25_wp
+      end do
+   end function chance
 
    !> Size and linear velocity field of a particle at the start, as far as it carries them. Along a
    !! missing direction it has no size.

@@ -276,8 +276,11 @@ contains
       character(len=*), intent(in) :: name           !! Name in files
       character(len=*), intent(in) :: unit           !! SI unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
+      integer :: component
 
-      values(self%to, :) = values(self%from, :)
+      do component = 1, size(values, 2)
+         values(self%to, component) = values(self%from, component)
+      end do
    end subroutine copier_vector
 
    !> Copy a field of whole numbers.

@@ -21,7 +21,7 @@ ALONE = re.compile(
     "the radius cannot be periodic|the axis of axisymmetric|axisymmetric needs|has no face|"
     "there is none, so nothing|t_melt must be above|dt_max must be above|dt_fixed is below|"
     "wall_limit = |spin leaves|jc_rate is given|carries no internal energy|basis = 'gimp' needs|"
-    "of must name two|is part of file names|axis must not be 0|needs both|cfl is not used|"
+    "normal must not be 0|of must name two|is part of file names|axis must not be 0|needs both|cfl is not used|"
     "is after t_end|the file was not read|expects file =|dx or cells must be given")
 
 

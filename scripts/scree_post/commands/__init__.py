@@ -6,4 +6,4 @@ docstring (what --help says), add_arguments(parser), and run(arguments), which r
 or raises PostError.
 """
 COMMANDS = ("info", "plot", "picture", "movie", "radiograph", "fragments", "compare", "sweep",
-            "check")
+            "accuracy", "check")

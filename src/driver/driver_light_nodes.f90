@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Light nodes at the surface of matter, and how much their velocity may gain.
-module driver_calm
+!> Nodes of next to no mass: a bound on what they strain.
+module driver_light_nodes
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    implicit none
@@ -40,4 +40,4 @@ contains
          if (share < 1.0_wp) strain(:, node) = velocity(:, node) + share*dt*acceleration(:, node)
       end do
    end subroutine calm_light_nodes
-end module driver_calm
+end module driver_light_nodes

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Judges runs by their errors and costs: the best ones, what an error costs, and the picture.
+
+A row is a dict of numbers and words as accuracy_cost.py writes them; a row with a cause has failed.
+Cost is core-seconds of the steps as they were measured, or a model of it that does not depend on
+what else the machine did.
+"""
+import math
+
+import scree_post
+
+FAILED = 1.0                             # an error of 100 % or more is no answer
+COLOURS = {"ddmp": "#b3311b", "mpm": "#8a6d3b", "gimp": "#2f7d3b", "cpgimp": "#58a55c",
+           "quadratic": "#1f5a93", "cubic": "#6aa3d5", "cpdi": "#6a4098"}
+OTHER = "#444444"
+
+
+def method_of(way):
+    """The method that a way belongs to: the first word of its name."""
+    return way.split()[0]
+
+
+def good(rows):
+    """The rows that have ended with an error below 100 %."""
+    return [row for row in rows if not row["cause"] and row["error"] < FAILED]
+
+
+def front(rows, cost="core_seconds"):
+    """The best rows: none of the others has both a smaller error and a smaller cost. By cost."""
+    best, least = [], math.inf
+    for row in sorted(good(rows), key=lambda row: (row[cost], row["error"])):
+        if row["error"] < least:
+            best.append(row)
+            least = row["error"]
+    return best
+
+
+def cost_at(rows, error, cost="core_seconds"):
+    """Cost at which the front of some rows comes to an error; infinity if it never does.
+
+    Between two rows of the front it is the line through them in the logarithmic picture, so that
+    the answer does not hang on which sizes of cells were run.
+    """
+    line = front(rows, cost)
+    for before, after in zip([None] + line, line):
+        if after["error"] <= error:
+            if before is None:
+                return after[cost]
+            share = math.log(before["error"] / error) / math.log(before["error"] / after["error"])
+            return before[cost] * (after[cost] / before[cost]) ** share
+    return math.inf
+
+
+def cheapest(rows, error, cost="core_seconds"):
+    """The cheapest row that was run and has no more than an error, or None."""
+    return next((row for row in front(rows, cost) if row["error"] <= error), None)
+
+
+def order(rows):
+    """Order of convergence of rows that differ in their cells alone, by least squares."""
+    (np,) = scree_post.modules("numpy")
+    pairs = [(math.log(row["cells"]), math.log(row["error"])) for row in good(rows)]
+    return -float(np.polyfit(*zip(*pairs), 1)[0]) if len(pairs) > 1 else math.nan
+
+
+def add_model(rows):
+    """Give each row `model_seconds`: steps times o plus updates times u of its way and ppc.
+
+    o is common to all rows of a problem, as it is what a step costs without any particle. Both are
+    those for which the sum of the relative misses is least: a run that was disturbed counts little,
+    as it would not in a sum of squares.
+    """
+    (np,) = scree_post.modules("numpy")
+    for problem in {row["problem"] for row in rows}:
+        chosen = [row for row in good(rows) if row["problem"] == problem]
+        kinds = sorted({(row["way"], row["ppc"]) for row in chosen})
+        matrix = np.zeros((len(chosen), len(kinds) + 1))
+        for line, row in zip(matrix, chosen):
+            line[0] = row["steps"] / row["core_seconds"]
+            line[1 + kinds.index((row["way"], row["ppc"]))] = row["updates"] / row["core_seconds"]
+        found = positive(np, matrix)
+        for row in rows:
+            if row["problem"] == problem:
+                kind = (row["way"], row["ppc"])
+                row["model_seconds"] = math.nan
+                if kind in kinds and row["steps"]:
+                    row["model_seconds"] = float(
+                        row["steps"] * found[0] + row["updates"] * found[1 + kinds.index(kind)])
+
+
+def positive(np, matrix, rounds=60):
+    """Numbers, none below zero, with which the sum of |matrix x - 1| is least."""
+    weight = np.ones(len(matrix))
+    found = np.zeros(matrix.shape[1])
+    for _ in range(rounds):
+        free = np.ones(matrix.shape[1], dtype=bool)
+        while True:
+            root = np.sqrt(weight)[:, None]
+            answer = np.linalg.lstsq(matrix[:, free] * root, root[:, 0], rcond=None)[0]
+            if (answer >= 0.0).all() or not free.any():
+                break
+            free[np.flatnonzero(free)[answer < 0.0]] = False
+        found[:] = 0.0
+        found[free] = answer
+        weight = 1.0 / np.maximum(np.abs(matrix @ found - 1.0), 1.0e-3)
+    return found
+
+
+def setting_text(row, length=True):
+    """The choice of a row for people."""
+    text = row["way"]
+    if length:
+        text += f", {row['cells']} cells, {row['ppc']} ppc, cfl {row['cfl']:g}"
+    return text
+
+
+def number(value):
+    """A number of seconds for people."""
+    if not math.isfinite(value):
+        return "never"
+    digits = max(0, 1 - math.floor(math.log10(value))) if value > 0.0 else 0
+    return f"{value:.{digits}f}"
+
+
+def tables(rows, targets=(0.1, 0.01, 0.001)):
+    """Markdown: the cheapest run for each error, then what each method needs for it."""
+    lines = ["| error | cheapest run | its error | core-seconds | by the model |",
+             "|---|---|---|---|---|"]
+    for target in targets:
+        row = cheapest(rows, target)
+        cells = ["none of those that were run", "", "", ""] if row is None else [
+            setting_text(row), percent(row["error"]), number(row["core_seconds"]),
+            number(row["model_seconds"])]
+        lines.append(f"| {percent(target)} | " + " | ".join(cells) + " |")
+    methods = [name for name in COLOURS if any(method_of(row["way"]) == name for row in rows)]
+    lines += ["", "| core-seconds for | " + " | ".join(methods) + " |",
+              "|---" * (len(methods) + 1) + "|"]
+    for cost, label in (("core_seconds", "measured"), ("model_seconds", "model")):
+        for target in targets:
+            seen = [cost_at([row for row in rows if method_of(row["way"]) == name], target, cost)
+                    for name in methods]
+            least = min(seen)
+            cells = [f"**{number(value)}**" if value == least < math.inf else number(value)
+                     for value in seen]
+            lines.append(f"| {percent(target)}, {label} | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def percent(value):
+    """A share as percent, two digits."""
+    return f"{100.0 * value:.2g} %"
+
+
+def draw(rows, problem, path):
+    """Error against core-seconds of one problem, with its front and with what failed at the frame."""
+    plot = scree_post.pyplot()
+    figure, axes = plot.subplots(figsize=(8.0, 5.2))
+    fine, best = good(rows), front(rows)
+    for row in fine:
+        if row not in best:
+            axes.plot(row["core_seconds"], row["error"], ".", color="#bdbdbd", ms=5, zorder=1)
+    for method, colour in COLOURS.items():
+        line = front([row for row in fine if method_of(row["way"]) == method])
+        if line:
+            axes.plot([row["core_seconds"] for row in line], [row["error"] for row in line], "o-",
+                      color=colour, ms=3.5, lw=1.0, label=method, zorder=2)
+    axes.plot([row["core_seconds"] for row in best], [row["error"] for row in best], "-",
+              color="#111111", lw=2.6, zorder=3, label="front")
+    for row in best:
+        axes.plot(row["core_seconds"], row["error"], "o", ms=6, zorder=4,
+                  color=COLOURS.get(method_of(row["way"]), OTHER))
+    axes.set(xscale="log", yscale="log", xlabel="core-seconds in the steps", ylabel="error",
+             title=problem.title)
+    axes.set_ylim(0.6 * min(row["error"] for row in fine), 1.6 * max(row["error"] for row in fine))
+    axes.set_xlim(0.3 * min(row["core_seconds"] for row in fine),      # room for names on the left
+                  1.5 * max(row["core_seconds"] for row in fine))
+    guide(axes, problem.dimensions)
+    label(axes, best)
+    failures(axes, rows)
+    axes.grid(True, which="major", color="#e6e6e6", lw=0.6)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=9)
+    figure.tight_layout()
+    scree_post.save(figure, str(path), 90)
+    plot.close(figure)
+
+
+def label(axes, best):
+    """Names beside the front, none on another: below and left of it nothing else is drawn."""
+    done = []
+    for row in best:
+        place = axes.transData.transform((row["core_seconds"], row["error"]))
+        if all(abs(place[1] - other) > 14.0 for other in done):
+            done.append(place[1])
+            axes.annotate(f"{row['way']} {row['cells']}, {row['ppc']}, {row['cfl']:g}",
+                          (row["core_seconds"], row["error"]), xytext=(-7, -5),
+                          textcoords="offset points", ha="right", va="center", fontsize=7.5)
+
+
+def guide(axes, dimensions):
+    """The slope of a method of second order: error with h^2, cost with h^-(d+1)."""
+    (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    slope = -2.0 / (dimensions + 1)
+    end = min(high, low * (0.3 * top / bottom) ** (-1.0 / slope) if top > bottom else high)
+    axes.plot([low, end], [top, top * (end / low) ** slope], ":", color="#999999", lw=1.0, zorder=0)
+    axes.set_xlim(low, high)
+    axes.set_ylim(bottom, top)
+
+
+def failures(axes, rows):
+    """A cross at the upper frame for each run that failed, at its cost, and the causes below."""
+    lost = [row for row in rows if row["cause"] or row["error"] >= FAILED]
+    if not lost:
+        return
+    low, high = axes.get_xlim()
+    top = axes.get_ylim()[1]
+    told = {}
+    for row in lost:
+        method = method_of(row["way"])
+        place = min(max(row["core_seconds"], low), high)
+        axes.plot(place, top, "x", color=COLOURS.get(method, OTHER), ms=7, mew=1.8,
+                  clip_on=False, zorder=5)
+        told.setdefault((method, row["cause"] or "error above 100 %"), []).append(row)
+    lines = [f"{method}: {len(group)} x {cause}" for (method, cause), group in sorted(told.items())]
+    axes.text(1.02, 0.02, "crosses, failed:\n" + "\n".join(lines), transform=axes.transAxes,
+              fontsize=7.5, va="bottom", color="#555555")

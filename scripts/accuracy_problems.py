@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Problems with known solutions, the ways to compute them, and which of both are run.
+
+    problem = accuracy_problems.PROBLEMS["waves"]
+    deck = problem.deck(way, setting)             # the text of a deck
+    error = problem.error(run, setting)           # of a case.Case that has run, over the solution
+
+All decks but that of the Taylor bar are those of the tests in test/support. An error is a share of
+the solution, and what it is the error of was fixed before anything was timed. The script
+accuracy_cost.py runs the plan, accuracy_front.py judges and draws it.
+"""
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "test" / "support"))
+
+import numpy as np                                       # noqa: E402
+
+import bodies                                            # noqa: E402
+import flows                                             # noqa: E402
+import manufactured                                      # noqa: E402
+import taylor                                            # noqa: E402
+
+WAYS = {                                     # name: key method of &run, words of &method
+    "ddmp": ("ddmp", ""),
+    "ddmp aflip": ("ddmp", "transfer='aflip'"),
+    "ddmp apic": ("ddmp", "transfer='apic'"),
+    "ddmp control": ("ddmp", "quadrature='control'"),
+    "ddmp control aflip": ("ddmp", "quadrature='control' transfer='aflip'"),
+    "ddmp control apic": ("ddmp", "quadrature='control' transfer='apic'"),
+    "ddmp sub-points": ("ddmp", "quadrature='sub_points'"),
+    "mpm": ("mpm", ""),
+    "mpm usl": ("mpm", "stress_update='usl'"),
+    "gimp": ("mpm", "basis='gimp'"),
+    "cpgimp": ("mpm", "basis='cpgimp'"),
+    "quadratic": ("mpm", "basis='quadratic'"),
+    "cubic": ("mpm", "basis='cubic'"),
+    "cpdi": ("mpm", "basis='cpdi'"),
+    "gimp usl": ("mpm", "basis='gimp' transfer='rflip' stress_update='usl'"),
+    "cpgimp usl": ("mpm", "basis='cpgimp' transfer='rflip' stress_update='usl'"),
+    "quadratic usl": ("mpm", "basis='quadratic' transfer='rflip' stress_update='usl'"),
+    "cubic usl": ("mpm", "basis='cubic' transfer='rflip' stress_update='usl'"),
+    "cpdi usl": ("mpm", "basis='cpdi' transfer='rflip' stress_update='usl'"),
+    "gimp apic": ("mpm", "basis='gimp' transfer='apic' stress_update='usl'"),
+    "cpgimp apic": ("mpm", "basis='cpgimp' transfer='apic' stress_update='usl'"),
+    "quadratic apic": ("mpm", "basis='quadratic' transfer='apic' stress_update='usl'"),
+    "cubic apic": ("mpm", "basis='cubic' transfer='apic' stress_update='usl'"),
+    "cpdi apic": ("mpm", "basis='cpdi' transfer='apic' stress_update='usl'"),
+    "quadratic aflip": ("mpm", "basis='quadratic' transfer='aflip' stress_update='usl'"),
+    "cpdi aflip": ("mpm", "basis='cpdi' transfer='aflip' stress_update='usl'"),
+    "gimp aflip": ("mpm", "basis='gimp' transfer='aflip' stress_update='usl'"),
+    "cpgimp aflip": ("mpm", "basis='cpgimp' transfer='aflip' stress_update='usl'"),
+    "ddmp q1": ("ddmp", "bulk_q1=0.5"),
+    "ddmp apic q1": ("ddmp", "transfer='apic' bulk_q1=0.5"),
+    "mpm q1": ("mpm", "bulk_q1=0.5"),
+    "gimp q1": ("mpm", "basis='gimp' stress_update='usl' bulk_q1=0.5"),
+    "quadratic q1": ("mpm", "basis='quadratic' stress_update='usl' bulk_q1=0.5"),
+    "cpdi q1": ("mpm", "basis='cpdi' stress_update='usl' bulk_q1=0.5"),
+}
+PLAIN = ("ddmp", "mpm", "gimp", "cpgimp", "quadratic", "cubic", "cpdi")
+DUAL = ("ddmp control", "ddmp sub-points", "ddmp aflip", "ddmp control aflip")
+ONE_WAY = ("gimp usl", "cpgimp usl", "quadratic usl", "cubic usl", "cpdi usl")
+AFFINE = ("gimp aflip", "cpgimp aflip", "quadratic aflip", "cpdi aflip")
+LEADING = ("ddmp", "ddmp control") + ONE_WAY              # one or two of each method
+SMOOTH = PLAIN + DUAL + ONE_WAY
+
+
+def method_of(way):
+    """The method that a way belongs to: the first word of its name."""
+    return way.split()[0]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a run is made with besides its way."""
+
+    cells: int                                           # along the length that a problem names
+    ppc: int                                             # particles along an edge of a cell
+    cfl: float                                           # fraction of the stable step
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A problem: how its deck is written, what its error is, and what is run."""
+
+    title: str                                           # with what the error is of
+    dimensions: int                                      # of the grid: cost goes with h^-(d+1)
+    write: object                                        # (way words, setting) -> deck
+    measure: object                                      # (run, setting) -> error
+    ways: tuple                                          # names in WAYS
+    cells: tuple                                         # each with the first of ppc and of cfl
+    ppc: tuple                                           # all but the first on the cells `beside`
+    cfl: tuple
+    beside: tuple
+
+    def deck(self, way, setting):
+        """The deck of a way."""
+        return self.write(*WAYS[way], setting)
+
+    def error(self, run, setting):
+        """Error of a run that has ended well."""
+        return float(self.measure(run, setting))
+
+    def plan(self):
+        """Pairs of way and setting: all ways on all cells with the first of ppc and of cfl, then the
+        leading way of each method with the others on few cells."""
+        plain = [Setting(cells, self.ppc[0], self.cfl[0]) for cells in self.cells]
+        others = [Setting(cells, ppc, self.cfl[0]) for cells in self.beside for ppc in self.ppc[1:]]
+        others += [Setting(cells, self.ppc[0], cfl) for cells in self.beside for cfl in self.cfl[1:]]
+        return ([(way, setting) for setting in plain for way in self.ways]
+                + [(way, setting) for setting in others for way in LEADING if way in self.ways])
+
+
+def greatest(run, _):
+    """Greatest displacement error in time, root of the mean square over the particles."""
+    seen = run.summary["exact"]["greatest_displacement"]
+    return run.history["displacement_error"].max() / seen
+
+
+def waves(dimension, amplitude, end=0.5):
+    """Writer of decks of standing waves: half a period, in which matter swings out and back."""
+    def write(method, words, setting):
+        deck = manufactured.WAVES.format(
+            dimension=dimension, method=method, words=words, spacing=f"{1.0 / setting.cells:.17g}",
+            cfl=setting.cfl, poisson=0.0 if dimension == "1d" else 0.3, amplitude=amplitude,
+            ppc=manufactured.PPC[dimension].format(setting.ppc), end=end * manufactured.PERIOD,
+            every=4)
+        return deck
+    return write
+
+
+def vortex(method, words, setting):
+    """The ring whose middle circle has turned by one radian, as far as it goes."""
+    return manufactured.VORTEX.format(
+        method=method, words=words, spacing=f"{1.0 / setting.cells:.17g}", cfl=setting.cfl,
+        twist=1.0, end=0.5, least=f"{0.008 * setting.cfl / setting.cells:.17g}",
+        ppc=manufactured.PPC["plane_strain"].format(setting.ppc), body="packing='cut'")
+
+
+def timed(deck, setting):
+    """The deck with a fraction of the stable step."""
+    return deck.replace("t_end", f"cfl={setting.cfl}  t_end", 1)
+
+
+def flight(method, words, setting):
+    """The bar that vibrates while it flies; cells in its length of 25 m."""
+    deck = bodies.FLIGHT.format(method=method, words=words, spacing=25.0 / setting.cells,
+                                ppc=setting.ppc, effects=bodies.DRY)
+    return timed(deck, setting) + quiet("count=1")
+
+
+def flight_error(run, _):
+    """The larger of the errors of velocity and displacement, over their amplitudes."""
+    seen = run.summary["exact"]
+    velocity = seen["velocity_error"] / 0.05 * 2 ** 0.5
+    displacement = seen["displacement_error"] / (0.05 / (np.pi * 10.0 / 25.0)) * 2 ** 0.5
+    return max(velocity, displacement)
+
+
+def quiet(words, fields=""):
+    """Outputs at the end alone: what they cost is not asked."""
+    return (f"&output  name='h'  kind='history'  {words} /\n&checkpoint  at_end=.false. /\n"
+            + (f"&output  name='p'  kind='particles'  count=1  precision='double'  "
+               f"fields={fields} /\n" if fields else ""))
+
+
+PISTON = """
+&run  dimension='1d'  method='{method}' /
+&units  system='mm-us-mg' /
+&method  {words} /
+&grid  lo=0,0,0  hi=12,1,1  dx={spacing!r} /
+&time  t_end=1.2  cfl={cfl} /
+&effects  strength=.false. /
+&material  name='al'  density=2.785  eos_model='mie_gruneisen'  mg_c0=5.328  mg_s=1.338
+  mg_gamma=2 /
+&region  name='bar'  shape='box'  lo=0,0,0  hi=10,1,1 /
+&body  name='bar'  region='bar'  material='al'  ppc={ppc},1,1  velocity=-0.4,0,0 /
+&boundary  face='xlo'  type='slip' /
+"""
+SHOCK = 5328.0 + 1.338 * 400.0               # speed against the bar [m/s]: C0 + s u
+PRESSURE = 2785.0 * SHOCK * 400.0            # behind it [Pa]: density, its speed, that of the bar
+BEHIND = SHOCK - 400.0                       # speed against the wall [m/s]
+
+
+def piston(method, words, setting):
+    """A bar of fluid metal hits a wall at 400 m/s; cells in 10 mm."""
+    deck = PISTON.format(method=method, words=words, spacing=10.0 / setting.cells, ppc=setting.ppc,
+                         cfl=setting.cfl)
+    return deck + quiet("count=1", "'stress','volume'")
+
+
+def piston_error(run, _):
+    """Mean of the pressure error over the compressed length, over the pressure behind the shock."""
+    time, snap = run.snapshots()[-1]
+    front = BEHIND * time
+    right = np.where(snap.points[:, 0] < front, PRESSURE, 0.0)
+    wrong = np.abs(-snap.fields["stress"][:, 0] - right) * snap.fields["volume"]
+    return wrong.sum() / 1.0e-6 / (PRESSURE * front)     # a section of 1 mm2
+
+
+SIZES = ("length", "foot", "waist")
+
+
+def bar(method, words, setting):
+    """The copper bar of input/taylor_copper; cells in its radius, a multiple of three."""
+    deck = (taylor.FOLDER / taylor.MEASURED.deck).read_text(encoding="utf-8")
+    spacing = 1.27 * 3.0 / setting.cells
+    ppc = f"{setting.ppc}, 1, {setting.ppc}"
+    for old, new in (("dx = 0.3175", f"dx = {spacing:.17g}"), ("ppc = 2, 1, 2", f"ppc = {ppc}"),
+                     (f"method = '{method}'", ""), ("every = 10", "count = 2"),
+                     ("count = 4", "count = 1"), ("dimension =", f"method = '{method}'\n  dimension =")):
+        deck = deck.replace(old, new)
+    return timed(deck, setting) + f"&method  {words} /\n&checkpoint  at_end=.false. /\n"
+
+
+def bar_sizes(run, _=None):
+    """Length, radius of the foot and diameter a fifth above the wall at the end [m]."""
+    snaps = [snap for _, snap in run.snapshots()]
+    found = taylor.measure(taylor.MEASURED, snaps[0], snaps[-1])
+    return np.array([found[name] for name in SIZES])
+
+
+# Length, foot and waist [m] with 24 cells on the radius, printed by accuracy_cost.py --reference:
+# the mean of ddmp (16.2793, 6.7419, 10.1878 mm) and quadratic usl (16.2829, 6.7458, 10.1951 mm),
+# which are 0.05 % apart.
+REFERENCE = np.array([16.2811e-3, 6.7439e-3, 10.1914e-3])
+
+
+def bar_error(run, _):
+    """Mean of the errors of the three sizes."""
+    return np.abs(bar_sizes(run) / REFERENCE - 1.0).mean()
+
+
+def slope(method, words, setting):
+    """Grains on a slope of 24 degrees with their steady profile, for one time of relaxation."""
+    height, angle = 0.01, np.radians(24.0)
+    spacing, layers = height / setting.cells, setting.cells * setting.ppc
+    wide = 5.0 * spacing                     # as cubic splines on a periodic grid need
+    bulk = 1000.0 * flows.DENSITY * flows.GRAVITY * height
+    words = words if "pic" in words else f"flip=0.9999 {words}"
+    deck = flows.INCLINE.format(
+        method=method, words=words, spacing=spacing, top=(setting.cells + 4) * spacing, end=0.8,
+        along=float(flows.GRAVITY * np.sin(angle)), down=float(-flows.GRAVITY * np.cos(angle)),
+        density=flows.DENSITY, bulk=bulk, shear=0.46 * bulk, mu_s=float(flows.MU_S),
+        mu_2=float(flows.MU_2), i0=flows.I0, diameter=flows.DIAMETER,
+        grain_density=flows.GRAIN_DENSITY)
+    deck = deck.replace(f"hi={spacing!r},", f"hi={wide!r},")
+    for n in range(layers):
+        low, high = n * height / layers, (n + 1) * height / layers
+        speed = float(flows.bagnold(0.5 * (low + high), 24.0, height))
+        deck += (f"&region name='r{n}' shape='box' lo=0,0,{low!r} hi={wide!r},1,{high!r} /\n"
+                 f"&body name='b{n}' region='r{n}' material='beads' ppc={setting.ppc},1,"
+                 f"{setting.ppc} velocity={speed!r},0,0 /\n")
+    return timed(deck, setting) + quiet("count=1", "'velocity'")
+
+
+def slope_error(run, _):
+    """Error of the speed of all particles, root of the mean square, over that of the surface."""
+    _, last = run.snapshots()[-1]
+    exact = flows.bagnold(last.points[:, 2], 24.0, 0.01)
+    return bodies.rms(last.fields["velocity"][:, 0] - exact) / flows.bagnold(0.01, 24.0, 0.01)
+
+
+TURNING = PLAIN + ONE_WAY + ("ddmp aflip", "ddmp apic", "ddmp control", "ddmp control aflip",
+                             "ddmp control apic", "quadratic aflip", "gimp apic",
+                             "quadratic apic", "cpdi apic")
+STRONG = ("ddmp apic", "ddmp q1", "ddmp apic q1", "mpm q1", "gimp q1", "quadratic apic",
+          "quadratic q1", "cpdi q1")
+METAL = PLAIN + ("ddmp aflip", "gimp usl", "quadratic usl", "cubic usl", "cpdi usl")
+PROBLEMS = {
+    "waves": Problem(
+        "standing waves in a square, amplitude 0.1: displacement", 2,
+        waves("plane_strain", 0.1), greatest, SMOOTH + AFFINE, (8, 12, 16, 24, 32, 48), (2, 3, 4),
+        (0.4, 0.2, 0.7), (24,)),
+    "flight": Problem(
+        "bar that vibrates and flies through its grid: velocity, displacement", 1,
+        flight, flight_error, SMOOTH + AFFINE, (12, 25, 50, 100, 200), (2, 3, 4), (0.4, 0.2, 0.7),
+        (50,)),
+    "waves_cube": Problem(
+        "standing waves in a cube, amplitude 0.05: displacement", 3,
+        waves("3d", 0.05), greatest, PLAIN + ("ddmp control", "ddmp aflip") + ONE_WAY + AFFINE,
+        (6, 10, 16, 22), (2, 3), (0.4, 0.7), (10,)),
+    "piston": Problem(
+        "shock in a bar on a wall: pressure", 1,
+        piston, piston_error, PLAIN + ONE_WAY + STRONG, (25, 50, 100, 200, 400, 800), (4, 2),
+        (0.4, 0.2, 0.7), (200,)),
+    "vortex": Problem(
+        "ring turned by one radian: displacement", 2,
+        vortex, greatest, TURNING, (8, 12, 16, 24), (4, 3, 2), (0.4, 0.7), (12,)),
+    "slope": Problem(
+        "grains on a slope: speed", 2,
+        slope, slope_error, METAL + ("ddmp apic", "quadratic apic"), (3, 5, 8), (2,),
+        (0.4, 0.7), (5,)),
+    "waves_small": Problem(
+        "standing waves in a square, amplitude 0.001: displacement", 2,
+        waves("plane_strain", 0.001), greatest, SMOOTH + AFFINE, (8, 16, 32, 48), (2,), (0.4,), ()),
+    "taylor": Problem(
+        "copper bar on a wall: length, foot and waist", 2,
+        bar, bar_error, METAL, (3, 6, 9), (2, 3), (0.4, 0.7), (6,)),
+}

@@ -1,0 +1,173 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Facets from STL files, binary or text: the corners of triangles, in any unit of length.
+module io_stl
+   use base_error, only: error_t, exit_file, fail
+   use base_kinds, only: int64, wp
+   use base_text, only: number, shortened, split, text_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: iso_fortran_env, only: real32
+   implicit none
+   private
+
+   public :: read_stl
+
+   integer, parameter :: heading = 84                    !! Bytes before the first facet
+   integer, parameter :: facet_bytes = 50                !! Normal, three corners, two bytes more
+   integer, parameter :: shown = 40                      !! Letters of a wrong line in a message
+
+contains
+
+   !> Take the facets from the content of a file.
+   subroutine read_stl(text, path, corner, error)
+      character(len=*), intent(in) :: text               !! All of the file
+      character(len=*), intent(in) :: path               !! Its name, for messages
+      real(wp), allocatable, intent(out) :: corner(:, :, :) !! (3, corner, facet)
+      type(error_t), allocatable, intent(out) :: error   !! It cannot be understood
+      integer(int64) :: count
+
+      ! files of either kind may begin with the word solid; only the length of a binary one fits
+      count = -1
+      if (len(text) >= heading) count = whole_at(text, heading - 4)
+      if (heading + facet_bytes*count == len(text, kind=int64)) then
+         call read_binary(text, path, int(count), corner, error)
+      else if (index(adjustl(text(:min(len(text), shown))), "solid") == 1 .and. &
+         index(text, "facet") > 0) then
+         call read_text(text, path, corner, error)
+      else if (len(text) >= heading) then
+         call complain(error, path, "it says that it holds "//number(count)// &
+            " facets, but has room for "//number((len(text) - heading)/facet_bytes)// &
+            "; it is cut short, or no STL file")
+      else
+         call complain(error, path, "it is too short for an STL file")
+      end if
+      if (allocated(error)) return
+      if (size(corner, 3) == 0) call complain(error, path, "it holds no facet")
+   end subroutine read_stl
+
+   !> Make the message.
+   subroutine complain(error, path, what)
+      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
+      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: what               !! What is wrong
+
+      call fail(error, exit_file, "cannot read the facets of '"//path//"': "//what)
+   end subroutine complain
+
+   !> Four bytes as a whole number without a sign, the lowest first.
+   pure integer(int64) function whole_at(text, before) result(whole)
+      character(len=*), intent(in) :: text               !! Bytes
+      integer, intent(in) :: before                      !! Bytes before the first
+      integer :: k
+
+      whole = 0
+      do k = 4, 1, -1
+         whole = 256*whole + ichar(text(before + k:before + k))
+      end do
+   end function whole_at
+
+   !> Facets of a binary file.
+   subroutine read_binary(text, path, count, corner, error)
+      character(len=*), intent(in) :: text               !! All of the file
+      character(len=*), intent(in) :: path               !! Its name, for messages
+      integer, intent(in) :: count                       !! Facets
+      real(wp), allocatable, intent(out) :: corner(:, :, :) !! (3, corner, facet)
+      type(error_t), allocatable, intent(out) :: error   !! A number is none
+      real(real32) :: value
+      integer :: facet, k, n, before
+
+      allocate (corner(3, 3, count))
+      do facet = 1, count
+         do n = 1, 3
+            do k = 1, 3
+               ! the normal comes first and is not needed: the order of the corners tells it
+               before = heading + facet_bytes*(facet - 1) + 12*n + 4*(k - 1)
+               value = transfer(text(before + 1:before + 4), value)
+               if (.not. ieee_is_finite(value)) then
+                  call complain(error, path, "facet "//number(facet)// &
+                     " has a corner that is not a number")
+                  return
+               end if
+               corner(k, n, facet) = real(value, wp)
+            end do
+         end do
+      end do
+   end subroutine read_binary
+
+   !> Facets of a text: lines with `vertex` and three numbers, three of them a facet.
+   subroutine read_text(text, path, corner, error)
+      character(len=*), intent(in) :: text               !! All of the file
+      character(len=*), intent(in) :: path               !! Its name, for messages
+      real(wp), allocatable, intent(out) :: corner(:, :, :) !! (3, corner, facet)
+      type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
+      type(text_t), allocatable :: words(:)
+      character(len=:), allocatable :: line
+      real(wp) :: values(3)
+      integer :: first, last, row, corners, facets, status
+
+      allocate (corner(3, 3, facets_of(text)))
+      first = 1
+      row = 0
+      facets = 0
+      corners = 3
+      do while (first <= len(text))
+         last = first + index(text(first:)//new_line("a"), new_line("a")) - 2
+         line = text(first:last)
+         first = last + 2
+         row = row + 1
+         call split(plain(line), words)
+         if (size(words) == 0) cycle
+         select case (words(1)%text)
+         case ("vertex")
+            status = 1
+            if (size(words) == 4 .and. corners < 3) &
+               read (line(index(line, "vertex") + 6:), *, iostat=status) values
+            if (status == 0 .and. .not. all(ieee_is_finite(values))) status = 1
+            if (status /= 0) exit
+            corners = corners + 1
+            corner(:, corners, facets) = values
+         case ("facet")
+            if (corners /= 3) exit
+            facets = facets + 1
+            corners = 0
+         case ("solid", "outer", "endloop", "endfacet", "endsolid")
+            continue
+         case default
+            exit
+         end select
+         line = ""
+      end do
+      if (len(line) > 0) then
+         call complain(error, path, "line "//number(row)//": expected a facet with three "// &
+            "vertices of three numbers, not '"//shortened(trim(adjustl(plain(line))), shown)//"'")
+      else if (corners /= 3 .or. index(text, "endsolid") == 0) then
+         call complain(error, path, "it ends within a solid, in line "//number(row)// &
+            "; it is cut short")
+      end if
+   end subroutine read_text
+
+   !> A line without tabs and carriage returns.
+   pure function plain(line) result(clean)
+      character(len=*), intent(in) :: line               !! Any
+      character(len=len(line)) :: clean
+      integer :: n
+
+      do n = 1, len(line)
+         clean(n:n) = merge(" ", line(n:n), iachar(line(n:n)) < iachar(" "))
+      end do
+   end function plain
+
+   !> How often facets end in a text, and one more for one that does not.
+   pure integer function facets_of(text) result(facets)
+      character(len=*), intent(in) :: text               !! All of the file
+      integer :: found, from
+
+      facets = 1
+      from = 1
+      do
+         found = index(text(from:), "facet ")
+         if (found == 0) return
+         facets = facets + 1
+         from = from + found
+      end do
+   end function facets_of
+end module io_stl

@@ -1,0 +1,314 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Solids whose surface is given by triangles.
+!!
+!! A point lies inside if the surface winds around it: the crossings of a line from the point along
+!! z are counted with their signs. All questions of sides are asked of whole numbers, to which the
+!! corners are rounded, with more than 64 bits where they need them, and a line through an edge or a
+!! corner is moved aside by less than any number, so each facet is crossed or not and no crossing is
+!! lost or counted twice: H. Edelsbrunner and E. P. Mücke, ACM Trans. Graph. 9 (1990) 66. A grid
+!! over x and y finds the facets over a point.
+module particle_facets
+   use base_kinds, only: int64, wp
+   use base_sort, only: sort_order
+   use mesh_table, only: key_table_t
+   use particle_shape, only: shape_t, transform_point
+   implicit none
+   private
+
+   public :: facets_t, set_facets
+
+   integer, parameter :: most_columns = 512              !! Of the grid, along x and along y
+   integer(int64), parameter :: ticks = 2_int64**28      !! Of the lattice, along the longest edge
+
+   !> A solid.
+   type, extends(shape_t) :: facets_t
+      real(wp), allocatable :: corner(:, :, :)           !! (3, corner, facet) As they were read [m]
+      integer(int64), allocatable, private :: lattice(:, :, :) !! (3, corner, facet) Rounded
+      real(wp), private :: lower(3) = 0.0_wp             !! Lower corner of the lattice [m]
+      real(wp), private :: upper(3) = -1.0_wp            !! Upper corner of the facets [m]
+      real(wp), private :: step = 1.0_wp                 !! Of the lattice [m]
+      integer, private :: columns(2) = 1                 !! Of the grid, along x and y
+      integer, allocatable, private :: first(:)          !! (column) First entry of its list
+      integer, allocatable, private :: list(:)           !! Facets over each column
+   contains
+      procedure :: contains => facets_contains           !! Whether a point belongs to it
+      procedure :: bounds => facets_bounds               !! A box around it
+      procedure :: transform => facets_transform         !! Scale, turn and move
+      procedure :: volume => facets_volume               !! Volume that the facets enclose
+      procedure :: faults => facets_faults               !! What is wrong with the surface
+      procedure, private :: prepare => facets_prepare    !! Lattice and grid
+   end type facets_t
+
+contains
+
+   !> Make a solid of the corners of its facets, counterclockwise as seen from outside.
+   pure subroutine set_facets(shape, corner)
+      type(facets_t), intent(out) :: shape               !! The solid
+      real(wp), intent(in) :: corner(:, :, :)            !! (3, corner, facet) [m]
+
+      allocate (shape%corner(3, 3, size(corner, 3)))
+      shape%corner(:, :, :) = corner
+      call shape%prepare()
+   end subroutine set_facets
+
+   !> Round the corners to the lattice and note which facets lie over which columns of the grid.
+   pure subroutine facets_prepare(self)
+      class(facets_t), intent(inout) :: self             !! Corners are set
+      integer, allocatable :: filled(:)
+      integer :: facet, from(2), to(2), k, x, y, column, pass
+
+      if (size(self%corner, 3) == 0) return
+      do k = 1, 3
+         self%lower(k) = minval(self%corner(k, :, :))
+         self%upper(k) = maxval(self%corner(k, :, :))
+      end do
+      self%step = max(maxval(self%upper - self%lower), tiny(1.0_wp))/real(ticks, wp)
+      if (allocated(self%lattice)) deallocate (self%lattice)
+      allocate (self%lattice(3, 3, size(self%corner, 3)))
+      do k = 1, 3
+         self%lattice(k, :, :) = nint((self%corner(k, :, :) - self%lower(k))/self%step, int64)
+      end do
+      self%columns = max(min(int(sqrt(real(size(self%corner, 3), wp))), most_columns), 1)
+      if (allocated(self%first)) deallocate (self%first)
+      allocate (self%first(product(self%columns) + 1), filled(product(self%columns)))
+      filled = 0
+      do pass = 1, 2
+         do facet = 1, size(self%corner, 3)
+            do k = 1, 2
+               from(k) = column_of(self, k, minval(self%lattice(k, :, facet)))
+               to(k) = column_of(self, k, maxval(self%lattice(k, :, facet)))
+            end do
+            do y = from(2), to(2)
+               do x = from(1), to(1)
+                  column = 1 + x + self%columns(1)*y
+                  if (pass == 2) self%list(self%first(column) + filled(column)) = facet
+                  filled(column) = filled(column) + 1
+               end do
+            end do
+         end do
+         if (pass == 2) exit
+         self%first(1) = 1
+         do column = 1, size(filled)
+            self%first(column + 1) = self%first(column) + filled(column)
+         end do
+         if (allocated(self%list)) deallocate (self%list)
+         allocate (self%list(sum(filled)))
+         filled = 0
+      end do
+   end subroutine facets_prepare
+
+   !> Column of a place on the lattice along x or y, from 0.
+   pure integer function column_of(self, direction, place) result(column)
+      class(facets_t), intent(in) :: self                !! The solid
+      integer, intent(in) :: direction                   !! 1 or 2
+      integer(int64), intent(in) :: place                !! On the lattice
+
+      column = int(min(max(place*self%columns(direction)/(ticks + 1), 0_int64), &
+         int(self%columns(direction) - 1, int64)))
+   end function column_of
+
+   !> Whether a point belongs to the solid.
+   pure recursive logical function facets_contains(self, x) result(inside)
+      class(facets_t), intent(in) :: self                !! The solid
+      real(wp), intent(in) :: x(3)                       !! Point [m]
+      integer(int64) :: point(3)
+      integer :: column, entry, winding
+
+      inside = .false.
+      if (any(x < self%lower) .or. any(x > self%upper)) return
+      point = nint((x - self%lower)/self%step, int64)
+      column = 1 + column_of(self, 1, point(1)) + self%columns(1)*column_of(self, 2, point(2))
+      winding = 0
+      do entry = self%first(column), self%first(column + 1) - 1
+         winding = winding + crossing(self%lattice(:, :, self%list(entry)), point)
+      end do
+      inside = winding /= 0
+   end function facets_contains
+
+   !> Sign with which a line from a point upwards leaves through a facet, 0 if it does not cross it.
+   pure integer function crossing(corner, point) result(sign_of_it)
+      integer(int64), intent(in) :: corner(3, 3)         !! (3, corner) On the lattice
+      integer(int64), intent(in) :: point(3)             !! Where the line begins
+      integer :: side(3), k
+
+      sign_of_it = 0
+      if (maxval(corner(3, :)) < point(3)) return
+      do k = 1, 3
+         side(k) = side_of(corner(1:2, k), corner(1:2, 1 + mod(k, 3)), point(1:2))
+      end do
+      if (side(1) /= side(2) .or. side(2) /= side(3)) return
+      if (above(corner, point, side(1))) sign_of_it = side(1)
+   end function crossing
+
+   !> Side of an edge, seen from above, on which a point lies: 1 left, -1 right. A point on the edge
+   !! counts as moved by a little along x and by much less along y.
+   pure integer function side_of(from, to, point) result(side)
+      integer(int64), intent(in) :: from(2)              !! Begin of the edge
+      integer(int64), intent(in) :: to(2)                !! Its end
+      integer(int64), intent(in) :: point(2)             !! The point
+      integer(int64) :: edge(2), turn
+
+      edge = to - from
+      turn = edge(1)*(point(2) - from(2)) - edge(2)*(point(1) - from(1))
+      if (turn == 0) turn = -edge(2)
+      if (turn == 0) turn = edge(1)
+      side = int(sign(1_int64, turn))
+      if (turn == 0) side = 0
+   end function side_of
+
+   !> Does a facet lie above a point that it covers? One through the point itself does not, so that
+   !! solids are closed below and open above. The products have up to 87 bits and are formed in two
+   !! parts.
+   pure logical function above(corner, point, side) result(higher)
+      integer(int64), intent(in) :: corner(3, 3)         !! (3, corner) On the lattice
+      integer(int64), intent(in) :: point(3)             !! The point
+      integer, intent(in) :: side                        !! 1 if the facet is counterclockwise
+      integer, parameter :: split = 25
+      integer(int64), parameter :: half = 2_int64**split
+      integer(int64) :: a(3), b(3), normal(3), offset(3), high, low
+      integer :: k
+
+      a = corner(:, 2) - corner(:, 1)
+      b = corner(:, 3) - corner(:, 1)
+      normal = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+      offset = corner(:, 1) - point
+      ! normal times offset over normal(3), whose sign is `side`, is the height of the facet
+      high = 0
+      low = 0
+      do k = 1, 3
+         high = high + (shifta(normal(k), split))*offset(k)
+         low = low + iand(normal(k), half - 1)*offset(k)
+      end do
+      high = high + shifta(low, split)
+      low = iand(low, half - 1)
+      if (side > 0) then
+         higher = high > 0 .or. (high == 0 .and. low > 0)
+      else
+         higher = high < 0
+      end if
+   end function above
+
+   !> A box around the solid.
+   pure recursive subroutine facets_bounds(self, lo, hi)
+      class(facets_t), intent(in) :: self                !! The solid
+      real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
+
+      lo = self%lower
+      hi = self%upper
+   end subroutine facets_bounds
+
+   !> Scale, turn and move the solid.
+   pure recursive subroutine facets_transform(self, scale, rotation, translate)
+      class(facets_t), intent(inout) :: self             !! The solid
+      real(wp), intent(in) :: scale                      !! Factor above 0 [1]
+      real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal [1]
+      real(wp), intent(in) :: translate(3)               !! Displacement [m]
+      integer :: facet, k
+
+      do facet = 1, size(self%corner, 3)
+         do k = 1, 3
+            call transform_point(scale, rotation, translate, self%corner(:, k, facet))
+         end do
+      end do
+      call self%prepare()
+   end subroutine facets_transform
+
+   !> Volume that the facets enclose, negative if they face inwards [m3].
+   pure real(wp) function facets_volume(self) result(volume)
+      class(facets_t), intent(in) :: self                !! The solid
+      real(wp) :: a(3), b(3), c(3)
+      integer :: facet
+
+      volume = 0.0_wp
+      do facet = 1, size(self%corner, 3)
+         a = self%corner(:, 1, facet) - self%lower
+         b = self%corner(:, 2, facet) - self%lower
+         c = self%corner(:, 3, facet) - self%lower
+         volume = volume + (a(1)*(b(2)*c(3) - b(3)*c(2)) + a(2)*(b(3)*c(1) - b(1)*c(3)) &
+            + a(3)*(b(1)*c(2) - b(2)*c(1)))/6.0_wp
+      end do
+   end function facets_volume
+
+   !> What is wrong with the surface: edges of one facet alone, edges whose two facets face
+   !! different ways, edges of more than two facets, and facets without an area.
+   pure subroutine facets_faults(self, open_edges, turned_edges, crowded_edges, flat)
+      class(facets_t), intent(in) :: self                !! The solid
+      integer, intent(out) :: open_edges                 !! A closed surface has none
+      integer, intent(out) :: turned_edges               !! One facet is turned inside out
+      integer, intent(out) :: crowded_edges              !! Solids that touch, or facets twice
+      integer, intent(out) :: flat                       !! Facets with two corners in one place
+      integer(int64), parameter :: room = 2_int64**31
+      integer(int64), allocatable :: key(:)
+      integer, allocatable :: vertex(:, :), order(:), way(:)
+      integer :: facet, k, edges, first, last
+
+      call name_corners(self%lattice, vertex)
+      allocate (key(size(vertex)), way(size(vertex)))
+      edges = 0
+      flat = 0
+      do facet = 1, size(vertex, 2)
+         if (vertex(1, facet) == vertex(2, facet) .or. vertex(2, facet) == vertex(3, facet) .or. &
+            vertex(3, facet) == vertex(1, facet)) then
+            flat = flat + 1
+            cycle
+         end if
+         do k = 1, 3
+            associate (from => vertex(k, facet), to => vertex(1 + mod(k, 3), facet))
+               edges = edges + 1
+               key(edges) = min(from, to)*room + max(from, to)
+               way(edges) = merge(1, -1, from < to)
+            end associate
+         end do
+      end do
+      order = sort_order(key(:edges))
+      open_edges = 0
+      turned_edges = 0
+      crowded_edges = 0
+      first = 1
+      do while (first <= edges)
+         last = first
+         do while (last < edges)
+            if (key(order(last + 1)) /= key(order(first))) exit
+            last = last + 1
+         end do
+         if (last == first) then
+            open_edges = open_edges + 1
+         else if (last > first + 1) then
+            crowded_edges = crowded_edges + 1
+         else if (way(order(first)) == way(order(last))) then
+            turned_edges = turned_edges + 1
+         end if
+         first = last + 1
+      end do
+   end subroutine facets_faults
+
+   !> Give corners that fall on one place of the lattice one number.
+   pure subroutine name_corners(place, vertex)
+      integer(int64), intent(in) :: place(:, :, :)       !! (3, corner, facet)
+      integer, allocatable, intent(out) :: vertex(:, :)  !! (corner, facet) From 1
+      type(key_table_t) :: columns, corners
+      integer(int64) :: key
+      integer :: facet, k, column, number
+
+      allocate (vertex(3, size(place, 3)))
+      call columns%clear(2*size(vertex))
+      call corners%clear(2*size(vertex))
+      do facet = 1, size(place, 3)
+         do k = 1, 3
+            key = place(1, k, facet) + 2*ticks*place(2, k, facet)
+            column = columns%find(key)
+            if (column == 0) then
+               column = columns%count() + 1
+               call columns%insert(key, column)
+            end if
+            key = place(3, k, facet) + 2*ticks*column
+            number = corners%find(key)
+            if (number == 0) then
+               number = corners%count() + 1
+               call corners%insert(key, number)
+            end if
+            vertex(k, facet) = number
+         end do
+      end do
+   end subroutine name_corners
+end module particle_facets

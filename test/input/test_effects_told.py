@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`scree --check` and the log tell which effects and models are on, and who says so.
+
+Would catch: an effect that is on and not told, one that is told and off, a default taken for a word of the deck, the
+models of another material, a log that says less than the check.
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import case    # noqa: E402
+import report  # noqa: E402
+
+DECK = """
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=4,1,4  dx=1 /
+&time  t_end=1  max_steps=1 /
+&effects  {effects} /
+&material  name='metal'  density=1000  bulk=1.0e6  shear=5.0e5  {metal} /
+&material  name='water'  density=1000  bulk=1.0e6  {water} /
+&region  name='a'  shape='box'  lo=0,0,0  hi=2,1,1 /
+&region  name='b'  shape='box'  lo=0,0,2  hi=2,1,3 /
+&body  name='a'  region='a'  material='metal' /
+&body  name='b'  region='b'  material='water' /
+&checkpoint  at_end=.false. /
+"""
+ALL = "damage=.true. size_scatter=.true. voids=.true. thermal=.true. melting=.true. gravity=.true."
+METAL = ("strength_model='von_mises' yield=1e3 damage_model='principal_stress' failure_stress=1e5 weibull_m=7 "
+         "specific_heat=500 t_melt=900 conductivity=10")
+CASES = (  # effects, metal, water, lines
+    ("", "", "elastic='none'", ["effects    by default: strength, eos, artificial_viscosity",
+     "           metal: strength_model elastic (default), eos_model linear (default)",
+     "           water: eos_model linear (default)"]),
+    ("artificial_viscosity=.false. gravity=.true. eos=.true.", "strength_model='neo_hookean'", "elastic='none'",
+     ["effects    by the deck: eos, gravity; by default: strength",
+      "           metal: strength_model neo_hookean, eos_model linear (default)"]),
+    (ALL, METAL, "elastic='none' specific_heat=4000 eos_model='tait' tait_n=7 t_melt=373",
+     ["effects    by the deck: gravity, damage, size_scatter, voids, thermal, melting; by default: strength, eos, "
+      "artificial_viscosity", "           metal: strength_model von_mises, eos_model linear (default), damage_model "
+      "principal_stress, conductivity on", "eos_model tait"]),
+)
+
+
+def main():
+    """Each deck by check and by log."""
+    options = case.arguments()
+    sheet = report.Report()
+    for number, (effects, metal, water, lines) in enumerate(CASES):
+        run = case.Case(options, f"told_{number}", DECK.format(effects=effects, metal=metal, water=water))
+        told = run.run("--check").output
+        run.run("-q")
+        logged = run.path(".log").read_text(encoding="utf-8")
+        for line in lines:
+            sheet.require(line in told, f"deck {number}: the check tells '{line}': {told}")
+            sheet.require(line in logged, f"deck {number}: the log tells '{line}'")
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
