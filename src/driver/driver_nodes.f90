@@ -10,13 +10,14 @@ module driver_nodes
    use driver_scatter, only: nodes_seen
    use driver_simulation, only: nodes_t, scratch_t, simulation_t
    use mesh_boundary, only: face_friction
-   use mesh_patch, only: assemble, clear_patch, empty_box, ensure_boxes, ensure_patch, widen_box
+   use mesh_patch, only: assemble, clear_patch, empty_box, ensure_boxes, ensure_patch, &
+      ensure_weights, widen_box
    use omp_lib, only: omp_get_thread_num
    use transfer_scatter, only: motion_columns
    implicit none
    private
 
-   public :: node_gradient, book_push, divide, dual_fields, ensure_weights, finish_nodes, &
+   public :: node_gradient, book_push, divide, dual_fields, finish_nodes, &
       move_nodes, remap_nodes, renew_sums, start_nodes, strain_nodes
 
    integer, parameter, public :: stress_before_it = 8 !! Rows of the motion before node stress
@@ -100,19 +101,6 @@ contains
       end do
       !$omp end parallel do
    end subroutine renew_sums
-
-   !> Make room for the weights of the cells of all tiles.
-   pure subroutine ensure_weights(weight, cells, tiles)
-      real(wp), allocatable, intent(inout) :: weight(:, :) !! (cell, tile)
-      integer, intent(in) :: cells                   !! Cells of a tile
-      integer, intent(in) :: tiles                   !! Tiles, ghosts included
-
-      if (allocated(weight)) then
-         if (size(weight, 2) >= tiles) return
-         deallocate (weight)
-      end if
-      allocate (weight(cells, tiles + tiles/32))
-   end subroutine ensure_weights
 
    !> Weights of the cells of a tile and their share of the volumes of the nodes.
    subroutine weigh_tile(simulation, tile)

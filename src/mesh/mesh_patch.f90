@@ -13,7 +13,7 @@ module mesh_patch
    private
 
    public :: assemble, assemble_greatest, clear_patch, empty_box, ensure_boxes, ensure_patch, &
-      widen_box
+      ensure_weights, widen_box
 
 contains
 
@@ -31,6 +31,19 @@ contains
       end if
       allocate (patch(components, nodes, tiles + tiles/32))
    end subroutine ensure_patch
+
+   !> Make room for the weights of the cells of all tiles.
+   pure subroutine ensure_weights(weight, cells, tiles)
+      real(wp), allocatable, intent(inout) :: weight(:, :) !! (cell, tile)
+      integer, intent(in) :: cells                   !! Cells of a tile
+      integer, intent(in) :: tiles                   !! Tiles, ghosts included
+
+      if (allocated(weight)) then
+         if (size(weight, 2) >= tiles) return
+         deallocate (weight)
+      end if
+      allocate (weight(cells, tiles + tiles/32))
+   end subroutine ensure_weights
 
    !> Make room for the boxes of nodes of tiles, of exactly as many.
    pure subroutine ensure_boxes(box, tiles)
