@@ -110,6 +110,7 @@ contains
       integer, parameter :: first = 9, last = 17     ! rows of the stress
       real(wp) :: around(simulation%grid%tile_nodes)
       real(wp) :: sums(last, simulation%grid%tile_nodes)
+      logical :: weighs(simulation%grid%tile_cells)
 
       associate (grid => simulation%grid, nodes => simulation%nodes, dual => simulation%dual, &
          coordinate => simulation%tiles%coordinate(:, tile))
@@ -120,7 +121,8 @@ contains
          call grid%node_volume(coordinate, around)
          call dual%cell_weights(grid, sums, filled, around, nodes%weight(:, tile))
          call empty_box(nodes%weighted(:, :, tile))
-         call widen_box(grid, nodes%weight(:, tile) > 0.0_wp, nodes%weighted(:, :, tile))
+         weighs = nodes%weight(:, tile) > 0.0_wp
+         call widen_box(grid, weighs, nodes%weighted(:, :, tile))
          call clear_patch(nodes%share(:, :, tile))
          call dual%add_volume(grid, coordinate, nodes%weight(:, tile), nodes%share(:, :, tile))
       end associate

@@ -56,6 +56,7 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       integer, intent(out) :: box(3, 2)              !! Lowest and highest node that gets anything
+      logical :: used(simulation%grid%tile_cells)
       integer :: index
 
       call clear_patch(patch)
@@ -67,7 +68,8 @@ contains
             start => simulation%stores(index)%cell_start(:, tile), &
             first => simulation%stores(index)%first(tile), &
                matter => simulation%stores(index)%matter)
-            call widen_box(grid, start(2:) > start(:grid%tile_cells), box)
+            used = start(2:) > start(:grid%tile_cells)
+            call widen_box(grid, used, box)
             call find_places(simulation, scratch, store, tile)
             if (allocated(store%affine)) then
                call method%basis%spread_affine(grid, start, first, places, matter%mass, &
