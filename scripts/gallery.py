@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The gallery: every scene with its picture and figures on one page.
+
+    build/venv/bin/python scripts/gallery.py --scree build/bin/scree    # runs the scenes, renews all
+    build/venv/bin/python scripts/gallery.py --page                     # the page alone
+
+Scenes that measure themselves (input/SCENE/measure.py) are run first, unless their results are there already; their
+tables and pictures go into their folders. Then doc/gallery.md is put together from the READMEs.
+"""
+import argparse
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "doc" / "gallery.md"
+PICTURE = re.compile(r"!\[([^\]]*)\]\(([^)]+)\)")
+FIGURES = re.compile(r"<!-- figures -->\n(.*?)<!-- end of figures -->", re.S)
+HEAD = """# Gallery
+
+The scenes of `input`, with what they show. Each README tells where the numbers come from, what is known, and what
+falls short. This page and its pictures are made by
+
+```console
+build/venv/bin/python scripts/gallery.py
+```
+
+which runs what has not been run yet; all of it takes about an hour on one core.
+"""
+
+
+def arguments():
+    """The options."""
+    parser = argparse.ArgumentParser(description="Run the scenes and make doc/gallery.md.")
+    parser.add_argument("--scree", type=Path, default=ROOT / "build/bin/scree", help="the program")
+    parser.add_argument("--out", type=Path, default=Path("out/scenes"), help="folder of the results")
+    parser.add_argument("--only", nargs="+", metavar="SCENE", help="run these scenes and no others")
+    parser.add_argument("--page", action="store_true", help="run nothing, make the page alone")
+    return parser.parse_args()
+
+
+def scenes():
+    """Folders of scenes with a picture."""
+    return [readme.parent for readme in sorted((ROOT / "input").glob("*/README.md"))
+            if PICTURE.search(readme.read_text(encoding="utf-8"))]
+
+
+def run(options):
+    """Run the scenes that measure themselves; the names of those that failed."""
+    chosen = [folder for folder in scenes() if (folder / "measure.py").is_file()
+              and (not options.only or folder.name in options.only)]
+    failed = []
+    for number, folder in enumerate(chosen, 1):
+        begin = time.time()
+        print(f"{number} of {len(chosen)}: {folder.name}", flush=True)
+        answer = subprocess.run(
+            [sys.executable, folder / "measure.py", "--scree", options.scree, "--out",
+             options.out / folder.name, "--write"], check=False, stdout=subprocess.DEVNULL)
+        print(f"   {'done' if answer.returncode == 0 else 'failed'} in {time.time() - begin:.0f} s",
+              flush=True)
+        if answer.returncode:
+            failed.append(folder.name)
+    return failed
+
+
+def section(folder):
+    """Title with link, first paragraph, picture and figures of a scene."""
+    text = (folder / "README.md").read_text(encoding="utf-8")
+    paragraphs = [part.strip() for part in text.split("\n\n")]
+    title = paragraphs[0].removeprefix("# ")
+    words, place = PICTURE.search(text).groups()
+    picture = (folder / place).resolve().relative_to(ROOT)
+    lines = [f"## {title}", re.sub(r"\]\((?!http)([^)]+)\)", lambda link: relink(folder, link[1]),
+                                   paragraphs[1]),
+             f"![{words}](../{picture})"]
+    found = FIGURES.search(text)
+    if found:
+        lines.append(found[1].strip())
+    lines.append(f"[More](../input/{folder.name}/README.md)")
+    return "\n\n".join(lines)
+
+
+def relink(folder, target):
+    """A link of a scene as one of the page."""
+    return f"](../{(folder / target).resolve().relative_to(ROOT)})"
+
+
+def page():
+    """The whole page."""
+    return HEAD + "\n" + "\n\n".join(section(folder) for folder in scenes()) + "\n"
+
+
+def main():
+    """Run and write; exit code 1 if a scene failed."""
+    options = arguments()
+    failed = [] if options.page else run(options)
+    PAGE.write_text(page(), encoding="utf-8")
+    print(PAGE.relative_to(ROOT))
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
