@@ -8,13 +8,13 @@ module driver_gather
    use driver_culprit, only: tile_bounds
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
    use driver_method, only: method_t, stress_before
-   use driver_nodes, only: node_gradient
+   use driver_nodes, only: node_gradient, stress_before_it
    use driver_packing, only: excess_fill, repack
    use driver_retire, only: erode_tile, fastest_left, retire_tile
-   use driver_scatter, only: find_places
+   use driver_scatter, only: find_places, nodes_seen
    use driver_simulation, only: scratch_t, simulation_t
    use driver_sweep, only: find_filtered, find_slopes
-   use material_kinematics, only: centre_gradient
+   use material_kinematics, only: centre_backward, centre_gradient
    use material_matter, only: deformation_t, matter_t
    use material_type, only: material_t
    use omp_lib, only: omp_get_thread_num
@@ -49,6 +49,7 @@ module driver_gather
       real(wp), allocatable :: scalar(:, :)          !! (1, node) The same [J/kg]
       real(wp), allocatable :: turn(:, :) !! (3, node) The same for linear velocity fields [m/s]
       real(wp), allocatable :: moments(:, :)         !! (9, node) Its moments [m2/s]
+      real(wp), allocatable :: filtered(:, :)        !! (3, node) Sum of the series [m/s]
       real(wp), allocatable :: excess(:, :)          !! (1, node) Fill less 1, for loose matter [1]
       real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
       logical :: slow = .false.                      !! Is no gradient that steep?
@@ -61,22 +62,35 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
-      integer :: tile
-      real(wp) :: began
 
       call simulation%timer%start(simulation%phase%gather)
       if (allocated(simulation%method%splitting) .and. parts%strain) &
          call ensure_opening(simulation%stores(simulation%first_store:simulation%end_store()))
-      !$omp parallel do default(none) shared(simulation, parts, dt) private(tile, began) &
-      !$omp schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
-         began = cost_clock(simulation)
-         call gather_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, parts, dt)
-         call book_cost(simulation, tile, began)
-      end do
-      !$omp end parallel do
+      !$omp parallel default(none) shared(simulation, parts, dt)
+      call gather_some(simulation, parts, dt)
+      !$omp end parallel
       call simulation%timer%stop(simulation%phase%gather)
    end subroutine gather_particles
+
+   !> The tiles of one thread. Its view keeps its memory from tile to tile: getting it anew costs as
+   !! much as all else where a tile has a particle or two.
+   subroutine gather_some(simulation, parts, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      type(view_t) :: view
+      integer :: tile
+      real(wp) :: began
+
+      !$omp do schedule(dynamic, 1)
+      do tile = 1, simulation%tiles%own
+         began = cost_clock(simulation)
+         call gather_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, parts, dt, &
+            view)
+         call book_cost(simulation, tile, began)
+      end do
+      !$omp end do
+   end subroutine gather_some
 
    !> Make room for the rates at which particles grow. Other velocity fields keep theirs.
    pure subroutine ensure_opening(stores)
@@ -90,13 +104,13 @@ contains
    end subroutine ensure_opening
 
    !> One tile.
-   subroutine gather_tile(simulation, scratch, tile, parts, dt)
+   subroutine gather_tile(simulation, scratch, tile, parts, dt, view)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
-      type(view_t) :: view
+      type(view_t), intent(inout) :: view            !! What its particles see
       real(wp) :: fastest, steepest
       integer :: index
 
@@ -205,10 +219,17 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
-      type(view_t), intent(out) :: view              !! What the particles see
+      type(view_t), intent(inout) :: view            !! What the particles see
+      integer :: low, high
 
-      if (parts%work) view%centre = simulation%nodes%velocity(:, :, tile) &
-         + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, :, tile)
+      view%slow = .false.
+      if (parts%work) then
+         call nodes_seen(simulation, tile, low, high)
+         if (.not. allocated(view%centre)) &
+            allocate (view%centre(3, simulation%grid%tile_nodes), source=0.0_wp)
+         view%centre(:, low:high) = simulation%nodes%velocity(:, low:high, tile) &
+            + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, low:high, tile)
+      end if
       if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
       if (parts%strain) call look_steep(simulation, tile, view)
       if (.not. simulation%method%dual) return
@@ -218,7 +239,8 @@ contains
       if (parts%strain .or. (parts%motion .and. simulation%method%transfer%affine())) &
          call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
       if (parts%work .and. simulation%carries_energy) &
-         call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
+         call node_gradient(simulation, tile, simulation%nodes%motion, view%middle, &
+         stress_before_it)
    end subroutine look
 
    !> Which velocity gradients matter for the next step, and whether the nodes can have such. Only
@@ -245,13 +267,13 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       type(view_t), intent(inout) :: view            !! What the particles see
-      real(wp), allocatable :: filtered(:, :)
       real(wp) :: none(1, 0)
 
-      allocate (view%push(3, simulation%grid%tile_nodes), view%carry(3, simulation%grid%tile_nodes))
-      call find_filtered(simulation, tile, dt, filtered)
+      if (.not. allocated(view%push)) allocate (view%push(3, simulation%grid%tile_nodes), &
+         view%carry(3, simulation%grid%tile_nodes))
+      call find_filtered(simulation, tile, dt, view%filtered)
       associate (transfer => simulation%method%transfer, nodes => simulation%nodes, &
-         velocity => simulation%nodes%velocity(:, :, tile), &
+         velocity => simulation%nodes%velocity(:, :, tile), filtered => view%filtered, &
          acceleration => simulation%nodes%acceleration(:, :, tile))
          call transfer%push(dt, acceleration, filtered, view%push)
          if (simulation%method%leapfrog) then
@@ -270,7 +292,8 @@ contains
          end if
          if (.not. transfer%affine()) return
          view%turn = (1.0_wp - transfer%keep())*velocity - transfer%keep()*dt*acceleration
-         allocate (view%moments(9, simulation%grid%tile_nodes))
+         if (.not. allocated(view%moments)) &
+            allocate (view%moments(9, simulation%grid%tile_nodes))
          call moment_fields(simulation%grid, view%turn, view%moments)
       end associate
    end subroutine look_motion
@@ -440,26 +463,6 @@ contains
          call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
       end associate
    end subroutine strain_particles
-
-   !> Gradient at the middle of a step whose motion is over: places were x - G x with the gradient
-   !! at the new places, so it is G (I - G/2)**-1.
-   pure subroutine centre_backward(count, gradient)
-      integer, intent(in) :: count                   !! Particles
-      real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle of the tile, 9)
-      integer :: p, k
-
-      do k = 1, 9
-         do p = 1, count
-            gradient(p, k) = -gradient(p, k)
-         end do
-      end do
-      call centre_gradient(count, gradient)
-      do k = 1, 9
-         do p = 1, count
-            gradient(p, k) = -gradient(p, k)
-         end do
-      end do
-   end subroutine centre_backward
 
    !> Book what artificial viscosity and plastic flow took.
    subroutine book_losses(ledger, material, matter, deformation, count)

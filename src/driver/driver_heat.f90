@@ -15,11 +15,11 @@ module driver_heat
    use driver_cost, only: book_cost, cost_clock
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_ledger, only: dissipated
-   use driver_nodes, only: divide, ensure_weights
+   use driver_nodes, only: divide
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use material_voids, only: expanded
-   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use transfer_places, only: places_t

@@ -7,16 +7,20 @@ module driver_nodes
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
    use driver_light_nodes, only: calm_light_nodes
    use driver_method, only: stress_after
+   use driver_scatter, only: nodes_seen
    use driver_simulation, only: nodes_t, scratch_t, simulation_t
    use mesh_boundary, only: face_friction
-   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use mesh_patch, only: assemble, clear_patch, empty_box, ensure_boxes, ensure_patch, &
+      ensure_weights, widen_box
    use omp_lib, only: omp_get_thread_num
    use transfer_scatter, only: motion_columns
    implicit none
    private
 
-   public :: node_gradient, book_push, divide, dual_fields, ensure_weights, finish_nodes, &
+   public :: node_gradient, book_push, divide, dual_fields, finish_nodes, &
       move_nodes, remap_nodes, renew_sums, start_nodes, strain_nodes
+
+   integer, parameter, public :: stress_before_it = 8 !! Rows of the motion before node stress
 
    !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
    !! divides stays finite.
@@ -35,6 +39,7 @@ contains
          all => simulation%tiles%all)
          call ensure_sums(simulation)
          call ensure_weights(nodes%weight, simulation%grid%tile_cells, all)
+         call ensure_boxes(nodes%weighted, all)
          call ensure_patch(nodes%share, 1, number, all)
          call ensure_patch(nodes%volume, 1, number, all)
          call ensure_patch(nodes%force, 3, number, all)
@@ -90,24 +95,12 @@ contains
 
       !$omp parallel do default(none) shared(simulation) private(tile, sums) schedule(static)
       do tile = 1, simulation%tiles%all
-         call assemble(simulation%grid, simulation%tiles, simulation%nodes%motion, tile, sums)
+         call assemble(simulation%grid, simulation%tiles, simulation%nodes%motion, tile, sums, &
+            simulation%nodes%touched)
          call keep_sums(simulation%nodes, tile, sums)
       end do
       !$omp end parallel do
    end subroutine renew_sums
-
-   !> Make room for the weights of the cells of all tiles.
-   pure subroutine ensure_weights(weight, cells, tiles)
-      real(wp), allocatable, intent(inout) :: weight(:, :) !! (cell, tile)
-      integer, intent(in) :: cells                   !! Cells of a tile
-      integer, intent(in) :: tiles                   !! Tiles, ghosts included
-
-      if (allocated(weight)) then
-         if (size(weight, 2) >= tiles) return
-         deallocate (weight)
-      end if
-      allocate (weight(cells, tiles + tiles/16))
-   end subroutine ensure_weights
 
    !> Weights of the cells of a tile and their share of the volumes of the nodes.
    subroutine weigh_tile(simulation, tile)
@@ -117,15 +110,19 @@ contains
       integer, parameter :: first = 9, last = 17     ! rows of the stress
       real(wp) :: around(simulation%grid%tile_nodes)
       real(wp) :: sums(last, simulation%grid%tile_nodes)
+      logical :: weighs(simulation%grid%tile_cells)
 
       associate (grid => simulation%grid, nodes => simulation%nodes, dual => simulation%dual, &
          coordinate => simulation%tiles%coordinate(:, tile))
-         call assemble(grid, simulation%tiles, nodes%motion, tile, sums)
+         call assemble(grid, simulation%tiles, nodes%motion, tile, sums, nodes%touched)
          call keep_sums(nodes, tile, sums)
          nodes%gradient(:, :, tile) = sums(first:last, :)
          if (simulation%repacks) nodes%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
          call dual%cell_weights(grid, sums, filled, around, nodes%weight(:, tile))
+         call empty_box(nodes%weighted(:, :, tile))
+         weighs = nodes%weight(:, tile) > 0.0_wp
+         call widen_box(grid, weighs, nodes%weighted(:, :, tile))
          call clear_patch(nodes%share(:, :, tile))
          call dual%add_volume(grid, coordinate, nodes%weight(:, tile), nodes%share(:, :, tile))
       end associate
@@ -139,7 +136,8 @@ contains
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile))
-         call assemble(grid, simulation%tiles, nodes%share, tile, nodes%volume(:, :, tile))
+         call assemble(grid, simulation%tiles, nodes%share, tile, nodes%volume(:, :, tile), &
+            nodes%weighted)
          stress = nodes%gradient(:, :, tile)
          call divide(nodes%volume(:, :, tile), 1, stress)
          if (simulation%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
@@ -287,8 +285,6 @@ contains
          all => simulation%tiles%all)
          if (.not. simulation%method%dual) call ensure_sums(simulation)
          call ensure_patch(nodes%strain, 3, number, all)
-         if (simulation%method%dual .and. simulation%carries_energy) &
-            call ensure_patch(nodes%middle, 9, number, all)
       end associate
    end subroutine ensure_moved
 
@@ -308,10 +304,10 @@ contains
          acceleration => simulation%nodes%acceleration(:, :, tile), &
          mass => simulation%nodes%mass(1, :, tile))
          if (.not. simulation%method%dual) then
-            call assemble(grid, simulation%tiles, nodes%motion, tile, sums)
+            call assemble(grid, simulation%tiles, nodes%motion, tile, sums, nodes%touched)
             call keep_sums(nodes, tile, sums)
          else
-            call assemble(grid, simulation%tiles, nodes%force, tile, force)
+            call assemble(grid, simulation%tiles, nodes%force, tile, force, nodes%weighted)
             acceleration = acceleration + force
          end if
          if (simulation%method%differing()) &
@@ -334,7 +330,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      real(wp) :: centre(3, simulation%grid%tile_nodes)
+      real(wp) :: centre(3, simulation%grid%tile_nodes), middle(9, simulation%grid%tile_nodes)
 
       if (.not. simulation%method%dual) return
       associate (grid => simulation%grid, nodes => simulation%nodes, &
@@ -348,10 +344,12 @@ contains
          call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), &
             nodes%strain(:, :, tile), nodes%gradient(:, :, tile))
          if (.not. simulation%carries_energy) return
-         call clear_patch(nodes%middle(:, :, tile))
+         call clear_patch(middle)
          centre = velocity + 0.5_wp*dt*acceleration
          call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), centre, &
-            nodes%middle(:, :, tile))
+            middle)
+         ! the sums of the stresses have been taken from there
+         nodes%motion(stress_before_it + 1:, :, tile) = middle
       end associate
    end subroutine finish_tile
 
@@ -475,15 +473,20 @@ contains
    end subroutine strain_nodes
 
    !> Sum of the patches of a node gradient, divided by the volumes of the nodes.
-   subroutine node_gradient(simulation, tile, patch, gradient)
+   subroutine node_gradient(simulation, tile, patch, gradient, before)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), contiguous, intent(in) :: patch(:, :, :)   !! (9, node, tile)
-      real(wp), allocatable, intent(out) :: gradient(:, :) !! (9, node) [1/s]
+      real(wp), contiguous, intent(in) :: patch(:, :, :)   !! (row, node, tile)
+      !> (9, node) [1/s]; only where the particles of the tile see it
+      real(wp), allocatable, intent(inout) :: gradient(:, :)
+      integer, intent(in), optional :: before        !! Rows before those of the gradient, if any
+      integer :: low, high
 
-      allocate (gradient(9, simulation%grid%tile_nodes))
-      call assemble(simulation%grid, simulation%tiles, patch, tile, gradient)
-      call divide(simulation%nodes%volume(:, :, tile), 1, gradient)
+      if (.not. allocated(gradient)) allocate (gradient(9, simulation%grid%tile_nodes))
+      call assemble(simulation%grid, simulation%tiles, patch, tile, gradient, &
+         simulation%nodes%weighted, before)
+      call nodes_seen(simulation, tile, low, high)
+      call divide(simulation%nodes%volume(:, low:high, tile), 1, gradient(:, low:high))
       call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
          gradient)
    end subroutine node_gradient

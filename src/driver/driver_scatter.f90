@@ -5,7 +5,7 @@ module driver_scatter
    use driver_cost, only: book_cost, cost_clock
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_simulation, only: scratch_t, simulation_t
-   use mesh_patch, only: clear_patch, ensure_patch
+   use mesh_patch, only: clear_patch, empty_box, ensure_boxes, ensure_patch, widen_box
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use transfer_even, only: even_stress
@@ -14,7 +14,7 @@ module driver_scatter
    implicit none
    private
 
-   public :: find_places, scatter_particles
+   public :: find_places, nodes_seen, scatter_particles
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
 
@@ -31,6 +31,7 @@ contains
       call simulation%timer%start(simulation%phase%scatter)
       call ensure_patch(simulation%nodes%motion, merge(dual_columns, motion_columns, &
          simulation%method%dual), simulation%grid%tile_nodes, simulation%tiles%own)
+      call ensure_boxes(simulation%nodes%touched, simulation%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
          !$omp parallel do default(none) shared(simulation, tiles) private(n, began) &
@@ -38,7 +39,8 @@ contains
          do n = 1, size(tiles)
             began = cost_clock(simulation)
             call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
-               simulation%nodes%motion(:, :, tiles(n)))
+               simulation%nodes%motion(:, :, tiles(n)), &
+               simulation%nodes%touched(:, :, tiles(n)))
             call book_cost(simulation, tiles(n), began)
          end do
          !$omp end parallel do
@@ -48,14 +50,17 @@ contains
    end subroutine scatter_particles
 
    !> One tile.
-   subroutine scatter_tile(simulation, scratch, tile, patch)
+   subroutine scatter_tile(simulation, scratch, tile, patch, box)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      integer, intent(out) :: box(3, 2)              !! Lowest and highest node that gets anything
+      logical :: used(simulation%grid%tile_cells)
       integer :: index
 
       call clear_patch(patch)
+      call empty_box(box)
       do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%grid, store => simulation%stores(index), &
@@ -63,6 +68,8 @@ contains
             start => simulation%stores(index)%cell_start(:, tile), &
             first => simulation%stores(index)%first(tile), &
                matter => simulation%stores(index)%matter)
+            used = start(2:) > start(:grid%tile_cells)
+            call widen_box(grid, used, box)
             call find_places(simulation, scratch, store, tile)
             if (allocated(store%affine)) then
                call method%basis%spread_affine(grid, start, first, places, matter%mass, &
@@ -175,4 +182,19 @@ contains
             coordinate, store, tile, scratch%places)
       end associate
    end subroutine find_places
+
+   !> First and last of the nodes that the particles of a tile see.
+   pure subroutine nodes_seen(simulation, tile, low, high)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! An own tile
+      integer, intent(out) :: low, high              !! First and last; 1 and 0 without particles
+
+      low = 1
+      high = 0
+      associate (grid => simulation%grid, box => simulation%nodes%touched(:, :, tile))
+         if (any(box(:, 2) < box(:, 1))) return
+         low = 1 + dot_product(box(:, 1) + merge(grid%margin, 0, grid%active), grid%stride)
+         high = 1 + dot_product(box(:, 2) + merge(grid%margin, 0, grid%active), grid%stride)
+      end associate
+   end subroutine nodes_seen
 end module driver_scatter

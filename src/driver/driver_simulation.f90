@@ -29,8 +29,12 @@ module driver_simulation
    !! is
    !! not allocated.
    type :: nodes_t
-      real(wp), allocatable :: motion(:, :, :) !! Patch of mass, momentum, force, and for the dual
-                                                     !! gradient volume and stress
+      !> Patch of mass, momentum, force, and for the dual gradient volume and stress, in whose place
+      !! the node gradient of the mid-step velocity stands when the nodes have moved [m3/s]
+      real(wp), allocatable :: motion(:, :, :)
+      !> (3, lowest or highest node, tile) Box of the nodes to which own tiles add motion, and of
+      !! those of cells with a weight
+      integer, allocatable :: touched(:, :, :), weighted(:, :, :)
       real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
@@ -53,7 +57,6 @@ module driver_simulation
       real(wp), allocatable :: force(:, :, :)        !! Patch (3): force of the node stress [N]
       !> Patch (9): node gradient of strain [m3/s]; before the nodes move, sums of the stresses [J]
       real(wp), allocatable :: gradient(:, :, :)
-      real(wp), allocatable :: middle(:, :, :) !! Patch (9): that of the mid-step velocity [m3/s]
       !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): first sum
       real(wp), allocatable :: heat(:, :, :), flux(:, :, :), warmth(:, :, :)
       !> (3) What faces and gravity add to the velocities [m/s]; only with contact
@@ -220,6 +223,8 @@ contains
       type(nodes_t), intent(inout) :: other          !! Gets them
 
       call move_alloc(self%motion, other%motion)
+      call move_alloc(self%touched, other%touched)
+      call move_alloc(self%weighted, other%weighted)
       call move_alloc(self%mass, other%mass)
       call move_alloc(self%velocity, other%velocity)
       call move_alloc(self%acceleration, other%acceleration)
@@ -238,7 +243,6 @@ contains
       call move_alloc(self%filled, other%filled)
       call move_alloc(self%force, other%force)
       call move_alloc(self%gradient, other%gradient)
-      call move_alloc(self%middle, other%middle)
       call move_alloc(self%push, other%push)
       call move_alloc(self%rubbed, other%rubbed)
    end subroutine nodes_move_to

@@ -180,7 +180,7 @@ contains
       bytes = 8_int64*(length(nodes%motion) + length(nodes%mass) &
          + length(nodes%velocity) + length(nodes%acceleration) + length(nodes%extra) &
          + length(nodes%strain) + length(nodes%share) + length(nodes%volume) &
-         + length(nodes%force) + length(nodes%gradient) + length(nodes%middle) &
+         + length(nodes%force) + length(nodes%gradient) &
          + length(nodes%filtered) + length(nodes%term) + length(nodes%loss) &
          + length(nodes%mean) + length(nodes%star) + length(nodes%unit) &
          + length(nodes%difference) + length(nodes%push) + length(nodes%rubbed))

@@ -135,9 +135,9 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), allocatable, intent(out) :: filtered(:, :) !! (3, node) [m/s]
+      real(wp), allocatable, intent(inout) :: filtered(:, :) !! (3, node) [m/s]
 
-      allocate (filtered(3, simulation%grid%tile_nodes))
+      if (.not. allocated(filtered)) allocate (filtered(3, simulation%grid%tile_nodes))
       if (simulation%method%transfer%sweeps() > 0) then
          filtered = simulation%nodes%filtered(:, :, tile)
       else

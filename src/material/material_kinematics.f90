@@ -5,7 +5,7 @@ module material_kinematics
    implicit none
    private
 
-   public :: centre_gradient, deform, dilate, follow_motion, predict_deviator
+   public :: centre_backward, centre_gradient, deform, dilate, follow_motion, predict_deviator
 
 contains
 
@@ -61,6 +61,26 @@ contains
          end do
       end do
    end subroutine centre_gradient
+
+   !> Gradient at the middle of a step whose motion is over: places were x - G x with the gradient
+   !! at the new places, so it is G (I - G/2)**-1.
+   pure subroutine centre_backward(count, gradient)
+      integer, intent(in) :: count                   !! Particles
+      real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle of the tile, 9)
+      integer :: p, k
+
+      do k = 1, 9
+         do p = 1, count
+            gradient(p, k) = -gradient(p, k)
+         end do
+      end do
+      call centre_gradient(count, gradient)
+      do k = 1, 9
+         do p = 1, count
+            gradient(p, k) = -gradient(p, k)
+         end do
+      end do
+   end subroutine centre_backward
 
    !> Exponential function for the growth of a volume or a temperature in a step, by the Pade
    !! approximant of order (2, 2): relative error x**5/720, positive for every x, vectorises.

@@ -12,7 +12,8 @@ module mesh_patch
    implicit none
    private
 
-   public :: assemble, assemble_greatest, clear_patch, ensure_patch
+   public :: assemble, assemble_greatest, clear_patch, empty_box, ensure_boxes, ensure_patch, &
+      ensure_weights, widen_box
 
 contains
 
@@ -28,8 +29,64 @@ contains
             size(patch, 3) >= tiles) return
          deallocate (patch)
       end if
-      allocate (patch(components, nodes, tiles + tiles/16))
+      allocate (patch(components, nodes, tiles + tiles/32))
    end subroutine ensure_patch
+
+   !> Make room for the weights of the cells of all tiles.
+   pure subroutine ensure_weights(weight, cells, tiles)
+      real(wp), allocatable, intent(inout) :: weight(:, :) !! (cell, tile)
+      integer, intent(in) :: cells                   !! Cells of a tile
+      integer, intent(in) :: tiles                   !! Tiles, ghosts included
+
+      if (allocated(weight)) then
+         if (size(weight, 2) >= tiles) return
+         deallocate (weight)
+      end if
+      allocate (weight(cells, tiles + tiles/32))
+   end subroutine ensure_weights
+
+   !> Make room for the boxes of nodes of tiles, of exactly as many.
+   pure subroutine ensure_boxes(box, tiles)
+      integer, allocatable, intent(inout) :: box(:, :, :) !! (3, lowest or highest node, tile)
+      integer, intent(in) :: tiles                   !! Tiles
+
+      if (allocated(box)) then
+         if (size(box, 3) == tiles) return
+         deallocate (box)
+      end if
+      allocate (box(3, 2, tiles))
+   end subroutine ensure_boxes
+
+   !> A box that holds no node.
+   pure subroutine empty_box(box)
+      integer, intent(out) :: box(3, 2)              !! Lowest and highest node, from 0
+      integer, parameter :: nowhere = 1000000000     !! Far from any node of any tile
+
+      box(:, 1) = nowhere
+      box(:, 2) = -nowhere
+   end subroutine empty_box
+
+   !> Widen a box of nodes by those of some cells of a tile.
+   pure subroutine widen_box(grid, used, box)
+      type(grid_t), intent(in) :: grid               !! The grid
+      logical, intent(in) :: used(0:)                !! (cell) Which cells
+      integer, intent(inout) :: box(3, 2)            !! Lowest and highest node, from 0
+      integer :: cell, upper(3), margin(3)
+
+      ! between the first and the last cell lies the whole tile
+      if (grid%margin > 0 .or. (used(0) .and. used(grid%tile_cells - 1))) then
+         margin = merge(grid%margin, 0, grid%active)
+         box(:, 1) = -margin
+         box(:, 2) = merge(grid%width, 0, grid%active) + margin
+         return
+      end if
+      upper = merge(1, 0, grid%active)
+      do cell = 0, grid%tile_cells - 1
+         if (.not. used(cell)) cycle
+         box(:, 1) = min(box(:, 1), grid%cell_position(:, cell))
+         box(:, 2) = max(box(:, 2), grid%cell_position(:, cell) + upper)
+      end do
+   end subroutine widen_box
 
    !> Set the values of all nodes to zero, as one piece of memory: node by node it costs as much as
    !! a tenth of a step.
@@ -47,17 +104,26 @@ contains
       values = 0.0_wp
    end subroutine clear_numbers
 
-   !> Sum the patches that touch the nodes of one tile, its margin included.
-   pure subroutine assemble(grid, tiles, patch, tile, total)
+   !> Sum the patches that touch the nodes of one tile, its margin included. Where it is known
+   !! between which nodes a patch holds anything the rest is not added: a sum that begins with zero
+   !! is the same bits without further zeros.
+   pure subroutine assemble(grid, tiles, patch, tile, total, box, before)
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Contributions
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node) Sums
+      !> (3, lowest or highest, tile) Nodes of the first tiles; the others have no bounds
+      integer, contiguous, intent(in), optional :: box(:, :, :)
+      !> Components before those that are summed; without it all of them are
+      integer, intent(in), optional :: before
       integer :: place, other, shift(3), extent(3), theirs(3), origin(3), margin(3), low(3), high(3)
+      integer :: boxes
 
       extent = extent_of(tile)
       margin = merge(grid%margin, 0, grid%active)
+      boxes = 0
+      if (present(box)) boxes = size(box, 3)
       call clear_patch(total)
       do place = 1, neighbors
          other = tiles%neighbor(place, tile)
@@ -71,7 +137,17 @@ contains
          origin = merge(extent, merge(-theirs, 0, shift == -1), shift == 1)
          low = max(0, origin) - margin
          high = min(extent, origin + theirs) + margin
+         if (other <= boxes) then
+            low = max(low, origin + box(:, 1, other))
+            high = min(high, origin + box(:, 2, other))
+         end if
          if (any(high < low)) cycle
+         if (present(before)) then
+            call add_rows(before, dot_product(low + margin, grid%stride), &
+               dot_product(low - origin + margin, grid%stride), high - low, grid%stride, &
+               patch(:, :, other), total)
+            cycle
+         end if
          call add_box(size(patch, 1), size(patch, 2), dot_product(low + margin, grid%stride), &
             dot_product(low - origin + margin, grid%stride), high - low, grid%stride, &
             patch(:, :, other), total)
@@ -178,4 +254,28 @@ contains
          end do
       end do
    end subroutine add_box
+
+   !> The same with some of the components of the other tile.
+   pure subroutine add_rows(before, mine, theirs, length, stride, patch, total)
+      integer, intent(in) :: before                  !! Components before those that are added
+      integer, intent(in) :: mine                    !! Nodes before the first one here
+      integer, intent(in) :: theirs                  !! Nodes before the first one there
+      integer, intent(in) :: length(3)               !! Nodes of the box along a direction, less 1
+      integer, intent(in) :: stride(3)               !! Steps in the node index
+      real(wp), contiguous, intent(in) :: patch(:, :) !! (component, node) Of the other tile
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node) Sums
+      integer :: component, x, y, z, shift
+
+      do z = 0, length(3)
+         do y = 0, length(2)
+            shift = y*stride(2) + z*stride(3)
+            do x = 1 + shift, 1 + shift + length(1)
+               do component = 1, size(total, 1)
+                  total(component, mine + x) = total(component, mine + x) &
+                     + patch(before + component, theirs + x)
+               end do
+            end do
+         end do
+      end do
+   end subroutine add_rows
 end module mesh_patch

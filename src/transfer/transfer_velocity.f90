@@ -136,14 +136,22 @@ contains
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
       real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y_n [m/s]
       real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Lost by it [J/kg]
-      real(wp), allocatable, intent(out) :: fields(:, :)     !! (column, node) At most nine columns
-      real(wp), allocatable, intent(out) :: scalar(:, :)     !! (1, node) A tenth one
+      real(wp), allocatable, intent(inout) :: fields(:, :) !! (column, node) At most nine columns
+      real(wp), allocatable, intent(inout) :: scalar(:, :)   !! (1, node) A tenth one
+      real(wp) :: given
+      integer :: node
 
-      allocate (fields(7, size(velocity, 2)), scalar(1, 0))
-      fields(1:3, :) = dt*acceleration + (1.0_wp - self%keep())*velocity
-      fields(4:6, :) = velocity + 0.5_wp*dt*acceleration
-      fields(7, :) = 0.5_wp*dt**2*sum(acceleration**2, dim=1) &
-         + (1.0_wp - self%keep())*sum(velocity*(velocity + dt*acceleration), dim=1)
+      if (.not. allocated(fields)) &
+         allocate (fields(7, size(velocity, 2)), scalar(1, 0))
+      given = 1.0_wp - self%keep()
+      do node = 1, size(velocity, 2)
+         associate (u => velocity(:, node), a => acceleration(:, node))
+            fields(1:3, node) = dt*a + given*u
+            fields(4:6, node) = u + 0.5_wp*dt*a
+            fields(7, node) = 0.5_wp*dt**2*(a(1)**2 + a(2)**2 + a(3)**2) + given &
+               *(u(1)*(u(1) + dt*a(1)) + u(2)*(u(2) + dt*a(2)) + u(3)*(u(3) + dt*a(3)))
+         end associate
+      end do
    end subroutine velocity_heat_fields
 
    !> Give the kinetic energy that gets lost on the way from particles to nodes and back to the

@@ -91,10 +91,11 @@ contains
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
       real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y [m/s]
       real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Lost by it [J/kg]
-      real(wp), allocatable, intent(out) :: fields(:, :)     !! (9, node) u, a dt, y
-      real(wp), allocatable, intent(out) :: scalar(:, :)     !! (1, node) [J/kg]
+      real(wp), allocatable, intent(inout) :: fields(:, :)   !! (9, node) u, a dt, y
+      real(wp), allocatable, intent(inout) :: scalar(:, :)   !! (1, node) [J/kg]
 
-      allocate (fields(9, size(velocity, 2)), scalar(1, size(velocity, 2)))
+      if (.not. allocated(fields)) &
+         allocate (fields(9, size(velocity, 2)), scalar(1, size(velocity, 2)))
       fields(1:3, :) = velocity
       fields(4:6, :) = dt*acceleration
       if (self%order == 1) then
