@@ -28,7 +28,7 @@ from ..errors import EXIT_USAGE, PostError
 ROOT = Path(__file__).resolve().parents[3]
 SUMMARY = "how accurate a number of a deck is, and what more costs"
 EXAMPLES = ("accuracy input/taylor_copper/scene.nml --quantity length radius --factors 4,2,1",
-            "accuracy input/two_discs/scene.nml --quantity kinetic:min --factors 4,2,1 --methods ddmp,mpm")
+            "accuracy input/two_discs/scene.nml --quantity length --factors 4,2,1")
 AXES = {"3d": (0, 1, 2), "plane_strain": (0, 2), "axisymmetric": (0, 2), "1d": (0,)}
 SAFE, WARY = 1.25, 3.0                   # factors of safety: the order is as expected, or it is not
 EXPECTED = (0.5, 2.5)                    # orders that are believed
