@@ -10,49 +10,21 @@ prints the table, and draws the picture. With --write the table goes into the RE
 and the picture beside it. With --check the figures of the README are held against those of the runs.
 """
 import argparse
-import json
 import os
 import re
-import subprocess
-import sys
-import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import scree_post
-from scree_post import PostError
+from scree_post import PostError, study
+from scree_post.written import Written
 
-ROOT = Path(__file__).resolve().parents[1]
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
-FINISHED = 0
 
 
-@dataclass
-class Run:
-    """One finished run and what it wrote."""
-
-    name: str
-    folder: Path
-
-    @property
-    def summary(self):
-        """What CASE.summary.json holds."""
-        return json.loads((self.folder / f"{self.name}.summary.json").read_text(encoding="utf-8"))
-
-    @property
-    def history(self):
-        """Columns of the history."""
-        return scree_post.history(str(self.folder / f"{self.name}_history.csv"))
-
-    @property
-    def series(self):
-        """Times [s] and files of the snapshots."""
-        return scree_post.series(str(self.folder / f"{self.name}_p.hdf.series"))
-
-    def last(self):
-        """The last snapshot."""
-        return scree_post.snapshot(self.series[-1][1])
+class Run(Written):
+    """A finished run of a scene."""
 
     def near(self, moment):
         """The snapshot nearest to a time [s]."""
@@ -113,7 +85,7 @@ class Study:
         """The options."""
         parser = argparse.ArgumentParser(
             description=f"Run what input/{self.folder.name} holds and measure it.")
-        parser.add_argument("--scree", type=Path, default=ROOT / "build/bin/scree", help="the program")
+        parser.add_argument("--scree", metavar="PROGRAM", help="the program (build/bin/scree)")
         parser.add_argument("--out", type=Path, default=Path("out") / self.folder.name,
                             help="folder of the results")
         parser.add_argument("--only", nargs="+", metavar="CASE", help="these cases and no others")
@@ -122,13 +94,11 @@ class Study:
         parser.add_argument("--check", action="store_true",
                             help="hold the README against the runs; exit code 1 if it differs")
         options = parser.parse_args()
-        if not options.scree.is_file():
-            raise PostError(f"no program {options.scree}; name it with --scree", scree_post.EXIT_USAGE)
         unknown = set(options.only or ()) - set(self.cases)
         if unknown:
             raise PostError(f"no case {min(unknown)}; there are: {', '.join(self.cases)}",
                             scree_post.EXIT_USAGE)
-        options.scree, options.out = options.scree.resolve(), options.out.resolve()
+        options.scree, options.out = study.find_program(options.scree), options.out.resolve()
         options.out.mkdir(parents=True, exist_ok=True)
         return options
 
@@ -136,38 +106,12 @@ class Study:
         """Run the cases that are not there yet; all of them by name."""
         chosen = {name: case for name, case in self.cases.items()
                   if not options.only or name in options.only}
-        runs, begin = {}, time.time()
-        for number, (name, (deck, values)) in enumerate(chosen.items(), 1):
-            if sys.stderr.isatty():
-                print(f"\r{number} of {len(chosen)} runs, {time.time() - begin:.0f} s: {name:40}",
-                      end="", file=sys.stderr, flush=True)
-            runs[name] = self.run_case(options, name, deck, values)
-        if sys.stderr.isatty():
-            print("\r" + " " * 70 + "\r", end="", file=sys.stderr)
-        return runs
-
-    def run_case(self, options, name, deck, values):
-        """Run one case, unless the same words with the same program have finished before."""
-        run = Run(name, options.out / name)
-        deck = (self.folder / deck).resolve()
-        words = [str(options.scree), "-q", "--case", name, "--outdir", str(run.folder)]
-        for key, value in values.items():
-            words += ["--set", f"{key}={value}"]
-        program = options.scree.stat()
-        label = json.dumps([words, deck.read_text(encoding="utf-8"), program.st_size,
-                            program.st_mtime_ns])
-        done = run.folder / f"{name}.done"
-        if done.is_file() and done.read_text(encoding="utf-8") == label:
-            return run
-        done.unlink(missing_ok=True)
-        run.folder.mkdir(parents=True, exist_ok=True)
-        answer = subprocess.run([*words, str(deck)], capture_output=True, text=True, check=False,
-                                env={**os.environ, "HDF5_USE_FILE_LOCKING": "FALSE"})
-        if answer.returncode != FINISHED:
-            raise PostError(f"{name} ended with exit code {answer.returncode}\n"
-                            f"{(answer.stdout + answer.stderr)[-2000:]}", answer.returncode)
-        done.write_text(label, encoding="utf-8")
-        return run
+        threads = os.environ.get("OMP_NUM_THREADS") or os.cpu_count() or 1
+        for deck in dict.fromkeys(deck for deck, _ in chosen.values()):
+            some = [study.Run(values, str(options.out / name), name)
+                    for name, (other, values) in chosen.items() if other == deck]
+            study.Study(options.scree, (self.folder / deck).resolve(), threads).all(some, 1, refuse_failed)
+        return {name: Run(options.out / name, name) for name in chosen}
 
     def parts(self):
         """README before, between and after the two lines."""
@@ -191,6 +135,12 @@ class Study:
             print(f"README.md: {line}")
         print(f"{len(wrong)} differences" if wrong else "README.md tells what the runs show")
         return 1 if wrong else 0
+
+
+def refuse_failed(run):
+    """A scene without one of its runs has no figures."""
+    if run.code:
+        raise PostError(f"{run.case} ended with exit code {run.code}: {run.reason}", run.code)
 
 
 def differences(told, found, tolerance):

@@ -31,7 +31,7 @@ def enclosing(radius, mass, share):
 
 def glass(run):
     """Failed share; radii that hold 90 % of two slices; shares of energy in radial motion and noise."""
-    snap = run.last()
+    snap = run.last_snapshot()
     z, r, mass = snap.points[:, 2], snap.points[:, 0], snap.fields["mass"]
     found = {"failed share": snap.fields["failed"].mean()}
     for low, high in ((0.0, 5.0e-3), (5.0e-3, 10.0e-3)):
@@ -45,7 +45,7 @@ def glass(run):
 
 def copper(run):
     """Length, foot and waist."""
-    snap = run.last()
+    snap = run.last_snapshot()
     z, r = snap.points[:, 2], snap.points[:, 0]
     waist = np.abs(z - 5.08e-3) < 0.5e-3
     return {"length": z.max(), "foot": r[z < 1.0e-3].max(), "waist": r[waist].max()}
@@ -76,7 +76,7 @@ def draw(runs, plot):
                                    layout="constrained")
     for bar, first, limits in (("glass", 0, (-18, 18, 0, 58)), ("copper", 3, (-8, 8, 0, 17))):
         for panel, (name, (title, _)) in zip(panels[first:first + 3], METHODS.items()):
-            snap = runs[f"{bar}_{name}_{BARS[bar][2][1]}"].last()
+            snap = runs[f"{bar}_{name}_{BARS[bar][2][1]}"].last_snapshot()
             r, z = 1e3 * snap.points[:, 0], 1e3 * snap.points[:, 2]
             if bar == "glass":
                 values, top, colours = snap.fields["velocity"][:, 0], 300.0, "inferno"

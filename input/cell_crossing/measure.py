@@ -37,7 +37,7 @@ def exact():
 
 def plateau(run):
     """Height [m] and stress [Pa] of the particles behind the wave at the end."""
-    snap = run.last()
+    snap = run.last_snapshot()
     height, stress = snap.points[:, 2], snap.fields["stress"][:, 2]
     chosen = (height > 0.1) & (height < 0.5)
     return height[chosen], stress[chosen]
@@ -64,7 +64,7 @@ def draw(runs, plot):
                                    layout="constrained")
     colours = {"mpm": "#d55e00", "gimp": "#e69f00", "quadratic": "#009e73", "ddmp": "#0072b2"}
     for panel, (name, (title, _, _)) in zip(panels, METHODS.items()):
-        snap = runs[f"{name}_coarse"].last()
+        snap = runs[f"{name}_coarse"].last_snapshot()
         shown = panel.scatter(snap.points[:, 0], snap.points[:, 2], c=snap.fields["stress"][:, 2] / right,
                               s=5, vmin=0.0, vmax=1.5, cmap="viridis", linewidths=0)
         panel.set(title=title, aspect="equal", xlim=(0, 0.4), ylim=(0, 1.0), xticks=[])

@@ -73,7 +73,7 @@ def tables(runs):
                     "length / width", "failed", "energy error"])
     for name, (ratio, _) in SHEETS.items():
         if name in runs:
-            run, last = runs[name], runs[name].last()
+            run, last = runs[name], runs[name].last_snapshot()
             front, length, width = shape(last)
             family.rows.append([
                 ratio, f"{1e3 * hole(last):.1f}", f"{9.53 * maiden(ratio):.1f}",
@@ -84,10 +84,10 @@ def tables(runs):
     for name, title in (("t163", "scene, no voids"), ("open", "voids, open when failed"),
                         ("one", "voids, alpha_m = 1"), ("hiermaier", "10 mm sphere, 4 mm sheet, 6.18 km/s")):
         if name in runs:
-            last = runs[name].last()
-            other.rows.append([title, f"{1e3 * hole(last):.1f}",
-                               *(f"{1e3 * value:.1f}" for value in shape(last)),
-                               f"{shape(last)[1] / shape(last)[2]:.2f}"])
+            last = runs[name].last_snapshot()
+            front, length, width = shape(last)
+            other.rows.append([title, f"{1e3 * hole(last):.1f}", f"{1e3 * front:.1f}", f"{1e3 * length:.1f}",
+                               f"{1e3 * width:.1f}", f"{length / width:.2f}"])
     return [family, other]
 
 
@@ -97,7 +97,7 @@ def draw(runs, plot):
     figure, panels = plot.subplots(1, len(names), figsize=(2.4 * len(names), 4.6), squeeze=False,
                                    layout="constrained")
     for panel, name in zip(panels[0], names):
-        snap = runs[name].last()
+        snap = runs[name].last_snapshot()
         r, z = 1e3 * snap.points[:, 0], 1e3 * snap.points[:, 2]
         sphere = snap.fields["body"] == SPHERE
         failed = snap.fields["failed"] > 0.5

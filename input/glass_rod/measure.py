@@ -60,7 +60,7 @@ def tables(runs):
     for name, run in runs.items():
         glass, stress = name.split("_")
         title, _, longitudinal, shear = GLASS[glass]
-        found, last = front_speed(run), run.last()
+        found, last = front_speed(run), run.last_snapshot()
         table.rows.append([title, stress, f"{speed(glass, float(stress)):.0f}",
                            f"{found:.0f}" if found else "stands",
                            f"{found / shear:.2f}", f"{found / longitudinal:.2f}",

@@ -48,14 +48,17 @@ class Written:
         name = next((files[key] for key in sorted(files) if key.startswith("history")), None)
         return scree_post.history(str(self.folder / name)) if name else None
 
-    def last_snapshot(self):
-        """The last snapshot of the first series, or None."""
+    @property
+    def series(self):
+        """Times [s] and files of the first series of particles, or None."""
         files = self.summary.get("files", {})
         name = next((files[key] for key in sorted(files) if key.startswith("particles")), None)
-        if not name:
-            return None
-        _, file = scree_post.series(str(self.folder / name))[-1]
-        return scree_post.snapshot(file)
+        return scree_post.series(str(self.folder / name)) if name else None
+
+    def last_snapshot(self):
+        """The last snapshot of the first series, or None."""
+        series = self.series
+        return scree_post.snapshot(series[-1][1]) if series else None
 
     def value(self, quantity, body=None, percentile=100.0):
         """The number of a quantity. An error lists what there is."""

@@ -6,6 +6,7 @@ takes anything for equal, and a gallery that was not renewed.
 """
 # timeout: 400
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -22,6 +23,7 @@ SHORT = ("cell_crossing",)             # the others take minutes: test_all_scene
 
 def check(options, sheet, scene):
     """Run a scene and hold its README against it."""
+    shutil.rmtree(options.work / scene, ignore_errors=True)     # runs of another program of this version
     answer = subprocess.run(
         [sys.executable, ROOT / "input" / scene / "measure.py", "--scree", options.scree, "--out",
          options.work / scene, "--check"], capture_output=True, text=True, check=False)
