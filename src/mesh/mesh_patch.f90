@@ -120,7 +120,7 @@ contains
       integer :: place, other, shift(3), extent(3), theirs(3), origin(3), margin(3), low(3), high(3)
       integer :: boxes
 
-      extent = extent_of(tile)
+      extent = extent_of(grid, tiles, tile)
       margin = merge(grid%margin, 0, grid%active)
       boxes = 0
       if (present(box)) boxes = size(box, 3)
@@ -132,7 +132,7 @@ contains
          shift(1) = mod(place - 1, 3) - 1
          shift(2) = mod((place - 1)/3, 3) - 1
          shift(3) = (place - 1)/9 - 1
-         theirs = extent_of(other)
+         theirs = extent_of(grid, tiles, other)
          ! lower corner of the other tile, and the box that both have, seen from this one
          origin = merge(extent, merge(-theirs, 0, shift == -1), shift == 1)
          low = max(0, origin) - margin
@@ -152,17 +152,6 @@ contains
             dot_product(low - origin + margin, grid%stride), high - low, grid%stride, &
             patch(:, :, other), total)
       end do
-
-   contains
-
-      !> Cells of a tile along the active directions.
-      pure function extent_of(index) result(cells)
-         integer, intent(in) :: index                !! Which tile
-         integer :: cells(3)
-
-         cells = merge(min(grid%width, grid%cells - tiles%coordinate(:, index)*grid%width), 0, &
-            grid%active)
-      end function extent_of
    end subroutine assemble
 
    !> Greatest values of the patches that touch the nodes of one tile, its margin included.
@@ -204,8 +193,8 @@ contains
       integer, intent(out) :: length(3)              !! Nodes along a direction, less 1; < 0 = none
       integer :: shift(3), extent(3), reach(3), origin(3), margin(3), low(3)
 
-      extent = extent_of(tile)
-      reach = extent_of(other)
+      extent = extent_of(grid, tiles, tile)
+      reach = extent_of(grid, tiles, other)
       margin = merge(grid%margin, 0, grid%active)
       shift(1) = mod(place - 1, 3) - 1
       shift(2) = mod((place - 1)/3, 3) - 1
@@ -216,18 +205,18 @@ contains
       length = min(extent, origin + reach) + margin - low
       mine = dot_product(low + margin, grid%stride)
       theirs = dot_product(low - origin + margin, grid%stride)
-
-   contains
-
-      !> Cells of a tile along the active directions.
-      pure function extent_of(index) result(cells)
-         integer, intent(in) :: index                !! Which tile
-         integer :: cells(3)
-
-         cells = merge(min(grid%width, grid%cells - tiles%coordinate(:, index)*grid%width), 0, &
-            grid%active)
-      end function extent_of
    end subroutine common_box
+
+   !> Cells of a tile along the active directions.
+   pure function extent_of(grid, tiles, index) result(cells)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(tiles_t), intent(in) :: tiles             !! The tiles
+      integer, intent(in) :: index                   !! Which tile
+      integer :: cells(3)
+
+      cells = merge(min(grid%width, grid%cells - tiles%coordinate(:, index)*grid%width), 0, &
+         grid%active)
+   end function extent_of
 
    !> Add a box of nodes of one tile to a box of nodes of another. Nodes of a line along x and their
    !! components are one piece of memory, so a line is added as one vector.
