@@ -11,7 +11,6 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import scree_post                      # noqa: E402
 from scree_post.areal_density import radiograph      # noqa: E402
-from scree_post.fragment_table import fragments_of   # noqa: E402
 from scree_post.radiograph_page import exposure      # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
@@ -113,14 +112,17 @@ def travel(runs):
 
 
 def pieces(runs):
-    """Pieces that hold together in three dimensions, the model completed at its mirror planes."""
-    table = Table(["time [us]", "fragments", f"of {PIECE} particles or more", "heaviest behind the sheet [mg]",
-                   "next [mg]", "third [mg]", "failed share of the mass"])
-    for moment in TIMES[:-2] if "quarter" in runs else ():
-        found = fragments_of(runs["quarter"].near(moment))
-        behind = [1e6 * row[3] for row in found.rows if row[8] > 2.0e-3] + 3 * [0.0]
-        table.rows.append([f"{1e6 * found.time:.0f}", len(found.rows), sum(row[2] >= PIECE for row in found.rows),
-                           *(f"{mass:.2f}" for mass in behind[:3]), f"{found.failed / found.total:.2f}"])
+    """Pieces of the cloud in three dimensions: cells with matter that touch. Masses of the quarter of the model."""
+    table = Table(["time [us]", "pieces behind the sheet", "single particles", f"of {PIECE} particles or more",
+                   "heaviest [mg]", "second [mg]", "third [mg]", "mass in the heaviest"])
+    if "quarter" not in runs:
+        return table
+    rows = scree_post.history(str(runs["quarter"].folder / "quarter_fragments.csv"))
+    for moment in sorted(set(rows["time"])):
+        behind = (rows["time"] == moment) & (rows["centre_z"] > 5.0e-3)
+        number, mass = rows["particles"][behind], rows["mass"][behind]
+        table.rows.append([f"{1e6 * moment:.0f}", behind.sum(), (number == 1).sum(), (number >= PIECE).sum(),
+                           *(f"{1e6 * one:.2f}" for one in mass[:3]), f"{mass[0] / mass.sum():.2f}"])
     return table
 
 
