@@ -77,7 +77,7 @@ contains
    !! are some: sparse tiles are looked at only where they have matter.
    pure subroutine lay_weights(grid, parts, weight, row, low, high)
       type(grid_t), intent(in) :: grid               !! The grid
-      integer, intent(in) :: parts                   !! Numbers a node
+      integer, intent(in) :: parts                   !! Numbers a node, two or three
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(inout) :: row(:)  !! (number)
       integer, intent(out) :: low                    !! First number of a cell with a weight
@@ -90,7 +90,9 @@ contains
       do cell = 0, grid%tile_cells - 1
          if (.not. weight(cell) > 0.0_wp) cycle
          at = parts*(grid%first_node(cell) - 1)
-         row(at + 1:at + parts) = weight(cell)
+         row(at + 1) = weight(cell)
+         row(at + 2) = weight(cell)
+         row(at + parts) = weight(cell)
          low = min(low, at + 1)
          high = at + parts
       end do
