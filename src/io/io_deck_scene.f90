@@ -93,8 +93,8 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("boundary", &
-         "what holds on a face of the grid, on a part of it, or in a rigid region; faces without "// &
-         "one are open", many=.true.)
+         "what holds on a face of the grid, on a part of it, or in a rigid region; faces "// &
+         "without one are open", many=.true.)
       call schema%text("boundary", "face", "one face or all that have no other", words="all")
       call schema%words("boundary", "face", face_names)
       call schema%text("boundary", "region", "without face: a rigid body, whose nodes have the "// &
@@ -109,8 +109,8 @@ contains
          owner="type = "//walls)
       call schema%real("boundary", "friction", "coefficient of friction of the wall", &
          range=">= 0", owner="type = friction")
-      call schema%real("boundary", "t_on", "time at which the wall comes, and a region begins to "// &
-         "move", unit="s", default="0.0", range=">= 0", owner="type = "//walls)
+      call schema%real("boundary", "t_on", "time at which the wall comes, and a region begins "// &
+         "to move", unit="s", default="0.0", range=">= 0", owner="type = "//walls)
       call schema%real("boundary", "t_off", "time at which it goes; a face is open then", &
          unit="s", range="> 0", owner="type = "//walls)
       call schema%require("boundary", "type friction")

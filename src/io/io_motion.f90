@@ -43,8 +43,8 @@ contains
          call read_line(line, values, sound)
          if (.not. sound .and. entries == 0 .and. is_title(line)) cycle
          if (.not. sound) then
-            call complain(error, path, "line "//number(row)//": expected four numbers t, vx, vy, "// &
-               "vz, not '"//shortened(trim(adjustl(line)), shown)//"'")
+            call complain(error, path, "line "//number(row)//": expected four numbers t, vx, "// &
+               "vy, vz, not '"//shortened(trim(adjustl(line)), shown)//"'")
             return
          end if
          if (entries > 0) sound = values(1) > room(1, max(entries, 1))

@@ -14,11 +14,13 @@ module mesh_outward
 
    real(wp), parameter :: pace = 0.5_wp              !! Of the search along a ray [cells]
    integer, parameter :: paces = 8                   !! So far it is looked for a way out
-   real(wp), parameter :: aside = 0.05_wp            !! Distance of the places that give slopes [cells]
+   real(wp), parameter :: aside = 0.05_wp            !! Of the places that give slopes [cells]
    integer, parameter :: halvings = 40               !! Of a piece of a ray
-   real(wp), parameter :: beside = 0.499999_wp       !! So near to a wall a place touches it [cells]
+   real(wp), parameter :: beside = 0.499999_wp       !! So near a place touches a wall [cells]
    integer, parameter :: most_rays = 124             !! That start from a place
-   integer, parameter :: rounds = 4                  !! From a normal to a better one
+   integer, parameter :: rounds = 12                 !! From a normal to a better one, at most
+   real(wp), parameter :: settled = 1.0e-9_wp        !! Change of a normal that is good enough
+   real(wp), parameter :: within = 1.0e-6_wp         !! So far inside faces count [cells]
 
 contains
 
@@ -31,7 +33,7 @@ contains
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(out) :: normal(3)             !! Of length one [1]
       logical, intent(out) :: found                  !! Is there a way out nearby?
-      real(wp) :: inside(3), below(3)
+      real(wp) :: inside(3), below(3), before(3)
       integer :: round
       logical :: smooth
 
@@ -42,8 +44,9 @@ contains
          ! below the place itself, if it lies outside, so that the normal leads through it
          below = place - grid%spacing*normal
          if (any(abs(inside - place) > 0.0_wp) .and. closed(walls, grid, below)) inside = below
+         before = normal
          call improve(walls, grid, inside, normal, smooth)
-         if (.not. smooth) exit
+         if (.not. smooth .or. maxval(abs(normal - before)) < settled) exit
       end do
    end subroutine find_outward
 
@@ -57,11 +60,11 @@ contains
 
       touch = wall%acts
       if (.not. touch) return
-      touch = wall%covers(place)
+      touch = covers(wall, grid, place)
       if (touch) return
       call rays(grid, 1, direction, number)
       do n = 1, number
-         touch = wall%covers(place + beside*grid%spacing*direction(:, n))
+         touch = covers(wall, grid, place + beside*grid%spacing*direction(:, n))
          if (touch) return
       end do
    end function touches
@@ -80,7 +83,7 @@ contains
       do n = 0, number
          if (n > 0) inside = place + beside*grid%spacing*direction(:, n)
          do wall = 1, size(walls)
-            if (walls(wall)%covers(inside)) return
+            if (covers(walls(wall), grid, inside)) return
          end do
       end do
       inside = place
@@ -117,9 +120,23 @@ contains
       yes = any(grid%active .and. (place < grid%lower .or. place > grid%upper))
       do n = 1, size(walls)
          if (yes) return
-         yes = walls(n)%covers(place)
+         yes = covers(walls(n), grid, place)
       end do
    end function closed
+
+   !> Whether a wall covers a place. On the faces of the box it counts what lies just inside, as
+   !! regions that end there hold one of two faces only.
+   pure logical function covers(wall, grid, place) result(yes)
+      type(wall_t), intent(in) :: wall               !! A rigid region
+      type(grid_t), intent(in) :: grid               !! The box
+      real(wp), intent(in) :: place(3)               !! [m]
+      real(wp) :: inside(3)
+
+      inside = place
+      where (grid%active) inside = min(max(place, grid%lower + within*grid%spacing), &
+         grid%upper - within*grid%spacing)
+      yes = wall%covers(inside)
+   end function covers
 
    !> Mean of the directions whose ways out are next to the shortest.
    pure subroutine guess_outward(walls, grid, place, normal, found)

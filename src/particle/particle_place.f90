@@ -147,9 +147,10 @@ contains
       real(wp), contiguous, intent(inout) :: position(:, :) !! (particle, 3) [m]
       integer, intent(in) :: p                       !! Which particle
       real(wp), parameter :: inside = 1.0e-9_wp      ! of a cell, far above rounding
-      real(wp) :: x, length, lower, upper
+      real(wp) :: x, length, lower, upper, here(3)
       integer :: direction
 
+      here = [position(p, 1), position(p, 2), position(p, 3)]
       do direction = 1, 3
          if (.not. grid%active(direction)) cycle
          lower = grid%lower(direction)
@@ -160,14 +161,15 @@ contains
             if (x < lower) x = x + length
             if (x >= upper) x = x - length
          else if (x <= lower) then
-            if (.not. opens(grid, boundary, 2*direction - 1, position(p, :))) &
+            if (.not. opens(grid, boundary, 2*direction - 1, here)) &
                x = lower + inside*grid%spacing
          end if
          if ((x - lower)*(1.0_wp/grid%spacing) >= real(grid%cells(direction), wp)) then
-            if (.not. opens(grid, boundary, 2*direction, position(p, :))) &
+            if (.not. opens(grid, boundary, 2*direction, here)) &
                x = upper - inside*grid%spacing
          end if
          position(p, direction) = x
+         here(direction) = x
       end do
    end subroutine wrap
 

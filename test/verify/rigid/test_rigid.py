@@ -125,8 +125,8 @@ def slope(options, sheet):
     """An elastic block slides with g (sin - mu cos) on a halfspace, on two regions side by side that make the same
     halfspace, and rests where the friction is enough."""
     for name, angle, friction, ground, limit in (
-            ("smooth", 25.0, 0.0, WHOLE, 4.0e-5), ("rough", 25.0, 0.3, WHOLE, 1.5e-3), ("steep", 40.0, 0.3, WHOLE, 1.5e-3),
-            ("halves", 25.0, 0.3, HALVES, 1.5e-3), ("rests", 25.0, 0.8, WHOLE, None)):
+            ("smooth", 25.0, 0.0, WHOLE, 4.0e-5), ("rough", 25.0, 0.3, WHOLE, 1.5e-3),
+            ("steep", 40.0, 0.3, WHOLE, 1.5e-3), ("halves", 25.0, 0.3, HALVES, 1.5e-3), ("rests", 25.0, 0.8, WHOLE, None)):
         turn = np.radians(angle)
         words = f"friction={friction}" if friction else ""
         walls = SLOPE.format(angle=angle, ground=ground.format(
@@ -142,7 +142,8 @@ def slope(options, sheet):
             sheet.below(f"slope, {name}: error of the acceleration over g", (gain - exact) / 10.0, limit)
             sheet.above(f"slope, {name}: speed at the end [m/s]", speed[-1], 0.4)
         else:
-            sheet.below(f"slope, {name}: speed over that of free sliding", np.abs(speed[late]).max() / (4.2 * 0.35), 0.03)
+            sheet.below(f"slope, {name}: speed over that of free sliding",
+                        np.abs(speed[late]).max() / (4.2 * 0.35), 0.03)
         sheet.below(f"slope, {name}: momentum error", run.summary["ledger"]["momentum_error"], 1.0e-13)
 
 
