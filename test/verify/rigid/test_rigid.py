@@ -126,7 +126,8 @@ def slope(options, sheet):
     halfspace, and rests where the friction is enough."""
     for name, angle, friction, ground, limit in (
             ("smooth", 25.0, 0.0, WHOLE, 4.0e-5), ("rough", 25.0, 0.3, WHOLE, 1.5e-3),
-            ("steep", 40.0, 0.3, WHOLE, 1.5e-3), ("halves", 25.0, 0.3, HALVES, 1.5e-3), ("rests", 25.0, 0.8, WHOLE, None)):
+            ("steep", 40.0, 0.3, WHOLE, 1.5e-3), ("halves", 25.0, 0.3, HALVES, 1.5e-3),
+            ("rests", 25.0, 0.8, WHOLE, None)):
         turn = np.radians(angle)
         words = f"friction={friction}" if friction else ""
         walls = SLOPE.format(angle=angle, ground=ground.format(
@@ -151,8 +152,8 @@ def bounce(options, sheet):
     """A disc that is turned aside by a smooth wall at 30 degrees: nothing along the wall, no spin, and back again.
 
     A disc of rubber rings after it bounced, so its speed normal to the wall is less; the energy stays. The nodes of the
-    wall stand in steps of a cell, and a disc that is dented by half a cell feels them: its spin is 0.069 of radius times
-    speed here, and with cells of 20, 10, 5 and 2.5 mm against a normal blow 0.10, 0.057, 0.011 and -0.002.
+    wall stand in steps of a cell, and a disc that is dented by half a cell feels them: its spin is 0.069 of radius
+    times speed here, and with cells of 20, 10, 5 and 2.5 mm against a normal blow 0.10, 0.057, 0.011 and -0.002.
     """
     turn = np.radians(30.0)
     normal, along = np.array([np.sin(turn), np.cos(turn)]), np.array([np.cos(turn), -np.sin(turn)])
