@@ -9,7 +9,8 @@ module basis_linear
    use transfer_gather, only: gather_gradient, gather_hoop, gather_motion, gather_values, &
       gather_vector, locate
    use transfer_places, only: places_t
-   use transfer_scatter, only: scatter_affine, scatter_force, scatter_motion, scatter_values
+   use transfer_scatter, only: scatter_affine, scatter_force, scatter_motion, &
+      scatter_turning, scatter_values
    implicit none
    private
 
@@ -25,6 +26,7 @@ module basis_linear
       procedure :: collect => linear_collect                 !! Node values to particles
       procedure :: collect_gradient => linear_collect_gradient !! Their gradients
       procedure :: scatter_motion => linear_scatter_motion   !! Mass and momentum
+      procedure :: scatter_turning => linear_scatter_turning !! Those of particles that turn
       procedure :: gather_motion => linear_gather_motion     !! Velocity and position
       procedure :: gather_vector => linear_gather_vector     !! One particle vector
       procedure :: gather_hoop => linear_gather_hoop         !! Hoop rate
@@ -128,6 +130,23 @@ contains
 
       call scatter_motion(grid, start, first, places%local, mass, velocity, patch)
    end subroutine linear_scatter_motion
+
+   !> Add mass and momentum of particles that turn to columns 1 to 4 of a patch.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine linear_scatter_turning(self, grid, start, first, places, mass, velocity, spin, &
+      patch)
+      class(basis_linear_t), intent(in) :: self          !! The basis
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(places_t), intent(inout) :: places                !! Of the tile
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+
+      call scatter_turning(grid, start, first, places%local, mass, velocity, spin, patch)
+   end subroutine linear_scatter_turning
 
    !> Velocity and position at once.
    ! gate: long kernel because a tile is told by its grid, range and places

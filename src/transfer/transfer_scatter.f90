@@ -8,14 +8,15 @@
 module transfer_scatter
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
+   use transfer_scatter_affine, only: space_affine, space_turning
    use transfer_scatter_plane, only: plane_affine, plane_dual_force, plane_force, plane_motion, &
-      plane_values
-   use transfer_scatter_space, only: space_affine, space_dual_force, space_force, space_motion, &
-      space_values
+      plane_turning, plane_values
+   use transfer_scatter_space, only: space_dual_force, space_force, space_motion, space_values
    implicit none
    private
 
-   public :: scatter_affine, scatter_dual_force, scatter_force, scatter_motion, scatter_values
+   public :: scatter_affine, scatter_dual_force, scatter_force, scatter_motion, &
+      scatter_turning, scatter_values
 
    integer, parameter, public :: motion_columns = 7  !! Mass, momentum, force
    integer, parameter, public :: dual_columns = 17   !! With volume and node stress
@@ -75,6 +76,25 @@ contains
          call plane_affine(grid, start, first, local, mass, velocity, affine, patch)
       end if
    end subroutine scatter_affine
+
+   !> Add mass and momentum of particles that turn, sum m S_i (v + w x (x_i - x)), to columns 1 to 4
+   !! of a patch.
+   pure subroutine scatter_turning(grid, start, first, local, mass, velocity, spin, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+
+      if (grid%dimensions == 3) then
+         call space_turning(grid, start, first, local, mass, velocity, spin, patch)
+      else
+         call plane_turning(grid, start, first, local, mass, velocity, spin, patch)
+      end if
+   end subroutine scatter_turning
 
    !> Add the internal force of the plain method, - sum v sigma . grad S, to columns 5 to 7.
    pure subroutine scatter_force(grid, start, first, local, volume, stress, patch)

@@ -14,7 +14,8 @@ module transfer_scatter_plane
    implicit none
    private
 
-   public :: plane_affine, plane_dual_force, plane_force, plane_motion, plane_values
+   public :: plane_affine, plane_dual_force, plane_force, plane_motion, plane_turning, &
+      plane_values
 
    integer, parameter :: corners = 4                 !! Lanes that carry weight
 
@@ -156,6 +157,54 @@ contains
          end do
       end do
    end subroutine plane_affine
+
+   !> Add mass and momentum of particles that turn to columns 1 to 4 of a patch.
+   pure subroutine plane_turning(grid, start, first, local, mass, velocity, spin, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: a(corners, 3), b(corners, 3), sums(corners, 4), x(corners), z(corners)
+      real(wp) :: weight(corners), away_x(corners), away_z(corners)
+      integer :: cell, p, q, n, c, node
+
+      a = grid%lane_constant(:corners, :)
+      b = grid%lane_slope(:corners, :)
+      ! the constant of a lane is 1 on the lower node, and the slope 0 without a direction
+      x = grid%spacing*b(:, 1)**2
+      z = grid%spacing*b(:, 3)**2
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            q = first + p - 1
+            !$omp simd
+            do n = 1, corners
+               weight(n) = (a(n, 1) + b(n, 1)*local(p, 1))*(a(n, 3) + b(n, 3)*local(p, 3))*mass(q)
+               away_x(n) = x(n)*(1.0_wp - a(n, 1) - local(p, 1))
+               away_z(n) = z(n)*(1.0_wp - a(n, 3) - local(p, 3))
+            end do
+            !$omp simd
+            do n = 1, corners
+               sums(n, 1) = sums(n, 1) + weight(n)
+               sums(n, 2) = sums(n, 2) + weight(n)*(velocity(q, 1) + spin(q, 2)*away_z(n))
+               sums(n, 3) = sums(n, 3) + weight(n)*(velocity(q, 2) + (spin(q, 3)*away_x(n) &
+                  - spin(q, 1)*away_z(n)))
+               sums(n, 4) = sums(n, 4) + weight(n)*(velocity(q, 3) - spin(q, 2)*away_x(n))
+            end do
+         end do
+         do n = 1, corners
+            node = grid%first_node(cell) + grid%lane_offset(n)
+            do c = 1, 4
+               patch(c, node) = patch(c, node) + sums(n, c)
+            end do
+         end do
+      end do
+   end subroutine plane_turning
 
    !> Add the internal force of the plain method, - sum v sigma . grad S, to columns 5 to 7.
    pure subroutine plane_force(grid, start, first, local, volume, stress, patch)

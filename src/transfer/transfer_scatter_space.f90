@@ -15,17 +15,17 @@ module transfer_scatter_space
    implicit none
    private
 
-   public :: space_affine, space_dual_force, space_force, space_motion, space_values
+   public :: space_dual_force, space_force, space_motion, space_values
 
    integer, parameter :: room = 64                   !! Particles that are prepared at once
    integer, parameter :: block = 4                   !! Columns that are added at once
-   integer, parameter :: edges = lanes/2             !! Of a cell along a direction
+   integer, parameter, public :: edges = lanes/2     !! Of a cell along a direction
    !> Function of an edge: constant and slope along the first of the two other directions, then
    !! along the second.
-   real(wp), parameter :: a1(edges) = [1.0_wp, 0.0_wp, 1.0_wp, 0.0_wp]
-   real(wp), parameter :: b1(edges) = [-1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp]
-   real(wp), parameter :: a2(edges) = [1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp]
-   real(wp), parameter :: b2(edges) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
+   real(wp), parameter, public :: a1(edges) = [1.0_wp, 0.0_wp, 1.0_wp, 0.0_wp]
+   real(wp), parameter, public :: b1(edges) = [-1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp]
+   real(wp), parameter, public :: a2(edges) = [1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp]
+   real(wp), parameter, public :: b2(edges) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
 
 contains
 
@@ -128,8 +128,7 @@ contains
       do skipped = 0, start(grid%tile_cells) - 1, room
          call next_particles(grid%tile_cells, start, skipped, cell, number)
          call weigh_lanes(skipped, number, size(local, 1), local, weight)
-         call share_stress(skipped, first - 1, number, size(alpha, 1), alpha, size(volume), &
-            volume, size(stress, 1), stress, values)
+         call share_stress(skipped, first - 1, number, alpha, volume, stress, values)
          do l = 1, 3
             call add_weighted(grid, start, cell, skipped, number, weight, block, values(:, :, l), &
                before(l), size(patch, 1), size(patch), patch)
@@ -146,17 +145,13 @@ contains
 
    !> Volume and stress that some particles hand to the nodes, in blocks of columns: volume and
    !! stress along x; stress along y, and xz; nothing twice, yz and zz.
-   pure subroutine share_stress(skipped, before, number, rows, alpha, particles, volume, stresses, &
-      stress, values)
+   pure subroutine share_stress(skipped, before, number, alpha, volume, stress, values)
       integer, intent(in) :: skipped                         !! Particles of the tile before them
       integer, intent(in) :: before                          !! Particles before the tile
       integer, intent(in) :: number                          !! Of them
-      integer, intent(in) :: rows                            !! Length of the next
-      real(wp), intent(in) :: alpha(rows, 3)                 !! (particle of tile, 3) Share of cell
-      integer, intent(in) :: particles                       !! Length of the next
-      real(wp), intent(in) :: volume(particles)              !! (particle) [m3]
-      integer, intent(in) :: stresses                        !! Length of the next
-      real(wp), intent(in) :: stress(stresses, 6)            !! (particle, 6) Cauchy stress [Pa]
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), intent(inout) :: values(block, room, 3)      !! (column, particle, block)
       real(wp) :: rest
       integer :: p, q
@@ -232,8 +227,8 @@ contains
       end do
    end subroutine weigh_lanes
 
-   !> Add sum weight value of up to four columns of some particles to the patch, which comes as one row
-   !! of numbers.
+   !> Add sum weight value of up to four columns of some particles to the patch, which comes as one
+   !! row of numbers.
    ! gate: long kernel because sums in registers are arrays of their own
    pure subroutine add_weighted(grid, start, cell, skipped, number, weight, columns, values, &
       before, rows, numbers, patch)
@@ -312,65 +307,6 @@ contains
          end do
       end if
    end subroutine add_node
-
-   !> Add mass and momentum of linear velocity fields to columns 1 to 4 of a patch.
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine space_affine(grid, start, first, local, mass, velocity, affine, &
-      patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
-      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
-      real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp), dimension(edges) :: lower, upper, x, z
-      real(wp) :: sums(edges, 2, 4), along, v, h, below, above
-      integer :: cell, p, q, e, c, n, node
-
-      h = grid%spacing
-      do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
-         sums = 0.0_wp
-         do p = start(cell) + 1, start(cell + 1)
-            q = first + p - 1
-            below = -h*local(p, 2)
-            above = h*(1.0_wp - local(p, 2))
-            !$omp simd private(along)
-            do e = 1, edges
-               along = (a1(e) + b1(e)*local(p, 1))*(a2(e) + b2(e)*local(p, 3))*mass(q)
-               lower(e) = along*(1.0_wp - local(p, 2))
-               upper(e) = along*local(p, 2)
-               ! the constant of a lane is 1 on the lower node
-               x(e) = h*(1.0_wp - a1(e) - local(p, 1))
-               z(e) = h*(1.0_wp - a2(e) - local(p, 3))
-            end do
-            !$omp simd private(v)
-            do e = 1, edges
-               sums(e, 1, 1) = sums(e, 1, 1) + lower(e)
-               sums(e, 2, 1) = sums(e, 2, 1) + upper(e)
-               v = velocity(q, 1) + affine(q, 1)*x(e) + affine(q, 7)*z(e)
-               sums(e, 1, 2) = sums(e, 1, 2) + lower(e)*(v + affine(q, 4)*below)
-               sums(e, 2, 2) = sums(e, 2, 2) + upper(e)*(v + affine(q, 4)*above)
-               v = velocity(q, 2) + affine(q, 2)*x(e) + affine(q, 8)*z(e)
-               sums(e, 1, 3) = sums(e, 1, 3) + lower(e)*(v + affine(q, 5)*below)
-               sums(e, 2, 3) = sums(e, 2, 3) + upper(e)*(v + affine(q, 5)*above)
-               v = velocity(q, 3) + affine(q, 3)*x(e) + affine(q, 9)*z(e)
-               sums(e, 1, 4) = sums(e, 1, 4) + lower(e)*(v + affine(q, 6)*below)
-               sums(e, 2, 4) = sums(e, 2, 4) + upper(e)*(v + affine(q, 6)*above)
-            end do
-         end do
-         do n = 1, 2
-            do e = 1, edges
-               node = grid%first_node(cell) + grid%lane_offset(e + edges*(n - 1))
-               do c = 1, 4
-                  patch(c, node) = patch(c, node) + sums(e, n, c)
-               end do
-            end do
-         end do
-      end do
-   end subroutine space_affine
 
    !> Add the force - sum share sigma . grad S to columns 5 to 7 of a patch.
    !!
