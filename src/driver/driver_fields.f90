@@ -68,7 +68,7 @@ contains
       call find_force(simulation)
       do
          simulation%kick = simulation%method%kick(simulation%dt, dt)
-         call move_nodes(simulation, simulation%kick)
+         call move_nodes(simulation, simulation%kick, dt)
          if (simulation%method%transfer%sweeps() > 0) &
             call filter_nodes(simulation, simulation%kick)
          if (simulation%method%stress == stress_remapped) call map_again(simulation)

@@ -7,24 +7,19 @@ module driver_nodes
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
    use driver_light_nodes, only: calm_light_nodes
    use driver_method, only: stress_after
-   use driver_scatter, only: nodes_seen
-   use driver_simulation, only: nodes_t, scratch_t, simulation_t
+   use driver_reach, only: look_at_tile, worse
+   use driver_scatter, only: nodes_seen, tensor_rows, vector_rows
+   use driver_simulation, only: empty_mass, nodes_t, reach_t, scratch_t, simulation_t
    use mesh_boundary, only: face_friction
-   use mesh_patch, only: assemble, clear_patch, empty_box, ensure_boxes, ensure_patch, &
-      ensure_weights, widen_box
+   use mesh_patch, only: assemble, clear_patch, empty_box, ensure_patch, ensure_weights, widen_box
+   use mesh_pieces, only: move_pieces, pieces_t
    use omp_lib, only: omp_get_thread_num
    use transfer_scatter, only: motion_columns
    implicit none
    private
 
-   public :: node_gradient, book_push, divide, dual_fields, finish_nodes, &
-      move_nodes, remap_nodes, renew_sums, start_nodes, strain_nodes
-
-   integer, parameter, public :: stress_before_it = 8 !! Rows of the motion before node stress
-
-   !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
-   !! divides stays finite.
-   real(wp), parameter, public :: empty_mass = 1.0e-290_wp
+   public :: book_push, divide, dual_fields, finish_nodes, move_nodes, node_gradient, recall_seen, &
+      remap_nodes, renew_sums, start_nodes, strain_nodes
 
 contains
 
@@ -35,21 +30,23 @@ contains
       real(wp) :: began
 
       call simulation%timer%start(simulation%phase%grid)
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
-         all => simulation%tiles%all)
-         call ensure_sums(simulation)
-         call ensure_weights(nodes%weight, simulation%grid%tile_cells, all)
-         call ensure_boxes(nodes%weighted, all)
-         call ensure_patch(nodes%share, 1, number, all)
-         call ensure_patch(nodes%volume, 1, number, all)
-         call ensure_patch(nodes%force, 3, number, all)
-         call ensure_patch(nodes%gradient, 9, number, all)
-         if (simulation%repacks) call ensure_patch(nodes%filled, 1, number, all)
-      end associate
+      call ensure_dual(simulation)
       !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
          call weigh_tile(simulation, tile)
+         call book_cost(simulation, tile, began)
+      end do
+      !$omp end parallel do
+      associate (nodes => simulation%nodes)
+         call nodes%weighted%line_up(simulation%grid, simulation%tiles)
+         call nodes%share%ensure(nodes%weighted%nodes())
+         call nodes%force%ensure(nodes%weighted%nodes())
+      end associate
+      !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
+      do tile = 1, simulation%tiles%all
+         began = cost_clock(simulation)
+         call share_tile(simulation, tile)
          call book_cost(simulation, tile, began)
       end do
       !$omp end parallel do
@@ -63,88 +60,146 @@ contains
       call simulation%timer%stop(simulation%phase%grid)
    end subroutine dual_fields
 
+   !> Make room for the fields of the dual gradient, but for pieces whose boxes are not known yet.
+   pure subroutine ensure_dual(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      associate (nodes => simulation%nodes, grid => simulation%grid, all => simulation%tiles%all)
+         call ensure_sums(simulation)
+         call ensure_weights(nodes%weight, grid%tile_cells, all)
+         call nodes%weighted%ensure(all)
+         call ensure_patch(nodes%volume, 1, grid%tile_nodes, slots(simulation))
+         if (simulation%repacks) call ensure_patch(nodes%filled, 1, grid%tile_nodes, all)
+         if (allocated(nodes%share%row)) return
+         call nodes%share%keep(1, [.true.])
+         call nodes%force%keep(3, vector_rows(grid))
+         call nodes%gradient%keep(9, tensor_rows(grid))
+         call nodes%middle%keep(9, tensor_rows(grid))
+      end associate
+   end subroutine ensure_dual
+
+   !> Places for the fields of tiles that are worked on.
+   pure integer function slots(simulation) result(number)
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      number = simulation%tiles%all
+      if (simulation%nodes%lean) number = size(simulation%scratch)
+   end function slots
+
    !> Make room for the sums over the particles around the nodes.
    pure subroutine ensure_sums(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
-         all => simulation%tiles%all)
-         call ensure_patch(nodes%mass, 1, number, all)
-         call ensure_patch(nodes%velocity, 3, number, all)
-         call ensure_patch(nodes%acceleration, 3, number, all)
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+         call ensure_patch(nodes%mass, 1, number, slots(simulation))
+         call ensure_patch(nodes%velocity, 3, number, slots(simulation))
+         call ensure_patch(nodes%acceleration, 3, number, slots(simulation))
       end associate
    end subroutine ensure_sums
 
-   !> Keep the sums of the nodes of a tile: momentum where the velocity will be, force where the
-   !! acceleration will be.
-   pure subroutine keep_sums(nodes, tile, sums)
-      type(nodes_t), intent(inout) :: nodes          !! Gets them
+   !> Find the sums of the nodes of a tile: mass, momentum where the velocity will be, force where
+   !! the acceleration will be.
+   pure subroutine find_sums(simulation, tile, slot)
+      type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: slot                    !! Where its fields are
+      real(wp) :: sums(simulation%nodes%motion(1)%rows, simulation%grid%tile_nodes)
+
+      call simulation%nodes%motion(1)%assemble(simulation%grid, simulation%tiles, &
+         simulation%nodes%touched, tile, sums)
+      call keep_sums(simulation%nodes, slot, sums)
+   end subroutine find_sums
+
+   !> Keep the sums of the nodes of a tile.
+   pure subroutine keep_sums(nodes, slot, sums)
+      type(nodes_t), intent(inout) :: nodes          !! Gets them
+      integer, intent(in) :: slot                    !! Where the fields of the tile are
       real(wp), intent(in) :: sums(:, :)             !! (column, node) Mass, momentum, force, more
 
-      nodes%mass(1, :, tile) = sums(1, :)
-      nodes%velocity(:, :, tile) = sums(2:4, :)
-      nodes%acceleration(:, :, tile) = sums(5:7, :)
+      nodes%mass(1, :, slot) = sums(1, :)
+      nodes%velocity(:, :, slot) = sums(2:4, :)
+      nodes%acceleration(:, :, slot) = sums(5:7, :)
    end subroutine keep_sums
 
-   !> Sums over the particles around the nodes as before the nodes were moved.
+   !> Sums over the particles around the nodes as before the nodes were moved, if they are kept.
    subroutine renew_sums(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp) :: sums(size(simulation%nodes%motion, 1), simulation%grid%tile_nodes)
       integer :: tile
 
-      !$omp parallel do default(none) shared(simulation) private(tile, sums) schedule(static)
+      if (simulation%nodes%lean) return
+      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
       do tile = 1, simulation%tiles%all
-         call assemble(simulation%grid, simulation%tiles, simulation%nodes%motion, tile, sums, &
-            simulation%nodes%touched)
-         call keep_sums(simulation%nodes, tile, sums)
+         call find_sums(simulation, tile, tile)
       end do
       !$omp end parallel do
    end subroutine renew_sums
 
-   !> Weights of the cells of a tile and their share of the volumes of the nodes.
+   !> Weights of the cells of a tile.
    subroutine weigh_tile(simulation, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       integer, parameter :: filled = 8               ! row of the patch
-      integer, parameter :: first = 9, last = 17     ! rows of the stress
       real(wp) :: around(simulation%grid%tile_nodes)
-      real(wp) :: sums(last, simulation%grid%tile_nodes)
+      real(wp) :: sums(filled, simulation%grid%tile_nodes)
       logical :: weighs(simulation%grid%tile_cells)
 
-      associate (grid => simulation%grid, nodes => simulation%nodes, dual => simulation%dual, &
+      associate (grid => simulation%grid, nodes => simulation%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile))
-         call assemble(grid, simulation%tiles, nodes%motion, tile, sums, nodes%touched)
-         call keep_sums(nodes, tile, sums)
-         nodes%gradient(:, :, tile) = sums(first:last, :)
+         call nodes%motion(1)%assemble(grid, simulation%tiles, nodes%touched, tile, sums)
+         if (.not. nodes%lean) call keep_sums(nodes, tile, sums)
          if (simulation%repacks) nodes%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
-         call dual%cell_weights(grid, sums, filled, around, nodes%weight(:, tile))
-         call empty_box(nodes%weighted(:, :, tile))
+         call simulation%dual%cell_weights(grid, sums, filled, around, nodes%weight(:, tile))
+         call empty_box(nodes%weighted%box(:, :, tile))
          weighs = nodes%weight(:, tile) > 0.0_wp
-         call widen_box(grid, weighs, nodes%weighted(:, :, tile))
-         call clear_patch(nodes%share(:, :, tile))
-         call dual%add_volume(grid, coordinate, nodes%weight(:, tile), nodes%share(:, :, tile))
+         call widen_box(grid, weighs, nodes%weighted%box(:, :, tile))
       end associate
    end subroutine weigh_tile
+
+   !> Share of the cells of a tile in the volumes of the nodes.
+   subroutine share_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: patch(1, simulation%grid%tile_nodes)
+
+      associate (grid => simulation%grid, nodes => simulation%nodes)
+         call clear_patch(patch)
+         call simulation%dual%add_volume(grid, simulation%tiles%coordinate(:, tile), &
+            nodes%weight(:, tile), patch)
+         call nodes%share%put(grid, nodes%weighted, tile, 1, patch)
+      end associate
+   end subroutine share_tile
+
+   !> Volumes of the nodes of a tile.
+   pure subroutine find_volumes(simulation, tile, slot)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: slot                    !! Where its fields are
+
+      associate (nodes => simulation%nodes)
+         call nodes%share%assemble(simulation%grid, simulation%tiles, nodes%weighted, tile, &
+            nodes%volume(:, :, slot))
+      end associate
+   end subroutine find_volumes
 
    !> Force of the node stress of the cells of a tile.
    subroutine force_tile(simulation, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: stress(9, simulation%grid%tile_nodes)
+      real(wp) :: stress(9, simulation%grid%tile_nodes), force(3, simulation%grid%tile_nodes)
+      integer :: slot
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile))
-         call assemble(grid, simulation%tiles, nodes%share, tile, nodes%volume(:, :, tile), &
-            nodes%weighted)
-         stress = nodes%gradient(:, :, tile)
-         call divide(nodes%volume(:, :, tile), 1, stress)
+         slot = nodes%slot(tile)
+         call find_volumes(simulation, tile, slot)
+         call nodes%motion(2)%assemble(grid, simulation%tiles, nodes%touched, tile, stress)
+         call divide(nodes%volume(:, :, slot), 1, stress)
          if (simulation%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
          call simulation%boundary%mirror(grid, coordinate, stress)
-         call clear_patch(nodes%force(:, :, tile))
-         call simulation%dual%add_force(grid, coordinate, nodes%weight(:, tile), stress, &
-            nodes%force(:, :, tile))
+         call clear_patch(force)
+         call simulation%dual%add_force(grid, coordinate, nodes%weight(:, tile), stress, force)
+         call nodes%force%put(grid, nodes%weighted, tile, 1, force)
       end associate
    end subroutine force_tile
 
@@ -203,24 +258,68 @@ contains
    !> Velocity and acceleration of the nodes, the velocity that strains the particles, and its node
    !! gradient. Without a time step the nodes stay as they were: the velocity before the step
    !! strains.
-   subroutine move_nodes(simulation, dt)
+   subroutine move_nodes(simulation, dt, whole)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
+      !> Time step, if it is to be told how far the nodes go and their fields are not kept [s]
+      real(wp), intent(in), optional :: whole
       integer :: tile
       real(wp) :: began
 
       call simulation%timer%start(simulation%phase%grid)
       call ensure_moved(simulation)
-      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
+      simulation%scratch%reach = reach_t()
+      !$omp parallel do default(none) shared(simulation, dt, whole) private(tile, began) &
+      !$omp schedule(static)
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
-         call start_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
-         call finish_tile(simulation, tile, dt)
+         associate (scratch => simulation%scratch(omp_get_thread_num()))
+            call start_tile(simulation, scratch, tile, dt)
+            call finish_tile(simulation, tile, dt)
+            if (simulation%nodes%lean .and. tile <= simulation%tiles%own) &
+               call keep_seen(simulation, scratch, tile, whole)
+         end associate
          call book_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
    end subroutine move_nodes
+
+   !> Keep what the particles of a tile will see, and tell how far its nodes go.
+   subroutine keep_seen(simulation, scratch, tile, whole)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in), optional :: whole        !! Time step [s]
+      type(reach_t) :: reach
+      integer :: slot
+
+      associate (nodes => simulation%nodes, grid => simulation%grid)
+         slot = nodes%slot(tile)
+         call nodes%seen(1)%put(grid, nodes%touched, tile, 1, nodes%velocity(:, :, slot))
+         call nodes%seen(2)%put(grid, nodes%touched, tile, 1, nodes%acceleration(:, :, slot))
+         call nodes%seen(3)%put(grid, nodes%touched, tile, 1, nodes%strain(:, :, slot))
+         if (.not. present(whole)) return
+         call look_at_tile(simulation, tile, slot, whole, reach)
+         if (worse(reach, scratch%reach)) scratch%reach = reach
+      end associate
+   end subroutine keep_seen
+
+   !> Put back what the particles of a tile see, if it is kept as pieces.
+   subroutine recall_seen(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer :: slot
+
+      associate (nodes => simulation%nodes, grid => simulation%grid)
+         if (.not. nodes%lean) return
+         slot = nodes%slot(tile)
+         call nodes%seen(1)%get(grid, nodes%touched, tile, nodes%velocity(:, :, slot))
+         call nodes%seen(2)%get(grid, nodes%touched, tile, nodes%acceleration(:, :, slot))
+         call nodes%seen(3)%get(grid, nodes%touched, tile, nodes%strain(:, :, slot))
+         if (simulation%method%dual) call find_volumes(simulation, tile, slot)
+      end associate
+   end subroutine recall_seen
 
    !> The first part of the same, for a velocity field that other bodies may change.
    subroutine start_nodes(simulation, dt)
@@ -277,14 +376,25 @@ contains
       end associate
    end subroutine book_tile
 
-   !> Make room for what moves and strains the particles.
+   !> Make room for what moves and strains the particles. The node stress is no longer needed, so
+   !! the gradient takes its memory.
    subroutine ensure_moved(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: n, held
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
-         all => simulation%tiles%all)
+      associate (nodes => simulation%nodes, grid => simulation%grid)
          if (.not. simulation%method%dual) call ensure_sums(simulation)
-         call ensure_patch(nodes%strain, 3, number, all)
+         call ensure_patch(nodes%strain, 3, grid%tile_nodes, slots(simulation))
+         held = 0
+         if (nodes%lean) held = nodes%touched%before(simulation%tiles%own + 1)
+         do n = 1, size(nodes%seen)
+            if (.not. allocated(nodes%seen(n)%row)) call nodes%seen(n)%keep(3, vector_rows(grid))
+            call nodes%seen(n)%ensure(held)
+         end do
+         if (.not. simulation%method%dual) return
+         call move_pieces(nodes%motion(2), nodes%gradient)
+         call nodes%gradient%ensure(nodes%weighted%nodes())
+         if (simulation%carries_energy) call nodes%middle%ensure(nodes%weighted%nodes())
       end associate
    end subroutine ensure_moved
 
@@ -295,25 +405,23 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp) :: force(3, simulation%grid%tile_nodes)
-      real(wp) :: sums(motion_columns, simulation%grid%tile_nodes)
-      integer :: component
+      integer :: component, slot
 
+      slot = simulation%nodes%slot(tile)
+      if (simulation%nodes%lean .or. .not. simulation%method%dual) &
+         call find_sums(simulation, tile, slot)
       associate (grid => simulation%grid, nodes => simulation%nodes, &
-         coordinate => simulation%tiles%coordinate(:, tile), &
-         velocity => simulation%nodes%velocity(:, :, tile), &
-         acceleration => simulation%nodes%acceleration(:, :, tile), &
-         mass => simulation%nodes%mass(1, :, tile))
-         if (.not. simulation%method%dual) then
-            call assemble(grid, simulation%tiles, nodes%motion, tile, sums, nodes%touched)
-            call keep_sums(nodes, tile, sums)
-         else
-            call assemble(grid, simulation%tiles, nodes%force, tile, force, nodes%weighted)
+         velocity => simulation%nodes%velocity(:, :, slot), &
+         acceleration => simulation%nodes%acceleration(:, :, slot), &
+         mass => simulation%nodes%mass(1, :, slot))
+         if (simulation%method%dual) then
+            call nodes%force%assemble(grid, simulation%tiles, nodes%weighted, tile, force)
             acceleration = acceleration + force
          end if
          if (simulation%method%differing()) &
             acceleration = acceleration + nodes%difference(:, :, tile)
-         call divide(nodes%mass(:, :, tile), 1, velocity)
-         call divide(nodes%mass(:, :, tile), 1, acceleration)
+         call divide(nodes%mass(:, :, slot), 1, velocity)
+         call divide(nodes%mass(:, :, slot), 1, acceleration)
          if (allocated(simulation%gravity)) then
             do component = 1, 3
                where (mass > empty_mass) acceleration(component, :) = &
@@ -321,7 +429,7 @@ contains
             end do
          end if
          call constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
-         nodes%strain(:, :, tile) = velocity + dt*acceleration
+         nodes%strain(:, :, slot) = velocity + dt*acceleration
       end associate
    end subroutine start_tile
 
@@ -330,28 +438,40 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      real(wp) :: centre(3, simulation%grid%tile_nodes), middle(9, simulation%grid%tile_nodes)
+      real(wp) :: centre(3, simulation%grid%tile_nodes)
+      integer :: slot
 
       if (.not. simulation%method%dual) return
+      slot = simulation%nodes%slot(tile)
+      if (simulation%nodes%lean .and. simulation%method%stress == stress_after) &
+         call find_volumes(simulation, tile, slot)
       associate (grid => simulation%grid, nodes => simulation%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile), &
-         velocity => simulation%nodes%velocity(:, :, tile), &
-         acceleration => simulation%nodes%acceleration(:, :, tile))
+         velocity => simulation%nodes%velocity(:, :, slot), &
+         acceleration => simulation%nodes%acceleration(:, :, slot))
          if (simulation%method%stress == stress_after) &
-            call calm_light_nodes(grid, coordinate, nodes%volume(1, :, tile), dt, velocity, &
-            acceleration, nodes%strain(:, :, tile))
-         call clear_patch(nodes%gradient(:, :, tile))
-         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), &
-            nodes%strain(:, :, tile), nodes%gradient(:, :, tile))
+            call calm_light_nodes(grid, coordinate, nodes%volume(1, :, slot), dt, velocity, &
+            acceleration, nodes%strain(:, :, slot))
+         call put_gradient(simulation, tile, nodes%strain(:, :, slot), nodes%gradient)
          if (.not. simulation%carries_energy) return
-         call clear_patch(middle)
          centre = velocity + 0.5_wp*dt*acceleration
-         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), centre, &
-            middle)
-         ! the sums of the stresses have been taken from there
-         nodes%motion(stress_before_it + 1:, :, tile) = middle
+         call put_gradient(simulation, tile, centre, nodes%middle)
       end associate
    end subroutine finish_tile
+
+   !> Share of the cells of a tile in the node gradient of a velocity.
+   pure subroutine put_gradient(simulation, tile, velocity, gradient)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      type(pieces_t), intent(inout) :: gradient      !! Gets it [m3/s]
+      real(wp) :: patch(9, simulation%grid%tile_nodes)
+
+      call clear_patch(patch)
+      call simulation%dual%add_gradient(simulation%grid, simulation%tiles%coordinate(:, tile), &
+         simulation%nodes%weight(:, tile), velocity, patch)
+      call gradient%put(simulation%grid, simulation%nodes%weighted, tile, 1, patch)
+   end subroutine put_gradient
 
    !> Impose the faces of the box and book what they and gravity do. A tile books its own particles'
    !! share of each node, so that all shares add up to the node.
@@ -405,6 +525,7 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: push(:, :)             !! (3, node) Gain of velocity [m/s]
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) In the middle of the step [m/s]
+      real(wp) :: own(simulation%nodes%motion(1)%rows, size(push, 2))
       real(wp) :: total(3), turn(3), work, part(3), corner(3), place(3)
       integer :: node, k
 
@@ -412,9 +533,10 @@ contains
       turn = 0.0_wp
       work = 0.0_wp
       corner = simulation%grid%tile_corner(simulation%tiles%coordinate(:, tile))
+      call simulation%nodes%motion(1)%get(simulation%grid, simulation%nodes%touched, tile, own)
       do node = 1, size(push, 2)
-         if (.not. simulation%nodes%motion(1, node, tile) > 0.0_wp) cycle
-         part = simulation%nodes%motion(1, node, tile)*push(:, node)
+         if (.not. own(1, node) > 0.0_wp) cycle
+         part = own(1, node)*push(:, node)
          place = corner + simulation%grid%spacing*real(simulation%grid%node_position(node), wp)
          total = total + part
          turn = turn + cross(place, part)
@@ -463,30 +585,28 @@ contains
       call simulation%timer%start(simulation%phase%grid)
       !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
       do tile = 1, simulation%tiles%all
-         call clear_patch(simulation%nodes%gradient(:, :, tile))
-         call simulation%dual%add_gradient(simulation%grid, simulation%tiles%coordinate(:, tile), &
-            simulation%nodes%weight(:, tile), simulation%nodes%strain(:, :, tile), &
-            simulation%nodes%gradient(:, :, tile))
+         call put_gradient(simulation, tile, simulation%nodes%strain(:, :, tile), &
+            simulation%nodes%gradient)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
    end subroutine strain_nodes
 
-   !> Sum of the patches of a node gradient, divided by the volumes of the nodes.
-   subroutine node_gradient(simulation, tile, patch, gradient, before)
+   !> Sum of the pieces of a node gradient, divided by the volumes of the nodes.
+   subroutine node_gradient(simulation, tile, pieces, gradient)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), contiguous, intent(in) :: patch(:, :, :)   !! (row, node, tile)
+      type(pieces_t), intent(in) :: pieces           !! Shares of the cells [m3/s]
       !> (9, node) [1/s]; only where the particles of the tile see it
       real(wp), allocatable, intent(inout) :: gradient(:, :)
-      integer, intent(in), optional :: before        !! Rows before those of the gradient, if any
       integer :: low, high
 
       if (.not. allocated(gradient)) allocate (gradient(9, simulation%grid%tile_nodes))
-      call assemble(simulation%grid, simulation%tiles, patch, tile, gradient, &
-         simulation%nodes%weighted, before)
+      call pieces%assemble(simulation%grid, simulation%tiles, simulation%nodes%weighted, tile, &
+         gradient)
       call nodes_seen(simulation, tile, low, high)
-      call divide(simulation%nodes%volume(:, low:high, tile), 1, gradient(:, low:high))
+      call divide(simulation%nodes%volume(:, low:high, simulation%nodes%slot(tile)), 1, &
+         gradient(:, low:high))
       call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
          gradient)
    end subroutine node_gradient
