@@ -136,13 +136,15 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), allocatable, intent(inout) :: filtered(:, :) !! (3, node) [m/s]
+      integer :: slot
 
+      slot = simulation%nodes%slot(tile)
       if (.not. allocated(filtered)) allocate (filtered(3, simulation%grid%tile_nodes))
       if (simulation%method%transfer%sweeps() > 0) then
          filtered = simulation%nodes%filtered(:, :, tile)
       else
-         call simulation%method%transfer%first_term(dt, simulation%nodes%velocity(:, :, tile), &
-            simulation%nodes%acceleration(:, :, tile), filtered)
+         call simulation%method%transfer%first_term(dt, simulation%nodes%velocity(:, :, slot), &
+            simulation%nodes%acceleration(:, :, slot), filtered)
       end if
    end subroutine find_filtered
 
