@@ -269,6 +269,7 @@ contains
       call simulation%timer%start(simulation%phase%grid)
       call ensure_moved(simulation)
       simulation%scratch%reach = reach_t()
+      simulation%nodes%acting = dt
       !$omp parallel do default(none) shared(simulation, dt, whole) private(tile, began) &
       !$omp schedule(static)
       do tile = 1, simulation%tiles%all
@@ -298,7 +299,6 @@ contains
          slot = nodes%slot(tile)
          call nodes%seen(1)%put(grid, nodes%touched, tile, 1, nodes%velocity(:, :, slot))
          call nodes%seen(2)%put(grid, nodes%touched, tile, 1, nodes%acceleration(:, :, slot))
-         call nodes%seen(3)%put(grid, nodes%touched, tile, 1, nodes%strain(:, :, slot))
          if (.not. present(whole)) return
          call look_at_tile(simulation, tile, slot, whole, reach)
          if (worse(reach, scratch%reach)) scratch%reach = reach
@@ -316,8 +316,11 @@ contains
          slot = nodes%slot(tile)
          call nodes%seen(1)%get(grid, nodes%touched, tile, nodes%velocity(:, :, slot))
          call nodes%seen(2)%get(grid, nodes%touched, tile, nodes%acceleration(:, :, slot))
-         call nodes%seen(3)%get(grid, nodes%touched, tile, nodes%strain(:, :, slot))
          if (simulation%method%dual) call find_volumes(simulation, tile, slot)
+         ! with the same numbers as before, so to the same bits where the particles see it
+         nodes%strain(:, :, slot) = nodes%velocity(:, :, slot) &
+            + nodes%acting*nodes%acceleration(:, :, slot)
+         call calm_tile(simulation, tile, slot, nodes%acting)
       end associate
    end subroutine recall_seen
 
@@ -433,6 +436,21 @@ contains
       end associate
    end subroutine start_tile
 
+   !> Bound what light nodes of a tile gain in the velocity that strains.
+   pure subroutine calm_tile(simulation, tile, slot, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: slot                    !! Where its fields are
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+
+      if (.not. (simulation%method%dual .and. simulation%method%stress == stress_after)) return
+      associate (nodes => simulation%nodes)
+         call calm_light_nodes(simulation%grid, simulation%tiles%coordinate(:, tile), &
+            nodes%volume(1, :, slot), dt, nodes%velocity(:, :, slot), &
+            nodes%acceleration(:, :, slot), nodes%strain(:, :, slot))
+      end associate
+   end subroutine calm_tile
+
    !> Gradients of the velocities that strain the particles of a tile.
    subroutine finish_tile(simulation, tile, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
@@ -445,16 +463,11 @@ contains
       slot = simulation%nodes%slot(tile)
       if (simulation%nodes%lean .and. simulation%method%stress == stress_after) &
          call find_volumes(simulation, tile, slot)
-      associate (grid => simulation%grid, nodes => simulation%nodes, &
-         coordinate => simulation%tiles%coordinate(:, tile), &
-         velocity => simulation%nodes%velocity(:, :, slot), &
-         acceleration => simulation%nodes%acceleration(:, :, slot))
-         if (simulation%method%stress == stress_after) &
-            call calm_light_nodes(grid, coordinate, nodes%volume(1, :, slot), dt, velocity, &
-            acceleration, nodes%strain(:, :, slot))
+      call calm_tile(simulation, tile, slot, dt)
+      associate (nodes => simulation%nodes)
          call put_gradient(simulation, tile, nodes%strain(:, :, slot), nodes%gradient)
          if (.not. simulation%carries_energy) return
-         centre = velocity + 0.5_wp*dt*acceleration
+         centre = nodes%velocity(:, :, slot) + 0.5_wp*dt*nodes%acceleration(:, :, slot)
          call put_gradient(simulation, tile, centre, nodes%middle)
       end associate
    end subroutine finish_tile

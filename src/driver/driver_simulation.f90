@@ -41,9 +41,10 @@ module driver_simulation
       !> Pieces of mass, momentum, force, with the dual gradient volume; and of stress times volume
       type(pieces_t) :: motion(2)
       !> Are the sums and velocities of a tile kept only while it is worked on? Then they are those
-      !! of a thread, and of what the particles see pieces are kept: velocity, acceleration, strain
+      !! of a thread, and of what the particles see pieces are kept: velocity and acceleration
       logical :: lean = .false.
-      type(pieces_t) :: seen(3)
+      type(pieces_t) :: seen(2)
+      real(wp) :: acting = 0.0_wp                    !! Time that the forces acted to move them [s]
       real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]

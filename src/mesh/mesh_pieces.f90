@@ -119,7 +119,7 @@ contains
          if (size(self%values) >= needed .and. size(self%values) <= 2*needed + 1000) return
          deallocate (self%values)
       end if
-      allocate (self%values(needed + needed/64))
+      allocate (self%values(needed + needed/128))
    end subroutine pieces_ensure
 
    !> Make room for nodes of further tiles. What is there stays.
@@ -131,7 +131,7 @@ contains
 
       needed = size(self%row)*nodes
       if (size(self%values) >= needed) return
-      allocate (values(needed + needed/64))
+      allocate (values(needed + needed/128))
       values(:size(self%values)) = self%values
       call move_alloc(values, self%values)
    end subroutine pieces_grow
