@@ -66,15 +66,14 @@ def run(options):
 
 
 def section(folder):
-    """Title with link, first paragraph, picture and figures of a scene."""
+    """Title, first paragraph, pictures and figures of a scene, and a link to it."""
     text = (folder / "README.md").read_text(encoding="utf-8")
     paragraphs = [part.strip() for part in text.split("\n\n")]
     title = paragraphs[0].removeprefix("# ")
-    words, place = PICTURE.search(text).groups()
-    picture = (folder / place).resolve().relative_to(ROOT)
     lines = [f"## {title}", re.sub(r"\]\((?!http)([^)]+)\)", lambda link: relink(folder, link[1]),
-                                   paragraphs[1]),
-             f"![{words}](../{picture})"]
+                                   paragraphs[1])]
+    lines += [f"![{words}](../{(folder / place).resolve().relative_to(ROOT)})"
+              for words, place in PICTURE.findall(text)]
     found = FIGURES.search(text)
     if found:
         lines.append(found[1].strip())

@@ -52,13 +52,14 @@ class Study:
     """The runs of a scene, what is measured on them, and how it is drawn.
 
     `cases` gives for each name the deck, relative to the folder of the scene, and values for --set; `tables` makes
-    tables of the runs by name; `draw` draws them with pyplot and returns the figure.
+    tables of the runs by name; `pictures` gives for each file name what draws it: a function of the runs and of
+    pyplot that returns the figure, or None if the runs for it were left out.
     """
 
-    def __init__(self, script, cases, tables, draw=None, picture="picture.png", tolerance=0.02):
+    def __init__(self, script, cases, tables, pictures, tolerance=0.02):
         self.folder = Path(script).resolve().parent
-        self.cases, self.tables, self.draw = cases, tables, draw
-        self.picture, self.tolerance = self.folder / picture, tolerance
+        self.cases, self.tables, self.pictures = cases, tables, pictures
+        self.tolerance = tolerance
 
     def main(self):
         """Understand the command line and do what it asks for."""
@@ -72,11 +73,12 @@ class Study:
         print(text)
         if options.check:
             return self.check(text)
-        if self.draw:
-            picture = self.picture if options.write else options.out / self.picture.name
-            plot = scree_post.pyplot()
-            scree_post.save(self.draw(runs, plot), str(picture), 85)
-            print(picture)
+        for name, draw in self.pictures.items():
+            figure = draw(runs, scree_post.pyplot())
+            if figure:
+                picture = (self.folder if options.write else options.out) / name
+                scree_post.save(figure, str(picture), 85)
+                print(picture)
         if options.write:
             self.write(text)
         return 0

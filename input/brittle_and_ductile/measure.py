@@ -114,4 +114,4 @@ def cases():
 
 
 if __name__ == "__main__":
-    Study(__file__, cases(), tables, draw).main()
+    Study(__file__, cases(), tables, {"picture.png": draw}).main()

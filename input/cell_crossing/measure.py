@@ -86,4 +86,4 @@ CASES = {f"{name}_{size}": ("scene.nml", {"run.method": method, "method.basis": 
          for size, width in CELLS.items() for name, (_, method, basis) in METHODS.items()}
 
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, draw).main()
+    Study(__file__, CASES, tables, {"picture.png": draw}).main()

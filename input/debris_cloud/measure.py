@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Hole, fronts and shape of the debris cloud, for sheets of several thicknesses.
+"""Hole, fronts, shape, radiographs and fragments of the debris cloud, for sheets of several thicknesses.
 
     python input/debris_cloud/measure.py --scree build/bin/scree [--only scene]
 """
@@ -10,6 +10,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import scree_post                      # noqa: E402
+from scree_post.areal_density import radiograph      # noqa: E402
+from scree_post.radiograph_page import exposure      # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 DIAMETER, SPEED, DENSITY = 9.53e-3, 6710.0, 2785.0
@@ -18,6 +20,9 @@ SHEETS = {"t049": (0.049, 0.465), "t084": (0.084, 0.80), "t163": (0.163, 1.55), 
           "t504": (0.504, 4.80)}
 SPHERE, SHEET = 1, 2                   # of the field body
 AHEAD = 1.0e-3                         # share of the flying mass before the leading edge
+TIMES = (5.0e-6, 10.0e-6, 15.0e-6, 20.0e-6)
+PIXEL = 0.25e-3                        # of the radiographs [m]
+PIECE = 8                              # particles that make a fragment worth counting
 
 
 def hole(snap):
@@ -39,12 +44,18 @@ def reach(values, mass, share):
     return values[order][np.searchsorted(total, share * total[-1])]
 
 
-def shape(snap):
-    """Leading edge, length and width of what flies behind the sheet [m]."""
+def places(snap):
+    """Leading edge, centre of mass, rear and width of what flies behind the sheet [m]."""
     chosen = flying(snap) & (snap.points[:, 2] > 0.0)
     z, r, mass = snap.points[chosen, 2], snap.points[chosen, 0], snap.fields["mass"][chosen]
-    front, rear = reach(z, mass, AHEAD), -reach(-z, mass, AHEAD)
-    return front, front - rear, 2.0 * reach(r, mass, 10.0 * AHEAD)
+    return (reach(z, mass, AHEAD), np.average(z, weights=mass), -reach(-z, mass, AHEAD),
+            2.0 * reach(r, mass, 10.0 * AHEAD))
+
+
+def shape(snap):
+    """Leading edge, length and width of what flies behind the sheet [m]."""
+    front, _, rear, width = places(snap)
+    return front, front - rear, width
 
 
 def bodies(snap, number):
@@ -88,12 +99,61 @@ def tables(runs):
             front, length, width = shape(last)
             other.rows.append([title, f"{1e3 * hole(last):.1f}", f"{1e3 * front:.1f}", f"{1e3 * length:.1f}",
                                f"{1e3 * width:.1f}", f"{length / width:.2f}"])
-    return [family, other]
+    return [family, travel(runs), other, pieces(runs)]
 
 
-def draw(runs, plot):
+def travel(runs):
+    """Where the cloud of the scene is at several times."""
+    table = Table(["time [us]", "leading edge [mm]", "centre of mass [mm]", "rear [mm]", "width [mm]"])
+    for moment in TIMES if "t163" in runs else ():
+        snap = runs["t163"].near(moment)
+        table.rows.append([f"{1e6 * snap.time:.0f}"] + [f"{1e3 * length:.1f}" for length in places(snap)])
+    return table
+
+
+def pieces(runs):
+    """Pieces of the cloud in three dimensions: cells with matter that touch. Masses of the quarter of the model."""
+    table = Table(["time [us]", "pieces behind the sheet", "single particles", f"of {PIECE} particles or more",
+                   "heaviest [mg]", "second [mg]", "third [mg]", "mass in the heaviest"])
+    if "quarter" not in runs:
+        return table
+    rows = scree_post.history(str(runs["quarter"].folder / "quarter_fragments.csv"))
+    for moment in sorted(set(rows["time"])):
+        behind = (rows["time"] == moment) & (rows["centre_z"] > 5.0e-3)
+        number, mass = rows["particles"][behind], rows["mass"][behind]
+        table.rows.append([f"{1e6 * moment:.0f}", behind.sum(), (number == 1).sum(), (number >= PIECE).sum(),
+                           *(f"{1e6 * one:.2f}" for one in mass[:3]), f"{mass[0] / mass.sum():.2f}"])
+    return table
+
+
+def draw_films(runs, plot):
+    """What a flash X-ray would see: a row a sheet, a column a time, flight to the right."""
+    names = [name for name in SHEETS if name in runs]
+    if not names:
+        return None
+    figure, panels = plot.subplots(len(names), len(TIMES), figsize=(11.0, 1.56 * len(names) + 0.4), squeeze=False,
+                                   sharex=True, sharey=True, layout="constrained")
+    absorption = exposure(radiograph(runs[names[len(names) // 2]].near(TIMES[-1]), PIXEL))
+    for row, name in zip(panels, names):
+        for panel, moment in zip(row, TIMES):
+            frame = radiograph(runs[name].near(moment), PIXEL)
+            panel.set_facecolor("white")
+            panel.imshow(np.exp(-absorption * frame.sigma), extent=[1e3 * edge for edge in frame.box],
+                         origin="lower", cmap="gray", vmin=0.0, vmax=1.0, interpolation="antialiased")
+            panel.set(xlim=(-42, 148), ylim=(-52, 52))
+            if name == names[0]:
+                panel.set_title(f"{1e6 * frame.time:.0f} us", fontsize=10)
+            if name == names[-1]:
+                panel.set_xlabel("z [mm]")
+        row[0].set_ylabel(f"t/D = {SHEETS[name][0]}\nr [mm]")
+    return figure
+
+
+def draw_sheets(runs, plot):
     """Clouds behind sheets of all thicknesses at the end, half by body and half by failure."""
     names = [name for name in SHEETS if name in runs]
+    if not names:
+        return None
     figure, panels = plot.subplots(1, len(names), figsize=(2.4 * len(names), 4.6), squeeze=False,
                                    layout="constrained")
     for panel, name in zip(panels[0], names):
@@ -111,10 +171,11 @@ def draw(runs, plot):
 
 CASES = {name: ("scene.nml", {"region[plate].hi": f"31,0,{thickness}"})
          for name, (_, thickness) in SHEETS.items()}
+CASES["quarter"] = ("quarter_3d.nml", {"grid.dx": 0.3875, "time.t_end": 10.0, "output[cloud].dt": 5.0})
 CASES["open"] = ("scene.nml", {"effects.voids": ".true."})
 CASES["one"] = ("scene.nml", {"effects.voids": ".true.", "material.alpha_m": "one"})
 CASES["hiermaier"] = ("scene.nml", {"region[plate].hi": "31,0,4.0", "region[ball].radius": 5.0,
                                     "region[ball].centre": "0,0,-5.035", "body[sphere].velocity": "0,0,6.18"})
 
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, draw, picture="sheets.png").main()
+    Study(__file__, CASES, tables, {"sheets.png": draw_sheets, "radiographs.png": draw_films}).main()

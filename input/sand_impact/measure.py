@@ -81,4 +81,4 @@ CASES = {f"{cone}_{speed}": ("scene.nml", {"body[ball].velocity": f"0,0,{-speed}
          for cone in CONES for speed in (SPEEDS if cone == "plane_strain" else SPEEDS[1:2])}
 
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, draw).main()
+    Study(__file__, CASES, tables, {"picture.png": draw}).main()

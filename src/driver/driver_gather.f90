@@ -81,16 +81,20 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t) :: view
       integer :: tile
-      real(wp) :: began
+      real(wp) :: began, lap
 
-      !$omp do schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
-         began = cost_clock(simulation)
-         call gather_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, parts, dt, &
-            view)
-         call book_cost(simulation, tile, began)
-      end do
-      !$omp end do
+      associate (scratch => simulation%scratch(omp_get_thread_num()))
+         call scratch%laps%begin(simulation%step)
+         !$omp do schedule(dynamic, 1)
+         do tile = 1, simulation%tiles%own
+            began = cost_clock(simulation)
+            lap = scratch%laps%clock()
+            call gather_tile(simulation, scratch, tile, parts, dt, view)
+            call scratch%laps%book(lap)
+            call book_cost(simulation, tile, began)
+         end do
+         !$omp end do
+      end associate
    end subroutine gather_some
 
    !> Make room for the rates at which particles grow. Other velocity fields keep theirs.
@@ -453,8 +457,8 @@ contains
          else
             call centre_gradient(n, deformation%gradient)
          end if
-         call simulation%materials(index)%update(store%matter, deformation, first, first + n - 1, &
-            dt, simulation%grid%spacing)
+         call scratch%laps%update(simulation%materials(index), store%matter, deformation, &
+            first, first + n - 1, dt, simulation%grid%spacing)
          fastest = 0.0_wp
          do p = 1, n
             fastest = max(fastest, &

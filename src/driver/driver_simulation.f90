@@ -8,9 +8,11 @@ module driver_simulation
    use ddmp_dual, only: dual_t
    use driver_bounds, only: guard_t
    use driver_exact, only: exact_case_t
+   use driver_laps, only: laps_t
    use driver_ledger, only: ledger_t
    use driver_method, only: method_t
    use material_matter, only: deformation_t
+   use material_models, only: chain_effects
    use material_type, only: material_t
    use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
@@ -132,6 +134,7 @@ module driver_simulation
       type(pushed_t) :: pushed                       !! Their stress, if changed on its way to nodes
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       type(ledger_t) :: ledger                       !! Sums of this thread
+      type(laps_t) :: laps                           !! Times of effects
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
       logical :: sound = .true.                      !! Are all particles in their bounds?
       logical :: retired = .false.                   !! Has one been taken out for leaving them?
@@ -163,6 +166,7 @@ module driver_simulation
    type :: phases_t
       integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
          ledger = 0, output = 0, checkpoint = 0, conduction = 0, contact = 0 !! One each
+      integer :: effect(chain_effects) = 0           !! Of those of matter, 0 = off
    end type phases_t
 
    !> A run.

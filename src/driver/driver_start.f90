@@ -9,6 +9,7 @@ module driver_start
    use driver_ledger, only: cross
    use driver_simulation, only: simulation_t
    use driver_step, only: count_particles, limit_step, sort_particles
+   use material_models, only: chain_effects, effect_names
    use mesh_curve, only: curve_key
    use mesh_tiles, only: partition_keys
    use omp_lib, only: omp_get_max_threads
@@ -59,6 +60,7 @@ contains
    !> Names of the timed phases, in the order of the table.
    subroutine name_phases(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: effect, n
 
       associate (timer => simulation%timer, phase => simulation%phase)
          phase%sort = timer%phase("sort, move tiles")
@@ -66,7 +68,11 @@ contains
          phase%exchange = timer%phase("exchange")
          phase%wait = timer%phase("waiting for ranks")
          phase%grid = timer%phase("grid")
-         phase%gather = timer%phase("nodes to points, law")
+         phase%gather = timer%phase("nodes to points")
+         do effect = 1, chain_effects
+            if (any([(simulation%materials(n)%has(effect), n=1, size(simulation%materials))])) &
+               phase%effect(effect) = timer%phase(trim(effect_names(effect)))
+         end do
          if (allocated(simulation%conduction)) phase%conduction = timer%phase("heat conduction")
          if (allocated(simulation%contact)) phase%contact = timer%phase("contact")
          phase%ledger = timer%phase("ledger, history")

@@ -7,6 +7,7 @@ module driver_summary
    use base_version, only: git_commit, version_text
    use driver_bounds, only: guard_t, rule_names, rules
    use driver_exact_error, only: take_errors
+   use driver_laps, only: share_out
    use driver_ledger, only: balance_t, entries, entry_names, removed_mass, &
       removed_particles
    use driver_output, only: outputs_t
@@ -105,15 +106,17 @@ contains
       call json%add("particle_updates_per_s", rate)
    end subroutine add_work
 
-   !> Times of all phases over the ranks. Collective.
+   !> Times of all phases over the ranks, those of effects among them. Collective.
    subroutine spread_timers(simulation, wall, least, mean, greatest)
-      type(simulation_t), intent(in) :: simulation   !! The run at its end
+      type(simulation_t), intent(inout) :: simulation !! The run at its end
       real(wp), intent(in) :: wall                   !! Wall time of the whole run [s]
       real(wp), allocatable, intent(out) :: least(:) !! (phase) [s]
       real(wp), allocatable, intent(out) :: mean(:)  !! (phase) [s]
       real(wp), allocatable, intent(out) :: greatest(:) !! (phase) [s]
       integer :: phases
 
+      call share_out(simulation%scratch%laps, simulation%phase%gather, simulation%phase%effect, &
+         simulation%timer)
       phases = simulation%timer%count()
       allocate (least(phases), mean(phases), greatest(phases))
       call simulation%timer%spread(simulation%communicator, wall, least, mean, greatest)
@@ -131,6 +134,7 @@ contains
             + seconds(phase%wait) + seconds(phase%grid) + seconds(phase%gather)
          if (phase%conduction > 0) total = total + seconds(phase%conduction)
          if (phase%contact > 0) total = total + seconds(phase%contact)
+         total = total + sum(seconds(pack(phase%effect, phase%effect > 0)))
       end associate
       rate = 0.0_wp
       if (total > 0.0_wp) rate = real(updates, wp)/total

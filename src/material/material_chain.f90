@@ -2,144 +2,38 @@
 !> The chain of laws that a time step of a material runs through, each link only if asked for.
 module material_chain
    use base_kinds, only: int64, wp
-   use material_damage, only: damage_t
-   use material_eos, only: eos_t
-   use material_heat, only: heat, heat_t, melt
+   use material_heat, only: heat, melt
    use material_kinematics, only: dilate
-   use material_law, only: law_t
    use material_matter, only: deformation_t, matter_t
-   use material_remains, only: remains_t, share_t, vanish
-   use material_softening, only: softening_t
+   use material_models, only: effect_damage, effect_eos, effect_strength, effect_thermal, &
+      effect_viscosity, effect_voids, models_t
+   use material_remains, only: share_t, vanish
    use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
-   use material_tension, only: break, cut_tension, drop_failed, drop_melted, fail, fracture_t, &
-      open_voids, spall_t
-   use material_viscosity, only: resist, viscosity_t, viscous_losses
-   use material_voids, only: expand_grains, voids_t
-   use material_wishes, only: wishes_t
+   use material_tension, only: break, cut_tension, drop_failed, drop_melted, fail, open_voids
+   use material_viscosity, only: resist, viscous_losses
+   use material_voids, only: expand_grains
    implicit none
    private
 
-   public :: chain_t
+   public :: chain_stages, chain_t, effect_of_stage
 
-   !> The models of one material. What is not allocated does not happen and costs nothing.
-   type :: chain_t
-      character(len=:), allocatable :: name          !! Name that bodies refer to
-      real(wp) :: density = 0.0_wp                   !! Of the reference state [kg/m3]
-      real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
-      real(wp) :: shear = 0.0_wp                     !! Shear modulus, 0 without strength [Pa]
-      class(law_t), allocatable :: law               !! Strength; none: stress is pressure alone
-      class(eos_t), allocatable :: eos               !! None: mean stress in rate form
-      class(damage_t), allocatable :: damage         !! Lets damage grow
-      type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
-      type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
-      type(spall_t), allocatable :: spall            !! Tension cut-off without memory
-      type(fracture_t), allocatable :: fracture      !! Failure for good
-      type(remains_t), allocatable :: remains        !! Law of failed matter
-      type(voids_t), allocatable :: voids            !! Voids open and close
-      logical :: repacks = .false.                   !! The fill of nodes corrects volumes
-      integer(int64) :: seed = 0                     !! Of random strength
-      type(heat_t), allocatable :: heat              !! Temperature follows the work
-      real(wp), allocatable :: melting               !! Fluid from this temperature [K]
+   integer, parameter :: chain_stages = 13           !! Stages of a time step
+   !> Effect that a stage belongs to
+   integer, parameter :: effect_of_stage(chain_stages) = [effect_damage, effect_voids, &
+      effect_strength, effect_voids, effect_eos, effect_damage, effect_strength, effect_damage, &
+      effect_viscosity, effect_thermal, effect_viscosity, effect_strength, effect_damage]
+
+   !> The models as a chain through which a time step runs.
+   type, extends(models_t) :: chain_t
    contains
-      procedure :: wishes => chain_wishes            !! Fields to be carried, and why
-      procedure :: request => chain_request          !! Allocates these fields
-      procedure :: start => chain_start              !! Initial state of particles
-      procedure :: scatter => chain_scatter          !! Random strength of particles
       procedure :: settle => chain_settle            !! Stress of the state as it is
       procedure :: update => chain_update            !! One time step
+      procedure :: advance => chain_advance          !! One stage of it
       procedure :: signal_speed => chain_signal_speed         !! Fastest signal of a state
-      procedure :: reference_speed => chain_reference_speed   !! Fastest signal at rest
-      procedure :: bulk_in_rate_form => chain_bulk_in_rate_form !! Mean stress follows the volume
       procedure :: stored_energy => chain_stored_energy       !! Internal energy of particles
    end type chain_t
 
 contains
-
-   !> The fields that the chain needs its particles to carry.
-   pure function chain_wishes(self) result(wishes)
-      class(chain_t), intent(in) :: self             !! The material
-      type(wishes_t) :: wishes
-
-      call wishes%ask("mass", "every material", 1)
-      call wishes%ask("volume", "every material", 1)
-      call wishes%ask("stress", "every material", 6)
-      if (allocated(self%viscosity)) call wishes%ask("viscous_pressure", "artificial viscosity", 1)
-      if (allocated(self%eos)) call self%eos%request(wishes)
-      if (allocated(self%law)) call self%law%request(wishes)
-      if (allocated(self%damage)) call self%damage%request(wishes)
-      if (allocated(self%voids)) call wishes%ask("solid_fraction", "voids", 1)
-      if (allocated(self%heat)) call wishes%ask("temperature", "thermal effect", 1)
-      if (allocated(self%fracture)) then
-         call wishes%ask("damage", "failure", 1)
-         call wishes%ask("failed", "failure", 1)
-      end if
-   end function chain_wishes
-
-   !> Allocate exactly the fields that the chain needs.
-   pure subroutine chain_request(self, matter, particles)
-      class(chain_t), intent(in) :: self             !! The material
-      type(matter_t), intent(out) :: matter          !! State of its particles
-      integer, optional, intent(in) :: particles     !! Room for so many; none if not given
-      type(wishes_t) :: wishes
-      integer :: n
-
-      n = 0
-      if (present(particles)) n = particles
-      wishes = self%wishes()
-      allocate (matter%mass(n), matter%volume(n), matter%stress(n, 6))
-      if (wishes%asked("viscous_pressure")) allocate (matter%viscous_pressure(n))
-      if (wishes%asked("energy")) allocate (matter%energy(n))
-      if (wishes%asked("temperature")) allocate (matter%temperature(n))
-      if (wishes%asked("plastic_strain")) allocate (matter%plastic_strain(n))
-      if (wishes%asked("plastic_rate")) allocate (matter%plastic_rate(n))
-      if (wishes%asked("plastic_dilation")) allocate (matter%plastic_dilation(n))
-      if (wishes%asked("distension")) allocate (matter%distension(n))
-      if (wishes%asked("damage")) allocate (matter%damage(n))
-      if (wishes%asked("scatter")) allocate (matter%scatter(n))
-      if (wishes%asked("bulking")) allocate (matter%bulking(n))
-      if (wishes%asked("solid_fraction")) allocate (matter%solid_fraction(n))
-      if (wishes%asked("deformation_gradient")) allocate (matter%deformation_gradient(n, 9))
-      if (wishes%asked("failed")) allocate (matter%failed(n))
-   end subroutine chain_request
-
-   !> Initial state of particles: at rest without stress. Mass and volume are set by the caller.
-   pure subroutine chain_start(self, matter, first, last, temperature)
-      class(chain_t), intent(in) :: self             !! The material
-      type(matter_t), intent(inout) :: matter        !! State of the store
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: temperature            !! Initial temperature [K]
-
-      matter%stress(first:last, :) = 0.0_wp
-      if (allocated(matter%viscous_pressure)) matter%viscous_pressure(first:last) = 0.0_wp
-      if (allocated(matter%energy)) matter%energy(first:last) = 0.0_wp
-      if (allocated(matter%temperature)) matter%temperature(first:last) = temperature
-      if (allocated(matter%plastic_strain)) matter%plastic_strain(first:last) = 0.0_wp
-      if (allocated(matter%plastic_rate)) matter%plastic_rate(first:last) = 0.0_wp
-      if (allocated(matter%plastic_dilation)) matter%plastic_dilation(first:last) = 0.0_wp
-      if (allocated(matter%distension)) matter%distension(first:last) = self%eos%distension
-      if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
-      if (allocated(matter%scatter)) matter%scatter(first:last) = 1.0_wp
-      if (allocated(matter%bulking)) matter%bulking(first:last) = 0.0_wp
-      if (allocated(matter%solid_fraction)) matter%solid_fraction(first:last) = self%voids%start
-      if (allocated(matter%deformation_gradient)) then
-         matter%deformation_gradient(first:last, :) = 0.0_wp
-         matter%deformation_gradient(first:last, [1, 5, 9]) = 1.0_wp
-      end if
-      if (allocated(matter%failed)) matter%failed(first:last) = 0
-   end subroutine chain_start
-
-   !> Random strength of new particles. Their mass is known, and who they are decides.
-   pure subroutine chain_scatter(self, matter, identity, first, last)
-      class(chain_t), intent(in) :: self             !! The material
-      type(matter_t), intent(inout) :: matter        !! State of the store
-      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-
-      if (allocated(matter%scatter)) call self%damage%draw(self%seed, identity, first, last, &
-         matter%mass, matter%scatter)
-   end subroutine chain_scatter
 
    !> Stress of particles at rest whose volume, energy, deformation gradient or deviator of stress
    !! were set from outside: a step without deformation that takes no time.
@@ -157,22 +51,6 @@ contains
       deformation%gradient = 0.0_wp
       call self%update(matter, deformation, first, last, instant, 1.0_wp)
    end subroutine chain_settle
-
-   !> True if the mean stress follows the dilatation, without equation of state and without a law
-   !! that gives the whole stress.
-   pure logical function chain_bulk_in_rate_form(self) result(follows)
-      class(chain_t), intent(in) :: self             !! The material
-
-      follows = .not. allocated(self%eos)
-      if (follows .and. allocated(self%law)) follows = .not. self%law%whole()
-   end function chain_bulk_in_rate_form
-
-   !> Fastest signal [m/s] in the reference state, for the first time step.
-   pure real(wp) function chain_reference_speed(self) result(speed)
-      class(chain_t), intent(in) :: self             !! The material
-
-      speed = sqrt((self%bulk + 4.0_wp/3.0_wp*self%shear)/self%density)
-   end function chain_reference_speed
 
    !> Fastest signal [m/s] of a range of particles in their present state, for the first time step
    !! of matter that does not start in the reference state.
@@ -207,7 +85,7 @@ contains
    end function chain_signal_speed
 
    !> One time step of a range of particles, with the gradient given and the work of the stress of
-   !! the force already in the energy. The order of the chain is that of the calls here.
+   !! the force already in the energy: all stages in their order.
    pure subroutine chain_update(self, matter, deformation, first, last, dt, spacing)
       class(chain_t), intent(in) :: self                 !! The material
       type(matter_t), intent(inout) :: matter            !! State of the store
@@ -217,56 +95,102 @@ contains
       real(wp), intent(in) :: dt                         !! Time step [s]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
       type(share_t) :: share
+      integer :: stage
+
+      if (last < first) return
+      do stage = 1, chain_stages
+         call self%advance(stage, matter, deformation, first, last, dt, spacing, share)
+      end do
+   end subroutine chain_update
+
+   !> One stage of that, so that a caller can take the time between them. The order of the chain is
+   !! that of the cases.
+   ! gate: long kernel because the chain is one list
+   pure subroutine chain_advance(self, stage, matter, deformation, first, last, dt, spacing, share)
+      class(chain_t), intent(in) :: self                 !! The material
+      integer, intent(in) :: stage                       !! From 1 to `chain_stages`
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle, not before it
+      real(wp), intent(in) :: dt                         !! Time step [s]
+      real(wp), intent(in) :: spacing                    !! Cell size [m]
+      type(share_t), intent(inout) :: share              !! Failed particles, kept between stages
       integer :: count
 
       count = last - first + 1
-      if (count < 1) return
-      if (allocated(self%softening)) call self%softening%recover(matter, first, last)
-      if (allocated(self%remains)) &
-         call self%remains%collect(matter, deformation, first, last, share)
-      if (allocated(self%voids)) call self%voids%choose(matter, deformation, first, last)
-      deformation%plastic_work(:count) = 0.0_wp
-      deformation%viscous_work(:count) = 0.0_wp
-      deformation%plastic_increment(:count) = 0.0_wp
-      if (allocated(self%law)) then
-         call self%law%predict(matter, deformation, first, last)
-      else
-         call dilate(first, last, deformation%gradient, matter%volume, deformation%old_volume, &
-            deformation%dilatation)
-      end if
-      if (allocated(self%voids)) call self%voids%open(matter, deformation, first, last)
-      call update_pressure(self, matter, deformation, first, last)
-      if (allocated(self%remains)) &
-         call self%remains%follow(matter, deformation, first, dt, share)
-      if (allocated(self%law)) call update_deviator(self, matter, deformation, first, last, dt)
-      if (allocated(self%remains)) &
-         call self%remains%give_back(share, matter, deformation, first)
-      if (allocated(self%softening)) &
-         call self%softening%open(matter, deformation, first, last, spacing)
-      if (allocated(self%damage)) call self%damage%update(matter, deformation, first, last, dt)
-      call limit_tension(self, matter, deformation, first, last)
-      if (allocated(self%viscosity)) call viscous_losses(first, last, matter%viscous_pressure, &
-         deformation%old_volume, deformation%dilatation, deformation%viscous_work)
-      if (allocated(self%heat)) call update_temperature(self, matter, deformation, first, last)
-      if (allocated(self%viscosity)) then
-         call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
-            deformation%dilatation, matter%viscous_pressure, deformation%pressure, &
-            deformation%wave_speed)
-      else
-         call square_root(count, deformation%wave_speed)
-      end if
-      if (allocated(self%law)) then
-         call self%law%damp(matter, deformation, first, last, spacing)
-         call assemble(first, last, deformation%pressure, matter%stress)
-      else
-         call assemble_isotropic(first, last, deformation%pressure, matter%stress)
-      end if
+      select case (stage)
+      case (1)
+         if (allocated(self%softening)) call self%softening%recover(matter, first, last)
+         if (allocated(self%remains)) &
+            call self%remains%collect(matter, deformation, first, last, share)
+      case (2)
+         if (allocated(self%voids)) call self%voids%choose(matter, deformation, first, last)
+      case (3)
+         deformation%plastic_work(:count) = 0.0_wp
+         deformation%viscous_work(:count) = 0.0_wp
+         deformation%plastic_increment(:count) = 0.0_wp
+         if (allocated(self%law)) then
+            call self%law%predict(matter, deformation, first, last)
+         else
+            call dilate(first, last, deformation%gradient, matter%volume, deformation%old_volume, &
+               deformation%dilatation)
+         end if
+      case (4)
+         if (allocated(self%voids)) call self%voids%open(matter, deformation, first, last)
+      case (5)
+         call update_pressure(self, matter, deformation, first, last)
+      case (6)
+         if (allocated(self%remains)) &
+            call self%remains%follow(matter, deformation, first, dt, share)
+      case (7)
+         if (allocated(self%law)) call update_deviator(self, matter, deformation, first, last, dt)
+      case (8)
+         if (allocated(self%remains)) &
+            call self%remains%give_back(share, matter, deformation, first)
+         if (allocated(self%softening)) &
+            call self%softening%open(matter, deformation, first, last, spacing)
+         if (allocated(self%damage)) call self%damage%update(matter, deformation, first, last, dt)
+         call limit_tension(self, matter, deformation, first, last)
+      case (9)
+         if (allocated(self%viscosity)) call viscous_losses(first, last, matter%viscous_pressure, &
+            deformation%old_volume, deformation%dilatation, deformation%viscous_work)
+      case (10)
+         if (allocated(self%heat)) call update_temperature(self, matter, deformation, first, last)
+      case (11)
+         if (allocated(self%viscosity)) then
+            call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
+               deformation%dilatation, matter%viscous_pressure, deformation%pressure, &
+               deformation%wave_speed)
+         else
+            call square_root(count, deformation%wave_speed)
+         end if
+      case (12)
+         if (allocated(self%law)) then
+            call self%law%damp(matter, deformation, first, last, spacing)
+            call assemble(first, last, deformation%pressure, matter%stress)
+         else
+            call assemble_isotropic(first, last, deformation%pressure, matter%stress)
+         end if
+      case (13)
+         call leave_nothing(self, matter, deformation, first, last)
+      end select
+   end subroutine chain_advance
+
+   !> Take all stress from failed particles, if nothing is left of them.
+   pure subroutine leave_nothing(self, matter, deformation, first, last)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
       if (.not. allocated(self%fracture)) return
       if (.not. self%fracture%leaves_nothing) return
       call vanish(first, last, matter%failed, matter%stress, deformation%wave_speed)
       if (allocated(self%viscosity)) matter%viscous_pressure(first:last) = &
          merge(0.0_wp, matter%viscous_pressure(first:last), matter%failed(first:last) /= 0)
-   end subroutine chain_update
+   end subroutine leave_nothing
 
    !> Pressure of the material, and the square of its wave speed without strength.
    pure subroutine update_pressure(self, matter, deformation, first, last)

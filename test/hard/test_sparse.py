@@ -75,7 +75,7 @@ def flight(options, sheet):
         sheet.require(run.code == 0, f"flight: exit code {run.code}")
         summary = run.summary
         loop = sum(summary["timers"][name]["avg"] for name in (
-            "sort, move tiles", "points to nodes", "grid", "nodes to points, law"))
+            "sort, move tiles", "points to nodes", "grid", "nodes to points", "strength", "eos"))
         seen[steps] = (memory, summary["bytes_per_particle"], loop / summary["steps"],
                        summary["time"])
         sheet.below(f"flight, {summary['steps']} steps, momentum error",

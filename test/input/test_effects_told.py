@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`scree --check` and the log tell which effects and models are on, and who says so.
+"""`scree --check` and the log tell which effects and models are on, and who says so; the timing table has their rows.
 
 Would catch: an effect that is on and not told, one that is told and off, a default taken for a word of the deck, the
-models of another material, a log that says less than the check.
+models of another material, a log that says less than the check, a row of the timing table for an effect that is off,
+and one without time for an effect that is on.
 """
 
 import sys
@@ -28,6 +29,8 @@ DECK = """
 ALL = "damage=.true. size_scatter=.true. voids=.true. thermal=.true. melting=.true. gravity=.true."
 METAL = ("strength_model='von_mises' yield=1e3 damage_model='principal_stress' failure_stress=1e5 weibull_m=7 "
          "specific_heat=500 t_melt=900 conductivity=10")
+ROWS = ("strength", "eos", "voids", "damage", "thermal", "artificial_viscosity", "heat conduction", "contact")
+ON = (ROWS[:2] + ROWS[5:6], ROWS[:2], ROWS[:7])                    # of the three decks
 CASES = (  # effects, metal, water, lines
     ("", "", "elastic='none'", ["effects    by default: strength, eos, artificial_viscosity",
      "           metal: strength_model elastic (default), eos_model linear (default)",
@@ -54,6 +57,11 @@ def main():
         for line in lines:
             sheet.require(line in told, f"deck {number}: the check tells '{line}': {told}")
             sheet.require(line in logged, f"deck {number}: the log tells '{line}'")
+        timers = run.summary["timers"]
+        rows = tuple(row for row in ROWS if row in timers)
+        sheet.require(rows == ON[number], f"deck {number}: rows of effects {rows}, on are {ON[number]}")
+        for row in rows:
+            sheet.require(timers[row]["avg"] > 0.0, f"deck {number}: {row} took some time")
     sheet.end()
 
 

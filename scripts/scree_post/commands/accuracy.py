@@ -24,8 +24,8 @@ import scree_post
 
 from .. import written as written_files
 from ..errors import EXIT_USAGE, PostError
+from ..study import find_program
 
-ROOT = Path(__file__).resolve().parents[3]
 SUMMARY = "how accurate a number of a deck is, and what more costs"
 EXAMPLES = ("accuracy input/taylor_copper/scene.nml --quantity length radius --factors 4,2,1",
             "accuracy input/two_discs/scene.nml --quantity length --factors 4,2,1")
@@ -182,6 +182,9 @@ def make_runs(options, grid, method, sizes):
                             + text.strip()[-1500:], code if code in (2, 3, 4) else 4)
         case = written_files.Written(options.work / name, name)
         summary = case.summary
+        if "processor_s" not in summary:
+            raise PostError(f"{options.scree} is too old: its summaries do not tell core-seconds; "
+                            "build it anew or name another with --scree")
         run = Run(method, factor, size, summary["processor_s"], summary["particles"],
                   summary["steps"], summary["ledger"]["start"]["mass"])
         for quantity in options.quantity:
@@ -432,7 +435,8 @@ def add_arguments(parser):
     parser.add_argument("--body", help="particles of this body alone")
     parser.add_argument("--percentile", type=percentile, default=100.0,
                         help="extents leave out the rest of the mass on each side (100)")
-    parser.add_argument("--scree", type=Path, default=ROOT / "build/bin/scree")
+    parser.add_argument("--scree", metavar="PROGRAM",
+                        help="the program; default build/bin/scree or in the path")
     parser.add_argument("--work", type=Path, help="folder for the runs (out/accuracy_DECK)")
     parser.add_argument("--csv", metavar="FILE", help="write the table")
     parser.add_argument("--plot", metavar="FILE", help="draw it")
@@ -440,6 +444,7 @@ def add_arguments(parser):
 
 def run(options):
     """Run, judge, print."""
+    options.scree = find_program(options.scree)
     grid = read_grid(options.deck, options.settings)
     sizes = choose_sizes(grid, options.factors)
     stem = os.path.splitext(os.path.basename(options.deck))[0]

@@ -3,9 +3,10 @@
 
 Every combination gets a folder of its own below --outdir. A combination that is done is not run
 again, one that was stopped goes on from its checkpoint, so that the same command resumes a study. A
-table holds the values, how the run ended, and the quantities of --take: names of the summary or
-columns of the history at the end, with .max, .min or .mean over the history. A value that holds
-commas is separated by semicolons: --set 'body[ball].velocity=0,0,1;0,0,2'.
+table holds the values, how the run ended, and the quantities of --take: names of the summary,
+columns of the history at the end, with .max, .min or .mean over the history, or extents of the last
+snapshot such as length, radius, front_z. A value that holds commas is separated by semicolons:
+--set 'body[ball].velocity=0,0,1;0,0,2'.
 """
 import csv
 import os
@@ -16,6 +17,7 @@ from .. import look
 from ..errors import EXIT_DIFFERENT, EXIT_USAGE, PostError, readable, unknown
 from ..files import history
 from ..study import Study, combinations, find_program, settings, short
+from ..written import EXTENTS, Written
 
 SUMMARY = "a deck for many values: table and plot of what came out"
 EXAMPLES = ("sweep input/two_discs/scene.nml --set grid.dx=0.05,0.025 --take energy_error,steps",
@@ -51,6 +53,8 @@ def quantity_of(run, name):
     base, _, over = name.partition(".")
     if over and over not in OVER:
         raise unknown("word behind the point", over, OVER, name)
+    if name in EXTENTS:
+        return Written(run.folder, run.case).value(name), "m"
     ends = run.summary.get("ledger", {}).get("end", {})
     if not over:
         for place in (run.summary, run.summary.get("extremes", {}), run.summary.get("exact", {})):
@@ -66,8 +70,8 @@ def quantity_of(run, name):
         return float(ends[base]), ""
     known = [key for key, value in run.summary.items() if isinstance(value, (int, float))]
     known += list(run.summary.get("extremes", {}))
-    raise unknown("quantity", base, [*known, *(key for key in ends if key not in known)],
-                  run.folder)
+    known += [key for key in (*ends, *EXTENTS) if key not in known]
+    raise unknown("quantity", base, known, run.folder)
 
 
 def results(runs, names):
@@ -105,10 +109,9 @@ def number(text):
 
 
 def picture(rows, keys, names, units, title):
-    """A panel for each quantity: against the first key, a line for each value of the others."""
+    """A panel for each quantity: against the first key with several values, a line for each value of the others."""
     plot = look.pyplot()
-    first, *rest = keys
-    rest = [key for key in rest if len(keys[key]) > 1]
+    first, *rest = [key for key in keys if len(keys[key]) > 1] or list(keys)[:1]
     columns = min(2, len(names))
     lines = (len(names) + columns - 1) // columns
     figure, grid = plot.subplots(lines, columns, figsize=(5.2 * columns + 0.4, 3.4 * lines + 0.5),

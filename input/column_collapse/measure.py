@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Run-out and height of columns that collapse, plane and round, by their aspect ratio.
+
+    python input/column_collapse/measure.py --scree build/bin/scree [--only plane_2]
+"""
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "test/support")]
+import flows                           # noqa: E402
+import scree_post                      # noqa: E402
+from scree_scene import Study, Table   # noqa: E402
+
+ASPECTS = (0.5, 1.0, 2.0, 4.0)
+KINDS = {"plane": False, "round": True}                # is it axisymmetric?
+COLOURS = {"plane": "#0072b2", "round": "#d55e00"}
+
+
+def settings(kind, aspect):
+    """What differs from the deck, whose column is plane and twice as high as half of it is wide."""
+    height, spacing = aspect * flows.HALF_WIDTH, flows.HALF_WIDTH / flows.COLUMN_CELLS[aspect]
+    reach = flows.HALF_WIDTH * (1.0 + 2.5 * flows.measured_runout(aspect, KINDS[kind]))
+    bulk = 100.0 * 1500.0 * flows.GRAVITY * height     # a hundred times the weight on the base
+    wide, high = (spacing * math.ceil(length / spacing) for length in (reach, 1.1 * height + 2.0 * spacing))
+    values = {"grid.hi": f"{wide:.15g},1,{high:.15g}", "grid.dx": f"{spacing:.15g}", "material.bulk": f"{bulk:.15g}",
+              "material.shear": f"{0.46 * bulk:.15g}", "region.hi": f"{flows.HALF_WIDTH},1,{height:.15g}",
+              "time.t_end": f"{5.25 * math.sqrt(height / flows.GRAVITY):.15g}", "output[sand].count": 40}
+    if KINDS[kind]:
+        values["run.dimension"] = "axisymmetric"
+    return values
+
+
+CASES = {f"{kind}_{aspect:g}": ("scene.nml", settings(kind, aspect)) for kind in KINDS for aspect in ASPECTS}
+
+
+def split(name):
+    """Kind and aspect ratio of a case."""
+    kind, aspect = name.split("_")
+    return kind, float(aspect)
+
+
+def fronts(run, aspect, axisymmetric):
+    """Times over sqrt(H/g) and run-outs over the half width."""
+    unit = math.sqrt(aspect * flows.HALF_WIDTH / flows.GRAVITY)
+    found = [(time / unit, flows.front(scree_post.snapshot(file), aspect, axisymmetric)) for time, file in run.series]
+    return np.array(found).T
+
+
+def top(run):
+    """Height of the deposit in the middle over the half width."""
+    snap = run.last_snapshot()
+    return snap.points[snap.points[:, 0] < 0.2 * flows.HALF_WIDTH, 2].max() / flows.HALF_WIDTH
+
+
+def tables(runs):
+    """Run-out, height and time by aspect ratio."""
+    table = Table(["column", "a", "run-out", "measured", "height", "measured", "time over sqrt(H/g)", "measured",
+                   "energy error"])
+    for name, run in runs.items():
+        kind, aspect = split(name)
+        time, place = fronts(run, aspect, KINDS[kind])
+        before = np.flatnonzero(place < 0.97 * place[-1])[-1]
+        arrived = np.interp(0.97 * place[-1], place[before:before + 2], time[before:before + 2])
+        table.rows.append([kind, f"{aspect:g}", f"{place[-1]:.2f}", f"{flows.measured_runout(aspect, KINDS[kind]):.2f}",
+                           f"{top(run):.2f}", f"{flows.measured_height(aspect, KINDS[kind]):.2f}", f"{arrived:.1f}",
+                           "3.0" if KINDS[kind] else "3.3", f"{run.error('energy_error'):.3f}"])
+    return [table]
+
+
+def draw(runs, plot):
+    """Run-out by aspect ratio beside the measured laws, and the deposits."""
+    figure, panels = plot.subplots(1, 3, figsize=(11.5, 3.6), width_ratios=(1.0, 1.15, 1.15), layout="constrained")
+    line = np.geomspace(0.4, 5.0, 80)
+    for kind, axisymmetric in KINDS.items():
+        law = np.array([flows.measured_runout(aspect, axisymmetric) for aspect in line])
+        panels[0].fill_between(line, 0.85 * law, 1.15 * law, color=COLOURS[kind], alpha=0.15, linewidth=0)
+        panels[0].plot(line, law, color=COLOURS[kind], linewidth=1.2, label=f"{kind}, measured")
+    for name, run in runs.items():
+        kind, aspect = split(name)
+        panels[0].plot(aspect, fronts(run, aspect, KINDS[kind])[1][-1], "os"[KINDS[kind]], color=COLOURS[kind])
+        middle, thick = flows.thickness(run.last_snapshot(), aspect, KINDS[kind])
+        panels[1 + KINDS[kind]].plot(middle, thick, label=f"a = {aspect:g}", linewidth=1.4)
+    panels[0].set(xscale="log", yscale="log", xlabel="height over half width, a", ylabel="run-out over half width")
+    for axis, ticks in ((panels[0].xaxis, ASPECTS), (panels[0].yaxis, (0.5, 1.0, 2.0, 4.0))):
+        axis.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+        axis.set_ticks([], minor=True)
+    panels[0].legend(fontsize=8)
+    for panel, kind in zip(panels[1:], KINDS):
+        panel.set(title=f"deposits, {kind}", xlabel="distance over half width", ylabel="thickness over half width",
+                  xlim=(0, 6.5), ylim=(0, 1.7))
+        panel.legend(fontsize=8)
+    return figure
+
+
+if __name__ == "__main__":
+    Study(__file__, CASES, tables, {"runout.png": draw}).main()

@@ -1,0 +1,183 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The models of one material, each only if asked for, and what they need.
+module material_models
+   use base_kinds, only: int64, wp
+   use material_damage, only: damage_t
+   use material_eos, only: eos_t
+   use material_heat, only: heat_t
+   use material_law, only: law_t
+   use material_matter, only: matter_t
+   use material_remains, only: remains_t
+   use material_softening, only: softening_t
+   use material_tension, only: fracture_t, spall_t
+   use material_viscosity, only: viscosity_t
+   use material_voids, only: voids_t
+   use material_wishes, only: wishes_t
+   implicit none
+   private
+
+   public :: effect_names, models_t
+
+   integer, parameter, public :: effect_strength = 1, effect_eos = 2, effect_voids = 3, &
+      effect_damage = 4, effect_thermal = 5, effect_viscosity = 6
+   integer, parameter, public :: chain_effects = 6   !! Effects that are timed one by one
+   !> Their names, as in &effects
+   character(len=20), parameter :: effect_names(chain_effects) = [character(len=20) :: &
+      "strength", "eos", "voids", "damage", "thermal", "artificial_viscosity"]
+
+   !> The models of one material. What is not allocated does not happen and costs nothing.
+   type :: models_t
+      character(len=:), allocatable :: name          !! Name that bodies refer to
+      real(wp) :: density = 0.0_wp                   !! Of the reference state [kg/m3]
+      real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
+      real(wp) :: shear = 0.0_wp                     !! Shear modulus, 0 without strength [Pa]
+      class(law_t), allocatable :: law               !! Strength; none: stress is pressure alone
+      class(eos_t), allocatable :: eos               !! None: mean stress in rate form
+      class(damage_t), allocatable :: damage         !! Lets damage grow
+      type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
+      type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
+      type(spall_t), allocatable :: spall            !! Tension cut-off without memory
+      type(fracture_t), allocatable :: fracture      !! Failure for good
+      type(remains_t), allocatable :: remains        !! Law of failed matter
+      type(voids_t), allocatable :: voids            !! Voids open and close
+      logical :: repacks = .false.                   !! The fill of nodes corrects volumes
+      integer(int64) :: seed = 0                     !! Of random strength
+      type(heat_t), allocatable :: heat              !! Temperature follows the work
+      real(wp), allocatable :: melting               !! Fluid from this temperature [K]
+   contains
+      procedure :: wishes => models_wishes           !! Fields to be carried, and why
+      procedure :: request => models_request         !! Allocates these fields
+      procedure :: start => models_start             !! Initial state of particles
+      procedure :: scatter => models_scatter         !! Random strength of particles
+      procedure :: has => models_has                 !! Is an effect on?
+      procedure :: reference_speed => models_reference_speed   !! Fastest signal at rest
+      procedure :: bulk_in_rate_form => models_bulk_in_rate_form !! Mean stress follows the volume
+   end type models_t
+
+contains
+
+   !> The fields that the chain needs its particles to carry.
+   pure function models_wishes(self) result(wishes)
+      class(models_t), intent(in) :: self            !! The material
+      type(wishes_t) :: wishes
+
+      call wishes%ask("mass", "every material", 1)
+      call wishes%ask("volume", "every material", 1)
+      call wishes%ask("stress", "every material", 6)
+      if (allocated(self%viscosity)) call wishes%ask("viscous_pressure", "artificial viscosity", 1)
+      if (allocated(self%eos)) call self%eos%request(wishes)
+      if (allocated(self%law)) call self%law%request(wishes)
+      if (allocated(self%damage)) call self%damage%request(wishes)
+      if (allocated(self%voids)) call wishes%ask("solid_fraction", "voids", 1)
+      if (allocated(self%heat)) call wishes%ask("temperature", "thermal effect", 1)
+      if (allocated(self%fracture)) then
+         call wishes%ask("damage", "failure", 1)
+         call wishes%ask("failed", "failure", 1)
+      end if
+   end function models_wishes
+
+   !> Allocate exactly the fields that the chain needs.
+   pure subroutine models_request(self, matter, particles)
+      class(models_t), intent(in) :: self            !! The material
+      type(matter_t), intent(out) :: matter          !! State of its particles
+      integer, optional, intent(in) :: particles     !! Room for so many; none if not given
+      type(wishes_t) :: wishes
+      integer :: n
+
+      n = 0
+      if (present(particles)) n = particles
+      wishes = self%wishes()
+      allocate (matter%mass(n), matter%volume(n), matter%stress(n, 6))
+      if (wishes%asked("viscous_pressure")) allocate (matter%viscous_pressure(n))
+      if (wishes%asked("energy")) allocate (matter%energy(n))
+      if (wishes%asked("temperature")) allocate (matter%temperature(n))
+      if (wishes%asked("plastic_strain")) allocate (matter%plastic_strain(n))
+      if (wishes%asked("plastic_rate")) allocate (matter%plastic_rate(n))
+      if (wishes%asked("plastic_dilation")) allocate (matter%plastic_dilation(n))
+      if (wishes%asked("distension")) allocate (matter%distension(n))
+      if (wishes%asked("damage")) allocate (matter%damage(n))
+      if (wishes%asked("scatter")) allocate (matter%scatter(n))
+      if (wishes%asked("bulking")) allocate (matter%bulking(n))
+      if (wishes%asked("solid_fraction")) allocate (matter%solid_fraction(n))
+      if (wishes%asked("deformation_gradient")) allocate (matter%deformation_gradient(n, 9))
+      if (wishes%asked("failed")) allocate (matter%failed(n))
+   end subroutine models_request
+
+   !> Initial state of particles: at rest without stress. Mass and volume are set by the caller.
+   pure subroutine models_start(self, matter, first, last, temperature)
+      class(models_t), intent(in) :: self            !! The material
+      type(matter_t), intent(inout) :: matter        !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: temperature            !! Initial temperature [K]
+
+      matter%stress(first:last, :) = 0.0_wp
+      if (allocated(matter%viscous_pressure)) matter%viscous_pressure(first:last) = 0.0_wp
+      if (allocated(matter%energy)) matter%energy(first:last) = 0.0_wp
+      if (allocated(matter%temperature)) matter%temperature(first:last) = temperature
+      if (allocated(matter%plastic_strain)) matter%plastic_strain(first:last) = 0.0_wp
+      if (allocated(matter%plastic_rate)) matter%plastic_rate(first:last) = 0.0_wp
+      if (allocated(matter%plastic_dilation)) matter%plastic_dilation(first:last) = 0.0_wp
+      if (allocated(matter%distension)) matter%distension(first:last) = self%eos%distension
+      if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
+      if (allocated(matter%scatter)) matter%scatter(first:last) = 1.0_wp
+      if (allocated(matter%bulking)) matter%bulking(first:last) = 0.0_wp
+      if (allocated(matter%solid_fraction)) matter%solid_fraction(first:last) = self%voids%start
+      if (allocated(matter%deformation_gradient)) then
+         matter%deformation_gradient(first:last, :) = 0.0_wp
+         matter%deformation_gradient(first:last, [1, 5, 9]) = 1.0_wp
+      end if
+      if (allocated(matter%failed)) matter%failed(first:last) = 0
+   end subroutine models_start
+
+   !> Random strength of new particles. Their mass is known, and who they are decides.
+   pure subroutine models_scatter(self, matter, identity, first, last)
+      class(models_t), intent(in) :: self            !! The material
+      type(matter_t), intent(inout) :: matter        !! State of the store
+      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+
+      if (allocated(matter%scatter)) call self%damage%draw(self%seed, identity, first, last, &
+         matter%mass, matter%scatter)
+   end subroutine models_scatter
+
+   !> True if the mean stress follows the dilatation, without equation of state and without a law
+   !! that gives the whole stress.
+   pure logical function models_bulk_in_rate_form(self) result(follows)
+      class(models_t), intent(in) :: self            !! The material
+
+      follows = .not. allocated(self%eos)
+      if (follows .and. allocated(self%law)) follows = .not. self%law%whole()
+   end function models_bulk_in_rate_form
+
+   !> Fastest signal [m/s] in the reference state, for the first time step.
+   pure real(wp) function models_reference_speed(self) result(speed)
+      class(models_t), intent(in) :: self            !! The material
+
+      speed = sqrt((self%bulk + 4.0_wp/3.0_wp*self%shear)/self%density)
+   end function models_reference_speed
+
+   !> Is an effect on in this material?
+   pure logical function models_has(self, effect) result(is_on)
+      class(models_t), intent(in) :: self            !! The material
+      integer, intent(in) :: effect                  !! One of those of the stages
+
+      select case (effect)
+      case (effect_strength)
+         is_on = allocated(self%law)
+      case (effect_eos)
+         is_on = allocated(self%eos)
+      case (effect_voids)
+         is_on = allocated(self%voids)
+      case (effect_damage)
+         is_on = allocated(self%fracture) .or. allocated(self%spall)
+      case (effect_thermal)
+         is_on = allocated(self%heat)
+      case (effect_viscosity)
+         is_on = allocated(self%viscosity)
+      case default
+         is_on = .false.
+      end select
+   end function models_has
+end module material_models
