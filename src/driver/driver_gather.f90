@@ -6,9 +6,10 @@ module driver_gather
    use driver_bounds, only: count_bad, find_steepest, slow_nodes, steep_enough
    use driver_cost, only: book_cost, cost_clock
    use driver_culprit, only: tile_bounds
+   use driver_dual_nodes, only: node_gradient
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
    use driver_method, only: method_t, stress_before
-   use driver_nodes, only: node_gradient, recall_seen
+   use driver_nodes, only: recall_seen
    use driver_packing, only: excess_fill, repack
    use driver_retire, only: erode_tile, fastest_left, retire_tile
    use driver_scatter, only: find_places, nodes_seen

@@ -18,12 +18,12 @@ contains
 
    !> Does one node go farther over the bounds than another? Of equal ones the first of the grid
    !! counts.
-   elemental logical function worse(reach, other)
+   elemental logical function worse(reach, other) result(is_worse)
       type(reach_t), intent(in) :: reach             !! Is this one worse
       type(reach_t), intent(in) :: other             !! than this one?
 
-      worse = reach%excess > other%excess .or. (reach%node > 0 .and. reach%number < other%number &
-         .and. reach%excess >= other%excess)
+      is_worse = reach%excess > other%excess .or. (reach%node > 0 .and. &
+         reach%number < other%number .and. reach%excess >= other%excess)
    end function worse
 
    !> Is the step that comes to be looked at? Where particles have been strained before the force,

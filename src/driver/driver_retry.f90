@@ -7,7 +7,7 @@ module driver_retry
    use driver_bounds, only: rule_retry
    use driver_culprit, only: spread, step_text
    use driver_ledger, only: external_work, impulse, torque
-   use driver_nodes, only: renew_sums
+   use driver_node_sums, only: renew_sums
    use driver_reach, only: asks, look_at_tile, worse
    use driver_simulation, only: reach_t, simulation_t
    implicit none

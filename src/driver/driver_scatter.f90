@@ -85,9 +85,10 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
 
       associate (method => simulation%method)
-         lean = .not. (allocated(simulation%contact) .or. allocated(simulation%exact) .or. &
-            simulation%repacks .or. method%transfer%sweeps() > 0 .or. method%controlled() .or. &
-            method%differing() .or. method%stress == stress_remapped)
+         lean = .not. (simulation%keeps_nodes .or. allocated(simulation%contact) .or. &
+            allocated(simulation%exact) .or. simulation%repacks .or. &
+            method%transfer%sweeps() > 0 .or. method%controlled() .or. method%differing() .or. &
+            method%stress == stress_remapped)
       end associate
    end function may_be_lean
 

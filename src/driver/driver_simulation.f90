@@ -186,6 +186,7 @@ module driver_simulation
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       type(conduction_t), allocatable :: conduction  !! If some material conducts heat
       logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
+      logical :: keeps_nodes = .false.               !! Are the fields of all nodes asked for?
       type(contact_t), allocatable :: contact        !! If bodies have velocities of their own
       integer :: first_store = 1                     !! First store of the velocity field at hand
       integer :: last_store = huge(1)                !! Its last one, if there are so many

@@ -3,8 +3,10 @@
 !! node velocities, and the map of the new particle velocities that strains with `musl`.
 module driver_sweep
    use base_kinds, only: wp
+   use driver_dual_nodes, only: node_gradient
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use driver_nodes, only: book_push, divide, node_gradient
+   use driver_node_sums, only: divide
+   use driver_nodes, only: book_push
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
