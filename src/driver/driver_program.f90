@@ -23,6 +23,7 @@ module driver_program
    use driver_point, only: drive_point
    use driver_restart, only: resume
    use driver_run, only: run_to_end
+   use driver_lithostatic, only: weigh_down
    use driver_point_fields, only: take_fields
    use driver_start, only: fill_simulation, first_step, spin_bodies
    use driver_summary, only: summarise
@@ -345,6 +346,7 @@ contains
       call take_fields(session%simulation, session%bodies, session%shapes, error)
       if (allocated(error)) return
       call spin_bodies(session%simulation, session%bodies)
+      call weigh_down(session%simulation, session%bodies)
       call forget_shapes(session)
       call place_exact(session%simulation, error)
       if (allocated(error)) return
