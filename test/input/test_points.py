@@ -232,6 +232,8 @@ class Points(unittest.TestCase):
                 ("box", "shape = 'box'  lo = 0 0 0  hi = 1 1 1", good, {}, "needs a region of shape = 'points'"),
                 ("set", points, good, {"more": "&region name = 'b'  shape = 'union'  of = 'solid' /"},
                  "'solid' is a list of points, which has no inside"),
+                ("output", points, good, {"more": "&output name = 'o'  kind = 'particles'  count = 1  region = 'solid' /"},
+                 "'solid' is a list of points, which has no inside"),
                 ("stress", points, good, {"body": "packing = 'file'  initial_stress = 'file'"}, "has no field stress"),
                 ("fresh", "shape = 'box'  lo = 0 0 0  hi = 1 1 1", good, {"body": "initial_stress = 'file'"},
                  "needs packing = 'file' and a snapshot"),
