@@ -3,6 +3,7 @@
 module driver_begin
    use base_error, only: error_t
    use driver_exact_start, only: place_exact, strain_exact
+   use driver_lithostatic, only: weigh_down
    use driver_point_fields, only: take_fields
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
@@ -28,6 +29,7 @@ contains
       call take_fields(simulation, bodies, shapes, error)
       if (allocated(error)) return
       call spin_bodies(simulation, bodies)
+      call weigh_down(simulation, bodies)
       call place_exact(simulation, error)
       if (allocated(error)) return
       call strain_exact(simulation)

@@ -8,6 +8,7 @@ module driver_scene
    use driver_bounds, only: read_bounds
    use driver_contact_deck, only: read_contact
    use driver_exact_deck, only: read_exact
+   use driver_lithostatic, only: read_lithostatic
    use driver_method, only: position_of
    use driver_output, only: outputs_t
    use driver_points, only: compare_fields, pack_points
@@ -300,6 +301,8 @@ contains
             end where
             if (packing == "poisson_disk") call pack_disks(deck, simulation%grid, index, body)
             call read_points(deck, simulation, group, shapes(body%region), body)
+            if (deck%sound("material", body%store)) &
+               call read_lithostatic(deck, simulation, group, body)
          end associate
       end do
    end subroutine read_bodies

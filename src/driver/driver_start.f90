@@ -20,7 +20,7 @@ module driver_start
    implicit none
    private
 
-   public :: distribute, fill_simulation, first_step, make_stores, prepare, spin_bodies, &
+   public :: body_of, distribute, fill_simulation, first_step, make_stores, prepare, spin_bodies, &
       survey_t, take_survey
 
    !> What the bodies will fill, known before there are particles.

@@ -213,7 +213,7 @@ contains
    !> Bodies and region that particles must be of.
    subroutine read_rule(group, deck, shapes, rule)
       type(group_t), intent(in) :: group             !! The &output
-      type(deck_t), intent(in) :: deck               !! The deck, for bodies
+      type(deck_t), intent(inout) :: deck            !! The deck, for bodies
       type(named_shape_t), intent(in) :: shapes(:)   !! The regions
       type(pick_rule_t), intent(inout) :: rule       !! Gets what is asked
       type(text_t), allocatable :: names(:)
@@ -223,6 +223,8 @@ contains
       call group%get("region", region)
       do n = 1, size(shapes)
          if (region == "" .or. shapes(n)%name /= region) cycle
+         if (allocated(shapes(n)%points)) call deck%complain(group, "'"//region// &
+            "' is a list of points, which has no inside; name another region", "region")
          rule%region = shapes(n)%shape
       end do
       call group%list("bodies", names)

@@ -87,8 +87,11 @@ contains
          "whose points are moved aside by chance, up to a quarter of their distance; "// &
          "poisson_disk: points at random, none near another; file: the points of its region", &
          default="lattice", words="lattice cut jitter poisson_disk file")
-      call schema%text("body", "initial_stress", "zero; file: that of the snapshot which its "// &
-         "points come from", default="zero", words="zero file")
+      call schema%text("body", "initial_stress", "zero; lithostatic: that of the weight of "// &
+         "what lies above without a gap; file: that of the snapshot which its points come from", &
+         default="zero", words="zero lithostatic file")
+      call schema%real("body", "k0", "stress across gravity over that along it", default="0.5", &
+         range=">= 0", owner="initial_stress = lithostatic")
       call schema%real("body", "velocity(3)", "velocity of its centre of mass", unit="m/s", &
          default="0 0 0")
       call schema%real("body", "spin(3)", "angular velocity about its centre of mass", unit="1/s", &

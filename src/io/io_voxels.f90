@@ -9,6 +9,7 @@ module io_voxels
    use io_file, only: folder_of, join_path, read_file
    use io_hdf5_read, only: hdf5_source_t
    use particle_voxels, only: mark_voxel
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int16, int32, int8, real32, real64
    implicit none
    private
@@ -73,10 +74,10 @@ contains
          call read_hdf5(path, dataset, marker, voxels, error)
       end if
       if (allocated(error)) return
-      if (.not. all(voxels%edge > 0.0_wp .and. abs(voxels%edge) <= huge(1.0_wp))) then
+      if (.not. all(ieee_is_finite(voxels%edge)) .or. .not. all(ieee_is_finite(voxels%corner))) then
+         call complain(error, path, "its spacing or origin is not a number")
+      else if (.not. all(voxels%edge > 0.0_wp)) then
          call complain(error, path, "the edges of a voxel must be above 0")
-      else if (.not. all(abs(voxels%corner) <= huge(1.0_wp))) then
-         call complain(error, path, "its origin is not a number")
       else if (marker%marked == 0) then
          call complain(error, path, "no voxel has the value "//number(value)//"; there are "// &
             values_text(marker))
@@ -157,6 +158,7 @@ contains
       character(len=:), allocatable, intent(inout) :: mask !! Of all voxels
       real(wp), parameter :: most = 9.0e18_wp            ! whole numbers end there
 
+      if (.not. ieee_is_finite(value)) return
       if (abs(value - real(marker%value, wp)) < 0.5_wp) then
          marker%marked = marker%marked + 1
          call mark_voxel(mask, voxel)

@@ -56,6 +56,8 @@ module particle_body
       real(wp) :: energy = 0.0_wp                     !! Internal, per mass, at the start [J/kg]
       integer :: region = 0                           !! Number of its region
       logical :: keeps_stress = .false.               !! Is its stress that of a file?
+      !> Stress across gravity over that along it, from its weight; below 0 without stress [1]
+      real(wp) :: lateral = -1.0_wp
       real(wp) :: share = 1.0_wp                      !! Factor of the volumes of given particles
       integer(int64) :: first_identity = 1            !! Identity of the first site of the box
    contains

@@ -185,7 +185,7 @@ class Voxels(unittest.TestCase):
                 ("edge", {"a.h5": {"voxels": (voxels, {"spacing": [1.0, 0.0, 1.0]})}}, "",
                  "the edges of a voxel must be above 0"),
                 ("nan", {"a.h5": {"voxels": (voxels, {"origin": [1.0, float("nan"), 1.0]})}}, "",
-                 "its origin is not a number"),
+                 "its spacing or origin is not a number"),
                 ("numbers", {"a.h5": {"voxels": (np.full((2, 2, 2), np.nan), {})}}, "",
                  "no voxel has the value 1; there are none but what is not a number"),
                 ("four", {"a.h5": {"voxels": (np.ones((2, 2, 2, 2)), {})}}, "", "must have one to three dimensions"),
