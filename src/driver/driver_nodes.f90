@@ -405,6 +405,8 @@ contains
       work = 0.0_wp
       corner = simulation%grid%tile_corner(simulation%tiles%coordinate(:, tile))
       do node = 1, size(push, 2)
+         ! faces push few of the nodes
+         if (.not. abs(push(1, node)) + abs(push(2, node)) + abs(push(3, node)) > 0.0_wp) cycle
          if (.not. simulation%nodes%motion(1, node, tile) > 0.0_wp) cycle
          part = simulation%nodes%motion(1, node, tile)*push(:, node)
          place = corner + simulation%grid%spacing*real(simulation%grid%node_position(node), wp)

@@ -241,11 +241,14 @@ contains
       real(wp), contiguous, intent(inout) :: vector(:, :) !! (particle of the tile, 3) [m/s]
       integer :: p, k
 
-      do k = 1, 3
-         do p = 1, store%count(tile)
-            vector(p, k) = keep*store%velocity(store%first(tile) + p - 1, k) + vector(p, k)
+      associate (before => store%first(tile) - 1, velocity => store%velocity)
+         do k = 1, 3
+            !$omp simd
+            do p = 1, store%count(tile)
+               vector(p, k) = keep*velocity(before + p, k) + vector(p, k)
+            end do
          end do
-      end do
+      end associate
    end subroutine keep_velocity
 
    !> Mass and momentum of linear velocity fields that are in the scratch space.
