@@ -15,7 +15,7 @@ GRAVITY, DENSITY, WIDTH, HEIGHT = 9.81, 1500.0, 0.1, 0.3     # of the deck: half
 CELL = 0.00625
 # name: what it is, outlet [m], cell [m]
 RUNS = {"narrow": ("sand", 0.0375, CELL), "middle": ("sand", 0.0625, CELL), "wide": ("sand", 0.0875, CELL),
-        "fine": ("sand", 0.0875, CELL / 2), "fluid": ("fluid", 0.0625, CELL)}
+        "fluid": ("fluid", 0.0625, CELL)}
 EARLY, LATE = (0.1, 0.25), (0.3, 0.5)                        # parts of the filling that have left
 
 
@@ -29,7 +29,6 @@ CASES = {
     "narrow": ("scene.nml", {"time.t_end": 1.1, **opening(0.0375, CELL)}),
     "middle": ("scene.nml", {}),
     "wide": ("scene.nml", {"time.t_end": 0.6, **opening(0.0875, CELL)}),
-    "fine": ("scene.nml", {"time.t_end": 0.38, "grid.dx": CELL / 2, **opening(0.0875, CELL / 2)}),
     "fluid": ("fluid.nml", {}),
 }
 
@@ -77,7 +76,7 @@ def draw(runs, plot):
     """The sand at three times, coloured by speed, and what has left over time."""
     if not {"middle", "narrow", "wide", "fluid"} <= set(runs):
         return None
-    figure, panels = plot.subplots(1, 5, figsize=(11.0, 4.0), width_ratios=(1, 1, 1, 1, 2.2), layout="constrained")
+    figure, panels = plot.subplots(1, 5, figsize=(8.8, 3.6), width_ratios=(1, 1, 1, 1, 2.2), layout="constrained")
     for panel, (name, moment) in zip(panels, (("middle", 0.2), ("middle", 0.5), ("middle", 0.85), ("fluid", 0.85))):
         snap = runs[name].near(moment)
         speed = np.linalg.norm(snap.fields["velocity"], axis=1)
@@ -96,7 +95,7 @@ def draw(runs, plot):
         panels[-1].plot(history["time"] - 0.15, history["lost_mass"] / history["mass"][0], color=colour,
                         label=f"{RUNS[name][0]}, {1000 * RUNS[name][1]:g} mm")
     panels[-1].set(xlabel="time since the gate opened [s]", ylabel="part of the filling that has left", xlim=(0, None),
-                   ylim=(0, 1))
+                   ylim=(0, 1.45), yticks=np.linspace(0, 1, 6))
     panels[-1].legend(frameon=False)
     return figure
 

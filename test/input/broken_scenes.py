@@ -143,7 +143,7 @@ ORPHANS = [
      "&boundary: a region cannot be type = 'symmetry'; use outflow, stick, slip, friction or velocity"),
     ("plain", "&time", "&boundary face = 'ylo' region = 'ball' type = 'stick' /\n&time", 3,
      "&boundary: dimension = 'plane_strain' has no face ylo"),
-    ("shock", "&output", "&boundary face = 'xhi' region = 'ball' type = 'stick' temperature = 300 /\n&output", 18,
+    ("shock", "&output", "&boundary face = 'xhi' region = 'ball' type = 'stick' temperature = 300 /\n&output", 17,
      "&boundary: temperature is that of a whole face that is not periodic; remove it"),
     ("plain", "&time", "&boundary face = 'xlo' type = 'stick' temperature = 300 /\n&time", 3,
      "&boundary: temperature needs &effects thermal = .true."),

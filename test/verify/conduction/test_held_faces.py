@@ -44,7 +44,8 @@ def exact(place, time):
     """Temperature of the slab [K]."""
     result = 500.0 - 200.0 * place
     for n in range(2, 400, 2):
-        result = result - 400.0 / (n * np.pi) * np.sin(n * np.pi * place) * np.exp(-DIFFUSIVITY * (n * np.pi) ** 2 * time)
+        wave = n * np.pi
+        result = result - 400.0 / wave * np.sin(wave * place) * np.exp(-DIFFUSIVITY * wave ** 2 * time)
     return result
 
 
