@@ -37,17 +37,19 @@ contains
    !! deck's list of problems. Where there are some, what does not depend on them is built and
    !! checked all the same, so that one look at the deck tells as much as can be known; bodies are
    !! then there if their places are sound.
-   subroutine build_scene(deck, simulation, bodies, shapes)
+   subroutine build_scene(deck, simulation, bodies, shapes, coarser)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
       type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
+      integer, intent(in), optional :: coarser       !! Cells so many times as large as in the deck
       type(traits_t) :: traits
       integer :: n
 
       call simulation%method%read(deck)
       call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
+      if (present(coarser)) call coarsen(simulation%grid, coarser)
       call read_materials(deck, simulation)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
@@ -118,6 +120,22 @@ contains
             grid%upper(3) = grid%lower(3) + 1.0_wp
       end associate
    end subroutine read_grid
+
+   !> Make the cells larger, and the box by less than one of them where it holds no whole number.
+   pure subroutine coarsen(grid, coarser)
+      type(grid_t), intent(inout) :: grid            !! Corners, spacing and dimensions are set
+      integer, intent(in) :: coarser                 !! How many times as large
+      real(wp), parameter :: grain = 1.0e-6_wp       ! rounding of a number of cells
+      integer :: direction
+
+      grid%spacing = grid%spacing*real(coarser, wp)
+      do direction = 1, 3
+         if (direction == 2 .and. grid%dimensions < 3) cycle
+         if (direction == 3 .and. grid%dimensions < 2) cycle
+         grid%upper(direction) = grid%lower(direction) + grid%spacing &
+            *real(ceiling((grid%upper(direction) - grid%lower(direction))/grid%spacing - grain), wp)
+      end do
+   end subroutine coarsen
 
    !> Cells along a tile that the user wished, 0 = the program chooses.
    integer function block_of(deck) result(block)
