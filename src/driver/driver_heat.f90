@@ -8,12 +8,13 @@
 !! see; it fades at the rate of the shortest wave that they do see, by a term without any effect on
 !! the nodes, of second order as in the filtered transfers of C. C. Hammerquist, J. A. Nairn,
 !! Comput. Methods Appl. Mech. Eng. 318 (2017) 724. Materials without a conductivity take no part.
-!! Faces of the box and free surfaces are insulated.
+!! Free surfaces are insulated, and faces of the box that are held at no temperature.
 module driver_heat
    use base_constants, only: pi
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use driver_heat_faces, only: hold_temperature, take_heat
    use driver_ledger, only: dissipated
    use driver_node_sums, only: divide
    use driver_scatter, only: find_places
@@ -245,6 +246,7 @@ contains
          call assemble(grid, simulation%tiles, heat%content, tile, heat%total(:, :, tile))
          heat%temperature(1, :, tile) = heat%total(content, :, tile)
          call divide(heat%total(:, :, tile), capacity, heat%temperature(:, :, tile))
+         call hold_temperature(simulation, tile)
          if (.not. simulation%method%dual) return
          call grid%node_volume(coordinate, around)
          call simulation%dual%cell_weights(grid, heat%total(:, :, tile), filled, around, &
@@ -439,6 +441,7 @@ contains
             call assemble(simulation%grid, simulation%tiles, heat%push, tile, push)
          change(1, :) = dt*(total(1, :) + push(1, :)) + total(hidden, :)
          call divide(heat%total(:, :, tile), capacity, change)
+         call take_heat(simulation, scratch%ledger, tile, capacity, change)
       end associate
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle

@@ -167,6 +167,9 @@ contains
                if (face /= face_names(side) .and. face /= "all") cycle
                simulation%boundary%kind(side) = position_of(kind, face_types)
                call group%get("velocity", simulation%boundary%velocity(:, side))
+               simulation%boundary%warm(side) = group%given("temperature")
+               if (simulation%boundary%warm(side)) &
+                  call group%get("temperature", simulation%boundary%temperature(side))
                if (kind == "friction") &
                   call group%get("friction", simulation%boundary%friction(side))
             end do

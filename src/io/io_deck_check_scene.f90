@@ -163,6 +163,9 @@ contains
          if (boundary%given("table")) call deck%complain(boundary, "a face moves only with "// &
             "type = 'velocity'; remove table, or use a region", "table")
       end if
+      if (boundary%given("temperature") .and. (boundary%given("region") .or. kind == "periodic")) &
+         call deck%complain(boundary, "temperature is that of a whole face that is not "// &
+         "periodic; remove it", "temperature")
       if (boundary%known("t_off") .and. boundary%known("t_on")) then
          call boundary%get("t_on", begin)
          call boundary%get("t_off", end)

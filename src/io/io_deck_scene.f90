@@ -134,6 +134,9 @@ contains
          "to move", unit="s", default="0.0", range=">= 0", owner="type = "//walls)
       call schema%real("boundary", "t_off", "time at which it goes; a face is open then", &
          unit="s", range="> 0", owner="type = "//walls)
+      call schema%real("boundary", "temperature", "temperature at which a whole face is held, "// &
+         "where heat is conducted; without it is insulated", unit="K", range=">= 0", &
+         owner="effects.thermal")
       call schema%require("boundary", "type friction")
       call schema%refer("boundary", "region", "region")
    end subroutine declare_boundary

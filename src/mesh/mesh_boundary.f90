@@ -24,6 +24,8 @@ module mesh_boundary
       real(wp) :: friction(6) = 0.0_wp               !! (face) Coefficient of friction [1]
       real(wp) :: gain(3, 6) = 0.0_wp                !! Acceleration of a moving face [m/s2]
       real(wp) :: kick = 0.0_wp                      !! Time for which it lasts [s]
+      logical :: warm(6) = .false.                   !! (face) Is it held at a temperature?
+      real(wp) :: temperature(6) = 0.0_wp            !! (face) Which one [K]
       logical :: divided(6) = .false.                !! (face) Has it parts of other types?
       !> Parts of faces, the later ones winning, and whole faces that move by a table or come and go
       type(wall_t), allocatable :: wall(:)
@@ -38,6 +40,7 @@ module mesh_boundary
       procedure :: rub => boundary_rub               !! Walls with friction
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
       procedure :: insulate => boundary_insulate     !! No flux through the faces
+      procedure :: held_at => boundary_held_at       !! Temperatures that faces give their nodes
       procedure :: touches => boundary_touches       !! Does a tile have nodes on a ruled face?
       procedure :: see_gaps => boundary_see_gaps     !! Matter that thins out towards a closed face
    end type boundary_t
@@ -330,7 +333,7 @@ contains
    end subroutine boundary_mirror
 
    !> No flux through the faces: its component along the normal vanishes, unless what leaves there
-   !! comes in across.
+   !! comes in across, or the face is held at a temperature.
    pure subroutine boundary_insulate(self, grid, coordinate, tensor)
       class(boundary_t), intent(in) :: self          !! The conditions
       type(grid_t), intent(in) :: grid               !! The grid
@@ -341,7 +344,7 @@ contains
       logical :: here
 
       do face = 1, 6
-         if (self%kind(face) == face_periodic) cycle
+         if (self%kind(face) == face_periodic .or. self%warm(face)) cycle
          call face_box(grid, coordinate, face, here, first, length)
          if (.not. here) cycle
          row = 1 + 3*((face - 1)/2)
@@ -355,6 +358,31 @@ contains
          end do
       end do
    end subroutine boundary_insulate
+
+   !> Temperatures of the nodes of a tile on faces that are held at one; of later faces on edges.
+   pure subroutine boundary_held_at(self, grid, coordinate, held)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), intent(out) :: held(:)               !! (node) Below 0 where none is given [K]
+      integer :: face, first, length(3), x, y, z
+      logical :: here
+
+      held = -1.0_wp
+      do face = 1, 6
+         if (.not. self%warm(face)) cycle
+         call face_box(grid, coordinate, face, here, first, length)
+         if (.not. here) cycle
+         do z = 0, length(3)
+            do y = 0, length(2)
+               do x = 0, length(1)
+                  held(first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)) = &
+                     self%temperature(face)
+               end do
+            end do
+         end do
+      end do
+   end subroutine boundary_held_at
 
    !> The box of nodes of a tile, its margin included, that lies on a face.
    pure subroutine face_box(grid, coordinate, face, here, first, length)

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sand that runs out of a silo: rate against the width of the outlet and the height of the filling, and a fluid.
+
+    python input/silo/measure.py --scree build/bin/scree
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+from scree_scene import Study, Table  # noqa: E402
+
+GRAVITY, DENSITY, WIDTH, HEIGHT = 9.81, 1500.0, 0.1, 0.3     # of the deck: half the silo, height of the filling
+CELL = 0.00625
+# name: what it is, outlet [m], cell [m]
+RUNS = {"narrow": ("sand", 0.0375, CELL), "middle": ("sand", 0.0625, CELL), "wide": ("sand", 0.0875, CELL),
+        "fluid": ("fluid", 0.0625, CELL)}
+EARLY, LATE = (0.1, 0.25), (0.3, 0.5)                        # parts of the filling that have left
+
+
+def opening(outlet, cell):
+    """Values of the deck for an outlet: its last node is half a cell beyond the edge of the gate."""
+    edge = 0.5 * (outlet - cell)
+    return {"region[floor].lo": f"{edge:.7f},0,-1", "region[gate].hi": f"{edge:.7f},1,1"}
+
+
+CASES = {
+    "narrow": ("scene.nml", {"time.t_end": 1.1, **opening(0.0375, CELL)}),
+    "middle": ("scene.nml", {}),
+    "wide": ("scene.nml", {"time.t_end": 0.6, **opening(0.0875, CELL)}),
+    "fluid": ("fluid.nml", {}),
+}
+
+
+def rate(run, window):
+    """Rate of the whole silo while the part that has left grows from one value to another [kg/(m s)], or None."""
+    history = run.history
+    gone = history["lost_mass"] / history["mass"][0]
+    if gone[-1] < window[1]:
+        return None
+    times = [np.interp(part, gone, history["time"]) for part in window]
+    return 2.0 * (window[1] - window[0]) * history["mass"][0] / (times[1] - times[0])
+
+
+def tables(runs):
+    """Rates, and the law through those of the three widths."""
+    table = Table(["matter", "outlet D [mm]", "cell [mm]", "rate W [kg/(m s)]", "W / (rho sqrt(g) D^1.5)",
+                   "later / earlier rate"])
+    for name in runs:
+        matter, outlet, cell = RUNS[name]
+        early, late = rate(runs[name], EARLY), rate(runs[name], LATE)
+        table.rows.append([matter, f"{1000 * outlet:g}", f"{1000 * cell:g}", f"{early:.1f}",
+                           f"{early / (DENSITY * GRAVITY ** 0.5 * outlet ** 1.5):.3f}",
+                           f"{late / early:.2f}" if late else "-"])
+    found = [table]
+    if {"narrow", "middle", "wide"} <= set(runs):
+        slope, offset, worst = law(runs)
+        fit = Table(["law of the three widths", "found"])
+        fit.rows = [["C", f"{slope ** 1.5:.2f}"], ["k [cells]", f"{offset / CELL:.2f}"],
+                    ["greatest difference from it", f"{100 * worst:.1f} %"]]
+        found.append(fit)
+    return found
+
+
+def law(runs):
+    """W = C rho sqrt(g) (D - k)^1.5: power 2/3 of W is a straight line in D; C^(2/3), k [m], worst difference."""
+    outlets = np.array([RUNS[name][1] for name in ("narrow", "middle", "wide")])
+    rates = np.array([rate(runs[name], EARLY) for name in ("narrow", "middle", "wide")]) / (DENSITY * GRAVITY ** 0.5)
+    slope, start = np.polyfit(outlets, rates ** (2.0 / 3.0), 1)
+    fitted = (slope * outlets + start) ** 1.5
+    return slope, -start / slope, np.abs(fitted / rates - 1.0).max()
+
+
+def draw(runs, plot):
+    """The sand at three times, coloured by speed, and what has left over time."""
+    if not {"middle", "narrow", "wide", "fluid"} <= set(runs):
+        return None
+    figure, panels = plot.subplots(1, 5, figsize=(8.8, 3.6), width_ratios=(1, 1, 1, 1, 2.2), layout="constrained")
+    for panel, (name, moment) in zip(panels, (("middle", 0.2), ("middle", 0.5), ("middle", 0.85), ("fluid", 0.85))):
+        snap = runs[name].near(moment)
+        speed = np.linalg.norm(snap.fields["velocity"], axis=1)
+        for side in (-1.0, 1.0):
+            shown = panel.scatter(side * snap.points[:, 0], snap.points[:, 2], c=speed, s=1.5, vmin=0.0, vmax=0.8,
+                                  cmap="viridis", linewidths=0)
+        panel.plot([-WIDTH, -0.03125], [0, 0], "k", [0.03125, WIDTH], [0, 0], "k", lw=2)
+        panel.set(aspect="equal", xlim=(-WIDTH, WIDTH), ylim=(-0.01, HEIGHT + 0.02), xticks=[],
+                  title=f"{RUNS[name][0]}, {moment - 0.15:.2f} s")
+        if panel is not panels[0]:
+            panel.set_yticks([])
+    panels[0].set_ylabel("height [m]")
+    figure.colorbar(shown, ax=panels[:4], label="speed [m/s]", location="bottom", shrink=0.5, pad=0.02)
+    for name, colour in (("narrow", "#56b4e9"), ("middle", "#0072b2"), ("wide", "#009e73"), ("fluid", "#d55e00")):
+        history = runs[name].history
+        panels[-1].plot(history["time"] - 0.15, history["lost_mass"] / history["mass"][0], color=colour,
+                        label=f"{RUNS[name][0]}, {1000 * RUNS[name][1]:g} mm")
+    panels[-1].set(xlabel="time since the gate opened [s]", ylabel="part of the filling that has left", xlim=(0, None),
+                   ylim=(0, 1.45), yticks=np.linspace(0, 1, 6))
+    panels[-1].legend(frameon=False)
+    return figure
+
+
+if __name__ == "__main__":
+    Study(__file__, CASES, tables, {"picture.png": draw}).main()
