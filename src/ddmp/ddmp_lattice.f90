@@ -177,31 +177,34 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
-      real(wp) :: row(self%numbers), field(self%numbers), means(self%numbers), sums(self%numbers)
-      real(wp) :: force(self%numbers)
+      ! one piece of memory: getting it costs as much as a loop over the tile
+      real(wp) :: work(self%numbers, 5)
       integer :: low, high, l, last, node
 
-      call lay_weights(grid, plane, weight, row, low, high)
-      if (high < low) return
-      last = high + sum(self%shift)
-      force(low:last) = 0.0_wp
-      do l = 1, 3, 2
-         if (.not. grid%active(l)) cycle
-         do node = (low + 1)/plane, (last + 1)/plane
-            field(2*node - 1) = stress(3*l - 2, node)
-            field(2*node) = stress(3*l, node)
+      associate (row => work(:, 1), field => work(:, 2), means => work(:, 3), sums => work(:, 4), &
+         force => work(:, 5))
+         call lay_weights(grid, plane, weight, row, low, high)
+         if (high < low) return
+         last = high + sum(self%shift)
+         force(low:last) = 0.0_wp
+         do l = 1, 3, 2
+            if (.not. grid%active(l)) cycle
+            do node = (low + 1)/plane, (last + 1)/plane
+               field(2*node - 1) = stress(3*l - 2, node)
+               field(2*node) = stress(3*l, node)
+            end do
+            call mean_along(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%line(:, :, l, tile), field, means)
+            call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
+               self%mass(:, :, 4 - l, tile), row, means, sums)
+            call add_difference(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%factor, sums, force)
          end do
-         call mean_along(self%numbers, low, last - self%shift(l), self%shift(l), &
-            self%line(:, :, l, tile), field, means)
-         call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
-            self%mass(:, :, 4 - l, tile), row, means, sums)
-         call add_difference(self%numbers, low, last - self%shift(l), self%shift(l), self%factor, &
-            sums, force)
-      end do
-      do node = (low + 1)/plane, (last + 1)/plane
-         patch(1, node) = patch(1, node) + force(2*node - 1)
-         patch(3, node) = patch(3, node) + force(2*node)
-      end do
+         do node = (low + 1)/plane, (last + 1)/plane
+            patch(1, node) = patch(1, node) + force(2*node - 1)
+            patch(3, node) = patch(3, node) + force(2*node)
+         end do
+      end associate
    end subroutine force_plane
 
    !> The node gradient in a plane or on a line.
@@ -212,30 +215,32 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
-      real(wp) :: row(self%numbers), field(self%numbers), slopes(self%numbers), sums(self%numbers)
+      real(wp) :: work(self%numbers, 4)
       integer :: low, high, l, last, node
 
-      call lay_weights(grid, plane, weight, row, low, high)
-      if (high < low) return
-      last = high + sum(self%shift)
-      do node = (low + 1)/plane, (last + 1)/plane
-         field(2*node - 1) = velocity(1, node)
-         field(2*node) = velocity(3, node)
-      end do
-      do l = 1, 3, 2
-         if (.not. grid%active(l)) cycle
-         call difference_along(self%numbers, low, last - self%shift(l), self%shift(l), &
-            self%factor, field, slopes)
-         call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
-            self%mass(:, :, 4 - l, tile), row, slopes, sums)
-         slopes(low:last) = 0.0_wp
-         call add_line(self%numbers, low, last - self%shift(l), self%shift(l), &
-            self%line(:, :, l, tile), sums, slopes)
+      associate (row => work(:, 1), field => work(:, 2), slopes => work(:, 3), sums => work(:, 4))
+         call lay_weights(grid, plane, weight, row, low, high)
+         if (high < low) return
+         last = high + sum(self%shift)
          do node = (low + 1)/plane, (last + 1)/plane
-            patch(3*l - 2, node) = patch(3*l - 2, node) + slopes(2*node - 1)
-            patch(3*l, node) = patch(3*l, node) + slopes(2*node)
+            field(2*node - 1) = velocity(1, node)
+            field(2*node) = velocity(3, node)
          end do
-      end do
+         do l = 1, 3, 2
+            if (.not. grid%active(l)) cycle
+            call difference_along(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%factor, field, slopes)
+            call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
+               self%mass(:, :, 4 - l, tile), row, slopes, sums)
+            slopes(low:last) = 0.0_wp
+            call add_line(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%line(:, :, l, tile), sums, slopes)
+            do node = (low + 1)/plane, (last + 1)/plane
+               patch(3*l - 2, node) = patch(3*l - 2, node) + slopes(2*node - 1)
+               patch(3*l, node) = patch(3*l, node) + slopes(2*node)
+            end do
+         end do
+      end associate
    end subroutine gradient_plane
 
    !> The two directions besides one.
@@ -384,16 +389,19 @@ contains
       real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
       real(wp), intent(in) :: field(numbers)         !! On the two corners of an edge
       real(wp), intent(inout) :: sums(numbers)       !! The same
-      real(wp) :: part(numbers)
       integer :: n
 
       !$omp simd
       do n = low, high
          sums(n) = weight(n)*(mass(n, 1)*field(n) + mass(n, 2)*field(n + shift))
-         part(n) = weight(n)*(mass(n, 2)*field(n) + mass(n, 3)*field(n + shift))
       end do
       sums(high + 1:high + shift) = 0.0_wp
-      call add_part(numbers, low, high, shift, part, sums)
+      ! without another field in between, for which memory would have to be got
+      !$omp simd
+      do n = low, high
+         sums(n + shift) = sums(n + shift) &
+            + weight(n)*(mass(n, 2)*field(n) + mass(n, 3)*field(n + shift))
+      end do
    end subroutine apply_line_mass
 
    !> Add numbers a few places on.

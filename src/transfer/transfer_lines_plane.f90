@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> From nodes to particles in scenes of one and two dimensions, with node functions that are products
-!! of functions of one coordinate, given along x and z on the nodes -1 to 2 of the cell.
+!> From nodes to particles in scenes of one and two dimensions, with node functions that are
+!! products of functions of one coordinate, given along x and z on the nodes -1 to 2 of the cell.
 !!
 !! All particles of a cell share a block of 4 x 4 nodes, and are the lanes. On a line all layers are
 !! the same nodes, and only the first has a function that is not zero. Vectors have no component
