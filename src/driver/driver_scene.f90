@@ -13,6 +13,7 @@ module driver_scene
    use driver_shapes, only: read_shapes, named_shape_t
    use driver_simulation, only: simulation_t
    use driver_start, only: make_stores, prepare
+   use driver_walls_deck, only: read_walls
    use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
       version_text
    use io_checkpoint, only: checkpoint_place_t
@@ -62,6 +63,7 @@ contains
       call read_shapes(deck, simulation%communicator, simulation%grid, shapes)
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
+      call read_walls(deck, simulation, shapes)
       if (deck%errors() > 0) return
       call read_contact(deck, simulation, bodies)
       if (deck%errors() > 0) return
@@ -139,7 +141,7 @@ contains
             group = deck%group("boundary", index)
             call group%get("face", face)
             call group%get("type", kind)
-            if ((face == "all") .neqv. (pass == 1)) cycle
+            if (((face == "all") .neqv. (pass == 1)) .or. group%given("region")) cycle
             do side = 1, 6
                if (face /= face_names(side) .and. face /= "all") cycle
                simulation%boundary%kind(side) = position_of(kind, face_types)

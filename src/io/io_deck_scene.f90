@@ -11,6 +11,7 @@ module io_deck_scene
    character(len=*), parameter :: solids = &
       "shape = sphere cylinder ellipsoid cone torus halfspace" !! Shapes with a centre
    character(len=*), parameter :: round = "shape = sphere cylinder cone torus" !! With a radius
+   character(len=*), parameter :: walls = "velocity slip stick friction" !! Types that may move
    character(len=*), parameter :: sets = "shape = union difference intersection"
 
 contains
@@ -92,18 +93,28 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("boundary", &
-         "what holds on a face of the grid; faces without one are open", &
-         many=.true.)
+         "what holds on a face of the grid, on a part of it, or in a rigid region; faces "// &
+         "without one are open", many=.true.)
       call schema%text("boundary", "face", "one face or all that have no other", words="all")
       call schema%words("boundary", "face", face_names)
+      call schema%text("boundary", "region", "without face: a rigid body, whose nodes have the "// &
+         "type; with face: the part of the face in it")
       call schema%text("boundary", "type", "outflow: points leave and are booked; velocity: a "// &
          "rigid moving wall; friction: a wall that rubs and does not pull")
       call schema%words("boundary", "type", face_types)
-      call schema%real("boundary", "velocity(3)", "velocity of the wall", unit="m/s", &
-         default="0 0 0", owner="type = velocity")
+      call schema%real("boundary", "velocity(3)", "velocity of the wall; of a face only with "// &
+         "type = velocity", unit="m/s", default="0 0 0", owner="type = "//walls)
+      call schema%text("boundary", "table", "file of lines t, vx, vy, vz in the units of the "// &
+         "deck, added to velocity, straight between; path relative to the deck", &
+         owner="type = "//walls)
       call schema%real("boundary", "friction", "coefficient of friction of the wall", &
          range=">= 0", owner="type = friction")
-      call schema%require("boundary", "face type friction")
+      call schema%real("boundary", "t_on", "time at which the wall comes, and a region begins "// &
+         "to move", unit="s", default="0.0", range=">= 0", owner="type = "//walls)
+      call schema%real("boundary", "t_off", "time at which it goes; a face is open then", &
+         unit="s", range="> 0", owner="type = "//walls)
+      call schema%require("boundary", "type friction")
+      call schema%refer("boundary", "region", "region")
    end subroutine declare_boundary
 
    !> Declare &contact.

@@ -25,6 +25,7 @@ module mesh_tiles
       integer(int64), allocatable :: border(:)       !! (0:ranks) r owns border(r) <= key < next
       integer(int64) :: version = 0                  !! Grows when own tiles or cuts change
       type(key_table_t) :: table                     !! From key to index
+      integer, private :: shape(7) = -1              !! Of the grid that the neighbours hold for
    contains
       procedure :: set => tiles_set                  !! Give the tiles and find their neighbours
       procedure :: cut => tiles_cut                  !! Share the curve out among the ranks
@@ -34,36 +35,88 @@ module mesh_tiles
 
 contains
 
-   !> Give the tiles of this rank and the ghosts, and find who touches whom.
+   !> Give the tiles of this rank and the ghosts, and find who touches whom. Tiles that were there
+   !! before know it but for numbers: most of them stay, and finding all anew would cost as much as
+   !! sorting the particles.
    subroutine tiles_set(self, grid, own, ghost)
       class(tiles_t), intent(inout) :: self          !! The tiles
       type(grid_t), intent(in) :: grid               !! The grid
       integer(int64), intent(in) :: own(:)           !! Keys of tiles with particles, ascending
       integer(int64), intent(in) :: ghost(:)         !! Keys of tiles of other ranks, ascending
-      integer :: tile, place
-      integer(int64) :: key
+      integer, allocatable :: former(:), renumbered(:), coordinate(:, :), neighbor(:, :)
+      integer :: tile
 
       if (.not. same_own(self, own)) self%version = self%version + 1
+      call know_grid(self, grid)
+      allocate (renumbered(0:size(self%neighbor, 2)), source=0)
       self%own = size(own)
       self%all = size(own) + size(ghost)
       self%key = [own, ghost]
-      if (allocated(self%coordinate)) deallocate (self%coordinate, self%neighbor)
-      allocate (self%coordinate(3, self%all), self%neighbor(neighbors, self%all))
+      allocate (former(self%all), coordinate(3, self%all), neighbor(neighbors, self%all))
+      do tile = 1, self%all
+         former(tile) = self%table%find(self%key(tile))
+         if (former(tile) > 0) then
+            renumbered(former(tile)) = tile
+            coordinate(:, tile) = self%coordinate(:, former(tile))
+         else
+            coordinate(:, tile) = curve_coordinate(self%key(tile), grid%dimensions)
+         end if
+      end do
       call self%table%clear(2*self%all)
       do tile = 1, self%all
-         self%coordinate(:, tile) = curve_coordinate(self%key(tile), grid%dimensions)
          call self%table%insert(self%key(tile), tile)
       end do
-      !$omp parallel do default(none) shared(self, grid) private(tile, place, key) schedule(static)
+      call move_alloc(coordinate, self%coordinate)
+      call find_neighbors(self, grid, former, renumbered, neighbor)
+      call move_alloc(neighbor, self%neighbor)
+   end subroutine tiles_set
+
+   !> Forget all tiles if they are those of another grid.
+   subroutine know_grid(self, grid)
+      class(tiles_t), intent(inout) :: self          !! The tiles
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer :: shape(7)
+
+      shape = [grid%dimensions, grid%tiles, merge(1, 0, grid%periodic)]
+      if (all(shape == self%shape)) return
+      self%shape = shape
+      call self%table%clear(0)
+      if (allocated(self%neighbor)) deallocate (self%coordinate, self%neighbor)
+      allocate (self%coordinate(3, 0), self%neighbor(neighbors, 0))
+   end subroutine know_grid
+
+   !> Who touches whom, from who did so before.
+   subroutine find_neighbors(self, grid, former, renumbered, neighbor)
+      class(tiles_t), intent(in) :: self             !! The tiles, with their former neighbours
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: former(:)               !! (tile) Former index, 0 = new
+      integer, intent(in) :: renumbered(0:)          !! (former tile) Index now, 0 = gone
+      integer, intent(inout) :: neighbor(:, :)       !! (27, tile) Index of a neighbour, 0 = none
+      integer :: tile, place
+
+      !$omp parallel do default(none) shared(self, grid, former, renumbered, neighbor) &
+      !$omp private(tile, place) schedule(static)
       do tile = 1, self%all
-         do place = 1, neighbors
-            self%neighbor(place, tile) = 0
-            key = self%around(grid, tile, place)
-            if (key >= 0) self%neighbor(place, tile) = self%table%find(key)
-         end do
+         if (former(tile) > 0) then
+            do place = 1, neighbors
+               neighbor(place, tile) = renumbered(self%neighbor(place, former(tile)))
+            end do
+         else
+            do place = 1, neighbors
+               neighbor(place, tile) = self%table%find(self%around(grid, tile, place))
+            end do
+         end if
       end do
       !$omp end parallel do
-   end subroutine tiles_set
+      do tile = 1, self%all
+         if (former(tile) > 0) cycle
+         do place = 1, neighbors
+            ! seen from there, this tile is at the opposite place
+            if (neighbor(place, tile) > 0) neighbor(neighbors + 1 - place, &
+               neighbor(place, tile)) = tile
+         end do
+      end do
+   end subroutine find_neighbors
 
    !> True if these are the tiles with particles already.
    pure logical function same_own(self, own) result(same)

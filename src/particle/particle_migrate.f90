@@ -8,6 +8,7 @@ module particle_migrate
    use mesh_curve, only: curve_key
    use mesh_grid, only: grid_t
    use mesh_tiles, only: tiles_t
+   use particle_arrange, only: arrange_store
    use particle_place, only: find_place
    use particle_settle, only: many, row_packer_t, settle_tile, settler_t
    use particle_store, only: moved_away, store_t
@@ -402,6 +403,10 @@ contains
          wish(tile) = store%count(tile) - store%leaving(tile) + come%before(tile + 1) &
             - come%before(tile)
       end do
+      if (.not. store%fits(wish)) then
+         call arrange_store(store, wish, come%rows, come%before, come%row, come%cell)
+         return
+      end if
       call store%reserve(wish, now)
       !$omp parallel default(none) shared(store, come, wish, now) private(tile, settler)
       settler%rows => come%rows

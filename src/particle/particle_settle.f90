@@ -7,7 +7,7 @@ module particle_settle
    implicit none
    private
 
-   public :: settle_tile, settler_t, row_packer_t
+   public :: order_tile, settle_tile, settler_t, row_packer_t
 
    integer, parameter, public :: many = 1000          !! Particles that are worth several threads
 
@@ -50,10 +50,33 @@ contains
       integer, intent(in) :: now                      !! First particle as they lie now
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
       integer, intent(in) :: home(:)                  !! (row) Cells of all rows
-      integer, parameter :: identity_word = 1
-      integer :: cells, p, n, cell, row
+      integer :: p, cell
 
-      cells = ubound(store%cell_start, 1)
+      call order_tile(store, settler, tile, now, newcomer, home)
+      settler%first = store%first(tile)
+      settler%word = 0
+      call store%walk(settler)
+      do cell = 0, ubound(store%cell_start, 1) - 1
+         do p = store%cell_start(cell, tile), store%cell_start(cell + 1, tile) - 1
+            store%home(store%first(tile) + p) = cell
+         end do
+      end do
+      store%count(tile) = settler%count
+      store%restless(tile) = .false.
+      store%leaving(tile) = 0
+   end subroutine settle_tile
+
+   !> Find where each particle of the new range of a tile comes from, and the range of each cell.
+   subroutine order_tile(store, settler, tile, now, newcomer, home)
+      type(store_t), intent(inout) :: store           !! The particles; gets the ranges of cells
+      class(settler_t), intent(inout) :: settler      !! Scratch, with the rows; gets the sources
+      integer, intent(in) :: tile                     !! Which tile
+      integer, intent(in) :: now                      !! First particle as they lie now
+      integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
+      integer, intent(in) :: home(:)                  !! (row) Cells of all rows
+      integer, parameter :: identity_word = 1
+      integer :: p, n, cell, row
+
       call settler%make_room(store%count(tile) + size(newcomer))
       n = 0
       do p = now, now + store%count(tile) - 1
@@ -67,24 +90,14 @@ contains
          settler%order(n) = -newcomer(row)
          settler%cell(n) = home(newcomer(row))
       end do
+      settler%count = n
       call order_by_cell(settler, n, store%cell_start(:, tile))
-      do cell = 0, cells - 1
+      do cell = 0, ubound(store%cell_start, 1) - 1
+         if (store%cell_start(cell + 1, tile) - store%cell_start(cell, tile) < 2) cycle
          call order_by_identity(store, settler, store%cell_start(cell, tile) + 1, &
             store%cell_start(cell + 1, tile), identity_word)
       end do
-      settler%first = store%first(tile)
-      settler%count = n
-      settler%word = 0
-      call store%walk(settler)
-      do cell = 0, cells - 1
-         do p = store%cell_start(cell, tile), store%cell_start(cell + 1, tile) - 1
-            store%home(store%first(tile) + p) = cell
-         end do
-      end do
-      store%count(tile) = n
-      store%restless(tile) = .false.
-      store%leaving(tile) = 0
-   end subroutine settle_tile
+   end subroutine order_tile
 
    !> Group the sources of a tile by cell, each cell in the order in which they are listed.
    pure subroutine order_by_cell(settler, number, start)

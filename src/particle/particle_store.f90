@@ -66,6 +66,8 @@ module particle_store
       procedure :: words => store_words               !! Numbers that a particle carries
       procedure :: layout => store_layout             !! Give each tile a range
       procedure :: remap => store_remap               !! Renumber the tiles
+      procedure :: fits => store_fits                 !! Can new counts do without new arrays?
+      procedure :: line_up => store_line_up           !! Plan ranges one after another
       procedure :: reserve => store_reserve           !! Make sure that new counts fit
    end type store_t
 
@@ -179,20 +181,11 @@ contains
       integer, intent(in) :: wish(:)                  !! (tile) Particles that must fit
       type(mover_t) :: mover
       integer, allocatable :: home(:)
-      integer :: tile, needed
+      integer :: tile
 
-      allocate (mover%to(size(wish)))
       mover%from = self%first
       mover%count = self%count
-      needed = 0
-      do tile = 1, size(wish)
-         mover%to(tile) = needed + 1
-         self%room(tile) = max(wish(tile), self%count(tile))
-         self%room(tile) = self%room(tile) + self%room(tile)/16 + merge(4, 0, wish(tile) > 0)
-         needed = needed + self%room(tile)
-      end do
-      self%used = needed
-      mover%size = needed + needed/32 + 64
+      call self%line_up(max(wish, self%count), mover%to, mover%size)
       call self%walk(mover)
       allocate (home(mover%size))
       home = 0
@@ -241,26 +234,60 @@ contains
       call move_alloc(cell_start, self%cell_start)
    end subroutine store_remap
 
+   !> Can each tile have its coming count without new arrays?
+   pure logical function store_fits(self, wish) result(fits)
+      class(store_t), intent(in) :: self              !! The particles
+      integer, intent(in) :: wish(:)                  !! (tile) Coming counts
+      integer :: tile, used
+
+      used = self%used
+      do tile = 1, size(wish)
+         if (wish(tile) > self%room(tile)) used = used + with_room(wish(tile))
+      end do
+      fits = used <= size(self%identity)
+   end function store_fits
+
+   !> Places of a range for a number of particles: a sixteenth to spare.
+   elemental integer function with_room(number) result(places)
+      integer, intent(in) :: number                   !! Particles
+
+      places = number + number/16
+   end function with_room
+
+   !> Give the tiles ranges one after another for coming counts, and say how long arrays must be.
+   !! Nothing is moved yet.
+   subroutine store_line_up(self, wish, first, length)
+      class(store_t), intent(inout) :: self           !! The particles; get the new room
+      integer, intent(in) :: wish(:)                  !! (tile) Coming counts
+      integer, allocatable, intent(out) :: first(:)   !! (tile) First places
+      integer, intent(out) :: length                  !! Of the arrays
+      integer :: tile
+
+      allocate (first(size(wish)))
+      self%used = 0
+      do tile = 1, size(wish)
+         first(tile) = self%used + 1
+         self%room(tile) = with_room(wish(tile))
+         self%used = self%used + self%room(tile)
+      end do
+      length = self%used + self%used/32 + 64
+   end subroutine store_line_up
+
    !> Make sure that each tile has room for its coming count; the new first particles may differ
    !! from where the particles are now, which is returned.
    subroutine store_reserve(self, wish, now)
       class(store_t), intent(inout) :: self           !! The particles
       integer, intent(in) :: wish(:)                  !! (tile) Coming counts
       integer, intent(out) :: now(:)                  !! (tile) First particle as they lie now
-      integer :: tile, needed, used
+      integer :: tile
 
-      used = self%used
-      do tile = 1, size(wish)
-         if (wish(tile) > self%room(tile)) used = used + wish(tile) + wish(tile)/8 + 4
-      end do
-      if (used > size(self%identity)) call self%layout(wish)
+      if (.not. self%fits(wish)) call self%layout(wish)
       now = self%first
       do tile = 1, size(wish)
          if (wish(tile) <= self%room(tile)) cycle
-         needed = wish(tile) + wish(tile)/8 + 4
          self%first(tile) = self%used + 1
-         self%room(tile) = needed
-         self%used = self%used + needed
+         self%room(tile) = with_room(wish(tile))
+         self%used = self%used + self%room(tile)
       end do
    end subroutine store_reserve
 
