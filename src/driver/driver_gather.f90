@@ -17,6 +17,7 @@ module driver_gather
    use material_kinematics, only: centre_backward, centre_gradient
    use material_matter, only: deformation_t, matter_t
    use material_type, only: material_t
+   use mesh_patch, only: combine
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_split, only: find_opening
@@ -275,6 +276,8 @@ contains
 
       if (.not. allocated(view%push)) allocate (view%push(3, simulation%grid%tile_nodes), &
          view%carry(3, simulation%grid%tile_nodes))
+      if (simulation%method%transfer%affine() .and. .not. allocated(view%after)) &
+         allocate (view%after(3, simulation%grid%tile_nodes))
       call find_filtered(simulation, tile, dt, view%filtered)
       associate (transfer => simulation%method%transfer, nodes => simulation%nodes, &
          velocity => simulation%nodes%velocity(:, :, tile), filtered => view%filtered, &
@@ -283,9 +286,9 @@ contains
          if (simulation%method%leapfrog) then
             call transfer%carry(dt, velocity, acceleration, filtered, view%carry)
          else
-            view%carry = velocity + 0.5_wp*dt*acceleration
+            call combine(1.0_wp, velocity, 0.5_wp*dt, acceleration, view%carry)
          end if
-         if (transfer%affine()) view%after = velocity + dt*acceleration
+         if (transfer%affine()) call combine(1.0_wp, velocity, dt, acceleration, view%after)
          if (.not. simulation%carries_energy) return
          if (transfer%sweeps() > 0) then
             call transfer%heat_fields(dt, velocity, acceleration, filtered, &

@@ -10,8 +10,8 @@ module driver_nodes
    use driver_scatter, only: nodes_seen
    use driver_simulation, only: nodes_t, scratch_t, simulation_t
    use driver_walls, only: impose_walls, stand_walls, stop_at_walls, walls_touch
-   use mesh_patch, only: assemble, clear_patch, empty_box, ensure_boxes, ensure_patch, &
-      ensure_weights, widen_box
+   use mesh_patch, only: add_field, assemble, clear_patch, combine, empty_box, ensure_boxes, &
+      ensure_patch, ensure_weights, widen_box
    use omp_lib, only: omp_get_thread_num
    use transfer_scatter, only: motion_columns
    implicit none
@@ -310,7 +310,7 @@ contains
             call keep_sums(nodes, tile, sums)
          else
             call assemble(grid, simulation%tiles, nodes%force, tile, force, nodes%weighted)
-            acceleration = acceleration + force
+            call add_field(force, acceleration)
          end if
          if (simulation%method%differing()) &
             acceleration = acceleration + nodes%difference(:, :, tile)
@@ -323,7 +323,7 @@ contains
             end do
          end if
          call constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
-         nodes%strain(:, :, tile) = velocity + dt*acceleration
+         call combine(1.0_wp, velocity, dt, acceleration, nodes%strain(:, :, tile))
       end associate
    end subroutine start_tile
 
