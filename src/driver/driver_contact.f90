@@ -5,9 +5,8 @@
 module driver_contact
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
-   use driver_nodes, only: empty_mass
    use driver_scatter, only: find_places
-   use driver_simulation, only: contact_t, guesses, scratch_t, simulation_t
+   use driver_simulation, only: contact_t, empty_mass, guesses, scratch_t, simulation_t
    use driver_surface, only: direction_of, guess_area, reach_row
    use mesh_patch, only: assemble_greatest, ensure_patch
    use omp_lib, only: omp_get_thread_num

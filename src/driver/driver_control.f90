@@ -3,9 +3,8 @@
 module driver_control
    use base_kinds, only: wp
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use driver_nodes, only: empty_mass
    use driver_scatter, only: find_places
-   use driver_simulation, only: scratch_t, simulation_t
+   use driver_simulation, only: empty_mass, scratch_t, simulation_t
    use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num

@@ -7,7 +7,7 @@ module driver_exchange
    implicit none
    private
 
-   public :: next_tiles, pass_patches
+   public :: next_tiles, pass_motion, pass_patches
 
    integer, parameter, public :: edge_tiles = 1      !! Tiles that other ranks may see
    integer, parameter, public :: inner_tiles = 2     !! The others
@@ -49,4 +49,30 @@ contains
             communicator%traffic%waiting - waited)
       end associate
    end subroutine pass_patches
+
+   !> The same for the pieces of the motion.
+   subroutine pass_motion(simulation, part)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: part                    !! What is done
+      real(wp) :: waited
+      integer :: kinds
+
+      if (simulation%communicator%size == 1) return
+      kinds = merge(2, 1, simulation%method%dual)
+      associate (communicator => simulation%communicator, phase => simulation%phase, &
+         nodes => simulation%nodes)
+         call simulation%timer%start(phase%exchange)
+         waited = communicator%traffic%waiting
+         if (part == edge_tiles) then
+            call simulation%halo%post_pieces(communicator, simulation%grid, simulation%tiles, &
+               nodes%touched, nodes%motion(:kinds))
+         else
+            call simulation%halo%complete_pieces(communicator, simulation%grid, simulation%tiles, &
+               nodes%touched, nodes%motion(:kinds))
+         end if
+         call simulation%timer%stop(phase%exchange)
+         if (part == inner_tiles) call simulation%timer%move(phase%exchange, phase%wait, &
+            communicator%traffic%waiting - waited)
+      end associate
+   end subroutine pass_motion
 end module driver_exchange

@@ -7,11 +7,11 @@ module driver_fields
    use driver_contact, only: break_bonds, touch_bodies
    use driver_control, only: find_star
    use driver_difference, only: find_difference
+   use driver_dual_nodes, only: dual_fields
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
    use driver_method, only: stress_before, stress_remapped
-   use driver_nodes, only: dual_fields, finish_nodes, move_nodes, remap_nodes, start_nodes, &
-      strain_nodes
+   use driver_nodes, only: finish_nodes, move_nodes, remap_nodes, start_nodes, strain_nodes
    use driver_retry, only: judge_nodes
    use driver_scatter, only: scatter_particles
    use driver_simulation, only: simulation_t
@@ -68,7 +68,7 @@ contains
       call find_force(simulation)
       do
          simulation%kick = simulation%method%kick(simulation%dt, dt)
-         call move_nodes(simulation, simulation%kick)
+         call move_nodes(simulation, simulation%kick, dt)
          if (simulation%method%transfer%sweeps() > 0) &
             call filter_nodes(simulation, simulation%kick)
          if (simulation%method%stress == stress_remapped) call map_again(simulation)

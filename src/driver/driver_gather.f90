@@ -6,9 +6,10 @@ module driver_gather
    use driver_bounds, only: count_bad, find_steepest, slow_nodes, steep_enough
    use driver_cost, only: book_cost, cost_clock
    use driver_culprit, only: tile_bounds
+   use driver_dual_nodes, only: node_gradient
    use driver_ledger, only: dissipated, ledger_t, plastic, viscous
    use driver_method, only: method_t, stress_before
-   use driver_nodes, only: node_gradient, stress_before_it
+   use driver_nodes, only: recall_seen
    use driver_packing, only: excess_fill, repack
    use driver_retire, only: erode_tile, fastest_left, retire_tile
    use driver_scatter, only: find_places, nodes_seen
@@ -54,6 +55,7 @@ module driver_gather
       real(wp), allocatable :: excess(:, :)          !! (1, node) Fill less 1, for loose matter [1]
       real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
       logical :: slow = .false.                      !! Is no gradient that steep?
+      integer :: slot = 0                            !! Where the fields of the tile are
    end type view_t
 
 contains
@@ -122,6 +124,7 @@ contains
       if (allocated(simulation%contact)) then
          if (all(counts(simulation, tile) == 0)) return
       end if
+      call recall_seen(simulation, tile)
       call look(simulation, tile, parts, view)
       do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
@@ -228,15 +231,16 @@ contains
       integer :: low, high
 
       view%slow = .false.
+      view%slot = simulation%nodes%slot(tile)
       if (parts%work) then
          call nodes_seen(simulation, tile, low, high)
          if (.not. allocated(view%centre)) &
             allocate (view%centre(3, simulation%grid%tile_nodes), source=0.0_wp)
-         view%centre(:, low:high) = simulation%nodes%velocity(:, low:high, tile) &
-            + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, low:high, tile)
+         view%centre(:, low:high) = simulation%nodes%velocity(:, low:high, view%slot) &
+            + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, low:high, view%slot)
       end if
       if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
-      if (parts%strain) call look_steep(simulation, tile, view)
+      if (parts%strain) call look_steep(simulation, view)
       if (.not. simulation%method%dual) return
       if (parts%motion .and. simulation%repacks) call excess_fill(simulation%grid, &
          simulation%boundary, simulation%tiles%coordinate(:, tile), &
@@ -244,15 +248,13 @@ contains
       if (parts%strain .or. (parts%motion .and. simulation%method%transfer%affine())) &
          call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
       if (parts%work .and. simulation%carries_energy) &
-         call node_gradient(simulation, tile, simulation%nodes%motion, view%middle, &
-         stress_before_it)
+         call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
    end subroutine look
 
    !> Which velocity gradients matter for the next step, and whether the nodes can have such. Only
    !! where gradients are those of functions between nodes their velocities alone tell.
-   subroutine look_steep(simulation, tile, view)
+   subroutine look_steep(simulation, view)
       type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(inout) :: view            !! What the particles see
 
       associate (method => simulation%method, grid => simulation%grid)
@@ -260,7 +262,7 @@ contains
             simulation%dt_next)
          if (method%dual .or. grid%axisymmetric .or. allocated(simulation%stores(1)%domain)) return
          ! nine components, each at most twice the greatest velocity over the edge of a cell
-         view%slow = slow_nodes(3*grid%tile_nodes, simulation%nodes%strain(:, :, tile), &
+         view%slow = slow_nodes(3*grid%tile_nodes, simulation%nodes%strain(:, :, view%slot), &
             0.9_wp/6.0_wp*grid%spacing*view%matters)
       end associate
    end subroutine look_steep
@@ -276,19 +278,17 @@ contains
 
       if (.not. allocated(view%push)) allocate (view%push(3, simulation%grid%tile_nodes), &
          view%carry(3, simulation%grid%tile_nodes))
-      if (simulation%method%transfer%affine() .and. .not. allocated(view%after)) &
-         allocate (view%after(3, simulation%grid%tile_nodes))
       call find_filtered(simulation, tile, dt, view%filtered)
       associate (transfer => simulation%method%transfer, nodes => simulation%nodes, &
-         velocity => simulation%nodes%velocity(:, :, tile), filtered => view%filtered, &
-         acceleration => simulation%nodes%acceleration(:, :, tile))
+         velocity => simulation%nodes%velocity(:, :, view%slot), filtered => view%filtered, &
+         acceleration => simulation%nodes%acceleration(:, :, view%slot))
          call transfer%push(dt, acceleration, filtered, view%push)
          if (simulation%method%leapfrog) then
             call transfer%carry(dt, velocity, acceleration, filtered, view%carry)
          else
             call combine(1.0_wp, velocity, 0.5_wp*dt, acceleration, view%carry)
          end if
-         if (transfer%affine()) call combine(1.0_wp, velocity, dt, acceleration, view%after)
+         if (transfer%affine()) view%after = velocity + dt*acceleration
          if (.not. simulation%carries_energy) return
          if (transfer%sweeps() > 0) then
             call transfer%heat_fields(dt, velocity, acceleration, filtered, &
@@ -445,8 +445,8 @@ contains
          first = store%first(tile)
          n = store%count(tile)
          deformation%plane = simulation%grid%dimensions < 3
-         call find_gradient(simulation, scratch, store, tile, simulation%nodes%strain(:, :, tile), &
-            view%gradient, dt)
+         call find_gradient(simulation, scratch, store, tile, &
+            simulation%nodes%strain(:, :, view%slot), view%gradient, dt)
          if (.not. view%slow) call find_steepest(deformation%gradient, &
             store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
             scratch%steepest_identity)

@@ -15,7 +15,7 @@ module driver_heat
    use driver_cost, only: book_cost, cost_clock
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_ledger, only: dissipated
-   use driver_nodes, only: divide
+   use driver_node_sums, only: divide
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use material_voids, only: expanded

@@ -10,7 +10,7 @@
 module driver_heat_flux
    use base_kinds, only: wp
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use driver_nodes, only: divide
+   use driver_node_sums, only: divide
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch

@@ -4,224 +4,95 @@
 module driver_nodes
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
+   use driver_dual_nodes, only: calm_tile, find_volumes, put_gradient
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
-   use driver_light_nodes, only: calm_light_nodes
    use driver_method, only: stress_after
-   use driver_scatter, only: nodes_seen
-   use driver_simulation, only: nodes_t, scratch_t, simulation_t
+   use driver_node_sums, only: divide, ensure_sums, find_sums, slots
+   use driver_reach, only: look_at_tile, worse
+   use driver_scatter, only: vector_rows
+   use driver_simulation, only: empty_mass, reach_t, scratch_t, simulation_t
    use driver_walls, only: impose_walls, stand_walls, stop_at_walls, walls_touch
-   use mesh_patch, only: add_field, assemble, clear_patch, combine, empty_box, ensure_boxes, &
-      ensure_patch, ensure_weights, widen_box
+   use mesh_patch, only: add_field, assemble, clear_patch, combine, ensure_patch
+   use mesh_pieces, only: move_pieces
    use omp_lib, only: omp_get_thread_num
    use transfer_scatter, only: motion_columns
    implicit none
    private
 
-   public :: node_gradient, book_push, divide, dual_fields, finish_nodes, &
-      move_nodes, remap_nodes, renew_sums, start_nodes, strain_nodes
-
-   integer, parameter, public :: stress_before_it = 8 !! Rows of the motion before node stress
-
-   !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
-   !! divides stays finite.
-   real(wp), parameter, public :: empty_mass = 1.0e-290_wp
+   public :: book_push, finish_nodes, move_nodes, recall_seen, remap_nodes, start_nodes, &
+      strain_nodes
 
 contains
-
-   !> Weights and volumes of the dual gradient, and the force of the stress on the nodes.
-   subroutine dual_fields(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer :: tile
-      real(wp) :: began
-
-      call simulation%timer%start(simulation%phase%grid)
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
-         all => simulation%tiles%all)
-         call ensure_sums(simulation)
-         call ensure_weights(nodes%weight, simulation%grid%tile_cells, all)
-         call ensure_boxes(nodes%weighted, all)
-         call ensure_patch(nodes%share, 1, number, all)
-         call ensure_patch(nodes%volume, 1, number, all)
-         call ensure_patch(nodes%force, 3, number, all)
-         call ensure_patch(nodes%gradient, 9, number, all)
-         if (simulation%repacks) call ensure_patch(nodes%filled, 1, number, all)
-      end associate
-      !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
-      do tile = 1, simulation%tiles%all
-         began = cost_clock(simulation)
-         call weigh_tile(simulation, tile)
-         call book_cost(simulation, tile, began)
-      end do
-      !$omp end parallel do
-      !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
-      do tile = 1, simulation%tiles%all
-         began = cost_clock(simulation)
-         call force_tile(simulation, tile)
-         call book_cost(simulation, tile, began)
-      end do
-      !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%grid)
-   end subroutine dual_fields
-
-   !> Make room for the sums over the particles around the nodes.
-   pure subroutine ensure_sums(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
-
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
-         all => simulation%tiles%all)
-         call ensure_patch(nodes%mass, 1, number, all)
-         call ensure_patch(nodes%velocity, 3, number, all)
-         call ensure_patch(nodes%acceleration, 3, number, all)
-      end associate
-   end subroutine ensure_sums
-
-   !> Keep the sums of the nodes of a tile: momentum where the velocity will be, force where the
-   !! acceleration will be.
-   pure subroutine keep_sums(nodes, tile, sums)
-      type(nodes_t), intent(inout) :: nodes          !! Gets them
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp), intent(in) :: sums(:, :)             !! (column, node) Mass, momentum, force, more
-
-      nodes%mass(1, :, tile) = sums(1, :)
-      nodes%velocity(:, :, tile) = sums(2:4, :)
-      nodes%acceleration(:, :, tile) = sums(5:7, :)
-   end subroutine keep_sums
-
-   !> Sums over the particles around the nodes as before the nodes were moved.
-   subroutine renew_sums(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp) :: sums(size(simulation%nodes%motion, 1), simulation%grid%tile_nodes)
-      integer :: tile
-
-      !$omp parallel do default(none) shared(simulation) private(tile, sums) schedule(static)
-      do tile = 1, simulation%tiles%all
-         call assemble(simulation%grid, simulation%tiles, simulation%nodes%motion, tile, sums, &
-            simulation%nodes%touched)
-         call keep_sums(simulation%nodes, tile, sums)
-      end do
-      !$omp end parallel do
-   end subroutine renew_sums
-
-   !> Weights of the cells of a tile and their share of the volumes of the nodes.
-   subroutine weigh_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      integer, parameter :: filled = 8               ! row of the patch
-      integer, parameter :: first = 9, last = 17     ! rows of the stress
-      real(wp) :: around(simulation%grid%tile_nodes)
-      real(wp) :: sums(last, simulation%grid%tile_nodes)
-      logical :: weighs(simulation%grid%tile_cells)
-
-      associate (grid => simulation%grid, nodes => simulation%nodes, dual => simulation%dual, &
-         coordinate => simulation%tiles%coordinate(:, tile))
-         call assemble(grid, simulation%tiles, nodes%motion, tile, sums, nodes%touched)
-         call keep_sums(nodes, tile, sums)
-         nodes%gradient(:, :, tile) = sums(first:last, :)
-         if (simulation%repacks) nodes%filled(1, :, tile) = sums(filled, :)
-         call grid%node_volume(coordinate, around)
-         call dual%cell_weights(grid, sums, filled, around, nodes%weight(:, tile))
-         call empty_box(nodes%weighted(:, :, tile))
-         weighs = nodes%weight(:, tile) > 0.0_wp
-         call widen_box(grid, weighs, nodes%weighted(:, :, tile))
-         call clear_patch(nodes%share(:, :, tile))
-         call dual%add_volume(grid, coordinate, nodes%weight(:, tile), nodes%share(:, :, tile))
-      end associate
-   end subroutine weigh_tile
-
-   !> Force of the node stress of the cells of a tile.
-   subroutine force_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: stress(9, simulation%grid%tile_nodes)
-
-      associate (grid => simulation%grid, nodes => simulation%nodes, &
-         coordinate => simulation%tiles%coordinate(:, tile))
-         call assemble(grid, simulation%tiles, nodes%share, tile, nodes%volume(:, :, tile), &
-            nodes%weighted)
-         stress = nodes%gradient(:, :, tile)
-         call divide(nodes%volume(:, :, tile), 1, stress)
-         if (simulation%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
-         call simulation%boundary%mirror(grid, coordinate, stress)
-         call clear_patch(nodes%force(:, :, tile))
-         call simulation%dual%add_force(grid, coordinate, nodes%weight(:, tile), stress, &
-            nodes%force(:, :, tile))
-      end associate
-   end subroutine force_tile
-
-   !> Give back on the nodes the mean stress that was taken out of the particles.
-   pure subroutine add_star(star, stress)
-      real(wp), contiguous, intent(in) :: star(:, :)       !! (6, node) [Pa]
-      real(wp), contiguous, intent(inout) :: stress(:, :)  !! (9, node) (k, l) in row k + 3 (l - 1)
-      integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
-      integer :: node, k
-
-      do node = 1, size(stress, 2)
-         do k = 1, 9
-            stress(k, node) = stress(k, node) + star(component(k), node)
-         end do
-      end do
-   end subroutine add_star
-
-   !> Divide node values by a volume or mass; nodes without any get zero.
-   pure subroutine divide(by, row, values)
-      real(wp), contiguous, intent(in) :: by(:, :)         !! (component, node)
-      integer, intent(in) :: row                           !! Component that divides
-      real(wp), contiguous, intent(inout) :: values(:, :)  !! (component, node)
-      real(wp) :: inverse(size(by, 2))
-      integer :: node
-
-      do node = 1, size(by, 2)
-         inverse(node) = merge(1.0_wp/max(by(row, node), empty_mass), 0.0_wp, &
-            by(row, node) > empty_mass)
-      end do
-      ! numbers that the compiler knows make the components one vector
-      select case (size(values, 1))
-      case (3)
-         call multiply_nodes(3, size(by, 2), inverse, values)
-      case (9)
-         call multiply_nodes(9, size(by, 2), inverse, values)
-      case default
-         call multiply_nodes(size(values, 1), size(by, 2), inverse, values)
-      end select
-   end subroutine divide
-
-   !> Multiply the components of nodes by a number of each node.
-   pure subroutine multiply_nodes(components, nodes, factor, values)
-      integer, intent(in) :: components              !! Numbers a node
-      integer, intent(in) :: nodes                   !! Nodes of the tile
-      real(wp), intent(in) :: factor(nodes)          !! (node)
-      real(wp), intent(inout) :: values(components, nodes) !! (component, node)
-      integer :: node, component
-
-      do node = 1, nodes
-         do component = 1, components
-            values(component, node) = values(component, node)*factor(node)
-         end do
-      end do
-   end subroutine multiply_nodes
 
    !> Velocity and acceleration of the nodes, the velocity that strains the particles, and its node
    !! gradient. Without a time step the nodes stay as they were: the velocity before the step
    !! strains.
-   subroutine move_nodes(simulation, dt)
+   subroutine move_nodes(simulation, dt, whole)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
+      !> Time step, if it is to be told how far the nodes go and their fields are not kept [s]
+      real(wp), intent(in), optional :: whole
       integer :: tile
       real(wp) :: began
 
       call simulation%timer%start(simulation%phase%grid)
       call ensure_moved(simulation)
       call stand_walls(simulation, dt)
-      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
+      simulation%scratch%reach = reach_t()
+      simulation%nodes%acting = dt
+      !$omp parallel do default(none) shared(simulation, dt, whole) private(tile, began) &
+      !$omp schedule(static)
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
-         call start_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
-         call finish_tile(simulation, tile, dt)
+         associate (scratch => simulation%scratch(omp_get_thread_num()))
+            call start_tile(simulation, scratch, tile, dt)
+            call finish_tile(simulation, tile, dt)
+            if (simulation%nodes%lean .and. tile <= simulation%tiles%own) &
+               call keep_seen(simulation, scratch, tile, whole)
+         end associate
          call book_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
    end subroutine move_nodes
+
+   !> Keep what the particles of a tile will see, and tell how far its nodes go.
+   subroutine keep_seen(simulation, scratch, tile, whole)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in), optional :: whole        !! Time step [s]
+      type(reach_t) :: reach
+      integer :: slot
+
+      associate (nodes => simulation%nodes, grid => simulation%grid)
+         slot = nodes%slot(tile)
+         call nodes%seen(1)%put(grid, nodes%touched, tile, 1, nodes%velocity(:, :, slot))
+         call nodes%seen(2)%put(grid, nodes%touched, tile, 1, nodes%acceleration(:, :, slot))
+         if (.not. present(whole)) return
+         call look_at_tile(simulation, tile, slot, whole, reach)
+         if (worse(reach, scratch%reach)) scratch%reach = reach
+      end associate
+   end subroutine keep_seen
+
+   !> Put back what the particles of a tile see, if it is kept as pieces.
+   subroutine recall_seen(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer :: slot
+
+      associate (nodes => simulation%nodes, grid => simulation%grid)
+         if (.not. nodes%lean) return
+         slot = nodes%slot(tile)
+         call nodes%seen(1)%get(grid, nodes%touched, tile, nodes%velocity(:, :, slot))
+         call nodes%seen(2)%get(grid, nodes%touched, tile, nodes%acceleration(:, :, slot))
+         if (simulation%method%dual) call find_volumes(simulation, tile, slot)
+         ! with the same numbers as before, so to the same bits where the particles see it
+         nodes%strain(:, :, slot) = nodes%velocity(:, :, slot) &
+            + nodes%acting*nodes%acceleration(:, :, slot)
+         call calm_tile(simulation, tile, slot, nodes%acting)
+      end associate
+   end subroutine recall_seen
 
    !> The first part of the same, for a velocity field that other bodies may change.
    subroutine start_nodes(simulation, dt)
@@ -279,14 +150,25 @@ contains
       end associate
    end subroutine book_tile
 
-   !> Make room for what moves and strains the particles.
+   !> Make room for what moves and strains the particles. The node stress is no longer needed, so
+   !! the gradient takes its memory.
    subroutine ensure_moved(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: n, held
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
-         all => simulation%tiles%all)
+      associate (nodes => simulation%nodes, grid => simulation%grid)
          if (.not. simulation%method%dual) call ensure_sums(simulation)
-         call ensure_patch(nodes%strain, 3, number, all)
+         call ensure_patch(nodes%strain, 3, grid%tile_nodes, slots(simulation))
+         held = 0
+         if (nodes%lean) held = nodes%touched%before(simulation%tiles%own + 1)
+         do n = 1, size(nodes%seen)
+            if (.not. allocated(nodes%seen(n)%row)) call nodes%seen(n)%keep(3, vector_rows(grid))
+            call nodes%seen(n)%ensure(held)
+         end do
+         if (.not. simulation%method%dual) return
+         call move_pieces(nodes%motion(2), nodes%gradient)
+         call nodes%gradient%ensure(nodes%weighted%nodes())
+         if (simulation%carries_energy) call nodes%middle%ensure(nodes%weighted%nodes())
       end associate
    end subroutine ensure_moved
 
@@ -297,25 +179,23 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp) :: force(3, simulation%grid%tile_nodes)
-      real(wp) :: sums(motion_columns, simulation%grid%tile_nodes)
-      integer :: component
+      integer :: component, slot
 
+      slot = simulation%nodes%slot(tile)
+      if (simulation%nodes%lean .or. .not. simulation%method%dual) &
+         call find_sums(simulation, tile, slot)
       associate (grid => simulation%grid, nodes => simulation%nodes, &
-         coordinate => simulation%tiles%coordinate(:, tile), &
-         velocity => simulation%nodes%velocity(:, :, tile), &
-         acceleration => simulation%nodes%acceleration(:, :, tile), &
-         mass => simulation%nodes%mass(1, :, tile))
-         if (.not. simulation%method%dual) then
-            call assemble(grid, simulation%tiles, nodes%motion, tile, sums, nodes%touched)
-            call keep_sums(nodes, tile, sums)
-         else
-            call assemble(grid, simulation%tiles, nodes%force, tile, force, nodes%weighted)
+         velocity => simulation%nodes%velocity(:, :, slot), &
+         acceleration => simulation%nodes%acceleration(:, :, slot), &
+         mass => simulation%nodes%mass(1, :, slot))
+         if (simulation%method%dual) then
+            call nodes%force%assemble(grid, simulation%tiles, nodes%weighted, tile, force)
             call add_field(force, acceleration)
          end if
          if (simulation%method%differing()) &
             acceleration = acceleration + nodes%difference(:, :, tile)
-         call divide(nodes%mass(:, :, tile), 1, velocity)
-         call divide(nodes%mass(:, :, tile), 1, acceleration)
+         call divide(nodes%mass(:, :, slot), 1, velocity)
+         call divide(nodes%mass(:, :, slot), 1, acceleration)
          if (allocated(simulation%gravity)) then
             do component = 1, 3
                where (mass > empty_mass) acceleration(component, :) = &
@@ -323,7 +203,7 @@ contains
             end do
          end if
          call constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
-         call combine(1.0_wp, velocity, dt, acceleration, nodes%strain(:, :, tile))
+         call combine(1.0_wp, velocity, dt, acceleration, nodes%strain(:, :, slot))
       end associate
    end subroutine start_tile
 
@@ -332,26 +212,19 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      real(wp) :: centre(3, simulation%grid%tile_nodes), middle(9, simulation%grid%tile_nodes)
+      real(wp) :: centre(3, simulation%grid%tile_nodes)
+      integer :: slot
 
       if (.not. simulation%method%dual) return
-      associate (grid => simulation%grid, nodes => simulation%nodes, &
-         coordinate => simulation%tiles%coordinate(:, tile), &
-         velocity => simulation%nodes%velocity(:, :, tile), &
-         acceleration => simulation%nodes%acceleration(:, :, tile))
-         if (simulation%method%stress == stress_after) &
-            call calm_light_nodes(grid, coordinate, nodes%volume(1, :, tile), dt, velocity, &
-            acceleration, nodes%strain(:, :, tile))
-         call clear_patch(nodes%gradient(:, :, tile))
-         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), &
-            nodes%strain(:, :, tile), nodes%gradient(:, :, tile))
+      slot = simulation%nodes%slot(tile)
+      if (simulation%nodes%lean .and. simulation%method%stress == stress_after) &
+         call find_volumes(simulation, tile, slot)
+      call calm_tile(simulation, tile, slot, dt)
+      associate (nodes => simulation%nodes)
+         call put_gradient(simulation, tile, nodes%strain(:, :, slot), nodes%gradient)
          if (.not. simulation%carries_energy) return
-         call clear_patch(middle)
-         centre = velocity + 0.5_wp*dt*acceleration
-         call simulation%dual%add_gradient(grid, coordinate, nodes%weight(:, tile), centre, &
-            middle)
-         ! the sums of the stresses have been taken from there
-         nodes%motion(stress_before_it + 1:, :, tile) = middle
+         centre = nodes%velocity(:, :, slot) + 0.5_wp*dt*nodes%acceleration(:, :, slot)
+         call put_gradient(simulation, tile, centre, nodes%middle)
       end associate
    end subroutine finish_tile
 
@@ -397,6 +270,7 @@ contains
       real(wp), intent(in) :: push(:, :)             !! (3, node) Gain of velocity [m/s]
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) In the middle of the step [m/s]
       real(wp), intent(in), optional :: more(:)      !! (node) Work besides that of the push [J/kg]
+      real(wp) :: own(simulation%nodes%motion(1)%rows, size(push, 2))
       real(wp) :: total(3), turn(3), work, part(3), corner(3), place(3)
       integer :: node, k
 
@@ -404,16 +278,17 @@ contains
       turn = 0.0_wp
       work = 0.0_wp
       corner = simulation%grid%tile_corner(simulation%tiles%coordinate(:, tile))
+      call simulation%nodes%motion(1)%get(simulation%grid, simulation%nodes%touched, tile, own)
       do node = 1, size(push, 2)
          ! faces push few of the nodes
          if (.not. abs(push(1, node)) + abs(push(2, node)) + abs(push(3, node)) > 0.0_wp) cycle
-         if (.not. simulation%nodes%motion(1, node, tile) > 0.0_wp) cycle
-         part = simulation%nodes%motion(1, node, tile)*push(:, node)
+         if (.not. own(1, node) > 0.0_wp) cycle
+         part = own(1, node)*push(:, node)
          place = corner + simulation%grid%spacing*real(simulation%grid%node_position(node), wp)
          total = total + part
          turn = turn + cross(place, part)
          work = work + dot_product(part, velocity(:, node))
-         if (present(more)) work = work + simulation%nodes%motion(1, node, tile)*more(node)
+         if (present(more)) work = work + own(1, node)*more(node)
       end do
       do k = 1, 3
          call ledger%sums(impulse + k - 1)%add(total(k))
@@ -457,31 +332,10 @@ contains
       call simulation%timer%start(simulation%phase%grid)
       !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
       do tile = 1, simulation%tiles%all
-         call clear_patch(simulation%nodes%gradient(:, :, tile))
-         call simulation%dual%add_gradient(simulation%grid, simulation%tiles%coordinate(:, tile), &
-            simulation%nodes%weight(:, tile), simulation%nodes%strain(:, :, tile), &
-            simulation%nodes%gradient(:, :, tile))
+         call put_gradient(simulation, tile, simulation%nodes%strain(:, :, tile), &
+            simulation%nodes%gradient)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
    end subroutine strain_nodes
-
-   !> Sum of the patches of a node gradient, divided by the volumes of the nodes.
-   subroutine node_gradient(simulation, tile, patch, gradient, before)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp), contiguous, intent(in) :: patch(:, :, :)   !! (row, node, tile)
-      !> (9, node) [1/s]; only where the particles of the tile see it
-      real(wp), allocatable, intent(inout) :: gradient(:, :)
-      integer, intent(in), optional :: before        !! Rows before those of the gradient, if any
-      integer :: low, high
-
-      if (.not. allocated(gradient)) allocate (gradient(9, simulation%grid%tile_nodes))
-      call assemble(simulation%grid, simulation%tiles, patch, tile, gradient, &
-         simulation%nodes%weighted, before)
-      call nodes_seen(simulation, tile, low, high)
-      call divide(simulation%nodes%volume(:, low:high, tile), 1, gradient(:, low:high))
-      call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
-         gradient)
-   end subroutine node_gradient
 end module driver_nodes

@@ -43,6 +43,7 @@ module driver_output
       procedure :: open => outputs_open              !! Open files, new or after a restart
       procedure :: write_due => outputs_write_due    !! Write what is due
       procedure :: expected => outputs_expected      !! Snapshots that will be written
+      procedure :: rows => outputs_rows              !! Rows of histories that will be written
       procedure :: close => outputs_close            !! Close files
       procedure :: save => outputs_save              !! Counters into a checkpoint
       procedure :: load => outputs_load              !! Counters from a checkpoint
@@ -245,6 +246,20 @@ contains
             number = number + int(self%snapshots(n)%schedule%expected(time_end, 0.0_wp), int64)
       end do
    end function outputs_expected
+
+   !> Rows of histories that the run will write.
+   pure real(wp) function outputs_rows(self, time_end, steps) result(rows)
+      class(outputs_t), intent(in) :: self           !! The streams
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      real(wp), intent(in) :: steps                  !! Steps that it will take
+      integer :: n
+
+      rows = 0.0_wp
+      do n = 1, size(self%tables)
+         if (self%tables(n)%kind == of_bins .or. self%tables(n)%kind == of_fragments) cycle
+         rows = rows + self%tables(n)%schedule%expected(time_end, steps)
+      end do
+   end function outputs_rows
 
    !> Refuse streams that would fill a disk or a folder, which are hardly meant.
    subroutine outputs_limit(self, deck, particles, time_end, steps)

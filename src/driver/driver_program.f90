@@ -12,10 +12,11 @@ module driver_program
    use base_timer, only: wall_seconds
    use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
       git_commit, version_text
+   use driver_begin, only: begin_run
    use driver_check, only: cost_text
    use driver_command_line, only: command_t, help_text, parse, program_arguments
    use driver_effects, only: effects_text
-   use driver_exact_start, only: place_exact, strain_exact
+   use driver_estimate, only: estimate_text, most_particles
    use driver_example, only: copied_t, copy_example, examples_text, next_steps
    use driver_job, only: job_text
    use driver_lists, only: list_text
@@ -23,9 +24,7 @@ module driver_program
    use driver_point, only: drive_point
    use driver_restart, only: resume
    use driver_run, only: run_to_end
-   use driver_start, only: fill_simulation, first_step, spin_bodies
    use driver_summary, only: summarise
-   use driver_trial, only: most_particles, trial_text
    use io_deck_check, only: check_case
    use io_digest, only: file_digest
    use io_file, only: join_path, make_folder, write_file
@@ -186,10 +185,10 @@ contains
    subroutine try_out(session, error)
       type(session_t), intent(inout) :: session      !! Checked
       type(error_t), allocatable, intent(out) :: error !! The bodies cannot begin
+      character(len=:), allocatable :: text
 
-      call fill_bodies(session, error)
-      if (allocated(error)) return
-      write (output_unit, "(a)", advance="no") trial_text(session%simulation, session%limits)
+      call estimate_text(session, text, error)
+      if (.not. allocated(error)) write (output_unit, "(a)", advance="no") text
    end subroutine try_out
 
    !> Drive one material point.
@@ -231,9 +230,10 @@ contains
             call session%log%info(note)
          end if
       else
-         call fill_bodies(session, error)
+         call begin_run(session%simulation, session%bodies, session%survey, session%shapes, error)
       end if
       if (allocated(error)) return
+      call forget_shapes(session)
       call session%outputs%open(session%simulation, session%command%restart, note, error)
       if (allocated(error)) return
       if (len(note) > 0) call session%log%warn(note//"left out of the series; the run goes on")
@@ -323,20 +323,15 @@ contains
       call resume(session%simulation, session%outputs, session%place, file, note, error)
    end subroutine go_on
 
-   !> Particles of the bodies in their first state, the books opened.
-   subroutine fill_bodies(session, error)
-      type(session_t), intent(inout) :: session      !! Gets particles
-      type(error_t), allocatable, intent(out) :: error !! Bodies and exact solution do not agree
+   !> Particles are there: nobody needs voxels, facets and lists of points any more.
+   subroutine forget_shapes(session)
+      type(session_t), intent(inout) :: session      !! Loses its regions
+      integer :: n
 
-      call fill_simulation(session%simulation, session%bodies, session%survey)
-      call spin_bodies(session%simulation, session%bodies)
-      call place_exact(session%simulation, error)
-      if (allocated(error)) return
-      call strain_exact(session%simulation)
-      call first_step(session%simulation)
-      associate (simulation => session%simulation)
-         call simulation%ledger%balance(simulation%communicator, simulation%grid, &
-            simulation%stores, simulation%materials, simulation%ledger%start)
-      end associate
-   end subroutine fill_bodies
+      deallocate (session%shapes)
+      do n = 1, size(session%bodies)
+         if (allocated(session%bodies(n)%shape%shape)) deallocate (session%bodies(n)%shape%shape)
+         if (allocated(session%bodies(n)%given)) deallocate (session%bodies(n)%given)
+      end do
+   end subroutine forget_shapes
 end module driver_program

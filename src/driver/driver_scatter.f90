@@ -3,9 +3,12 @@
 module driver_scatter
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
-   use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_motion
+   use driver_method, only: stress_remapped
    use driver_simulation, only: scratch_t, simulation_t
-   use mesh_patch, only: clear_patch, empty_box, ensure_boxes, ensure_patch, widen_box
+   use mesh_grid, only: grid_t
+   use mesh_patch, only: clear_patch, empty_box, widen_box
+   use mesh_pieces, only: move_pieces
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use transfer_even, only: even_stress
@@ -14,9 +17,10 @@ module driver_scatter
    implicit none
    private
 
-   public :: find_places, nodes_seen, scatter_particles
+   public :: find_places, nodes_seen, scatter_particles, tensor_rows, vector_rows
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
+   real(wp), parameter :: lean_share = 0.6_wp !! Of nodes touched, below which fields are not kept
 
 contains
 
@@ -29,71 +33,163 @@ contains
       real(wp) :: began
 
       call simulation%timer%start(simulation%phase%scatter)
-      call ensure_patch(simulation%nodes%motion, merge(dual_columns, motion_columns, &
-         simulation%method%dual), simulation%grid%tile_nodes, simulation%tiles%own)
-      call ensure_boxes(simulation%nodes%touched, simulation%tiles%own)
+      call find_boxes(simulation)
+      call ensure_motion(simulation)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
          !$omp parallel do default(none) shared(simulation, tiles) private(n, began) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
             began = cost_clock(simulation)
-            call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
-               simulation%nodes%motion(:, :, tiles(n)), &
-               simulation%nodes%touched(:, :, tiles(n)))
+            call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n))
             call book_cost(simulation, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, simulation%nodes%motion)
+         call pass_motion(simulation, part)
       end do
       call simulation%timer%stop(simulation%phase%scatter)
    end subroutine scatter_particles
 
-   !> One tile.
-   subroutine scatter_tile(simulation, scratch, tile, patch, box)
+   !> Nodes that the particles of own tiles touch. Where these are few, node fields are kept for
+   !! them alone.
+   subroutine find_boxes(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      logical :: used(simulation%grid%tile_cells)
+      integer :: tile, index
+
+      associate (touched => simulation%nodes%touched, grid => simulation%grid, &
+         own => simulation%tiles%own)
+         call touched%ensure(own)
+         !$omp parallel do default(none) shared(simulation) private(tile, index, used) &
+         !$omp schedule(static)
+         do tile = 1, simulation%tiles%own
+            call empty_box(simulation%nodes%touched%box(:, :, tile))
+            do index = simulation%first_store, simulation%end_store()
+               associate (store => simulation%stores(index))
+                  if (store%count(tile) == 0) cycle
+                  used = store%cell_start(1:, tile) &
+                     > store%cell_start(:simulation%grid%tile_cells - 1, tile)
+               end associate
+               call widen_box(simulation%grid, used, simulation%nodes%touched%box(:, :, tile))
+            end do
+         end do
+         !$omp end parallel do
+         call touched%line_up(grid, simulation%tiles)
+         simulation%nodes%lean = may_be_lean(simulation) .and. real(touched%nodes(), wp) < &
+            lean_share*real(own, wp)*real(grid%tile_nodes, wp)
+      end associate
+   end subroutine find_boxes
+
+   !> Does nobody but the plain step ask for the fields of all nodes?
+   pure logical function may_be_lean(simulation) result(lean)
       type(simulation_t), intent(in) :: simulation   !! The run
+
+      associate (method => simulation%method)
+         lean = .not. (simulation%keeps_nodes .or. allocated(simulation%contact) .or. &
+            allocated(simulation%exact) .or. simulation%repacks .or. &
+            method%transfer%sweeps() > 0 .or. method%controlled() .or. method%differing() .or. &
+            method%stress == stress_remapped)
+      end associate
+   end function may_be_lean
+
+   !> Make room for the pieces of the motion. The memory of the node stress served for the node
+   !! gradient in the step before.
+   pure subroutine ensure_motion(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      associate (nodes => simulation%nodes, grid => simulation%grid, dual => simulation%method%dual)
+         if (.not. allocated(nodes%motion(1)%row)) then
+            if (dual) then
+               call nodes%motion(1)%keep(motion_columns + 1, [.true., vector_rows(grid), &
+                  vector_rows(grid), .true.])
+               call nodes%motion(2)%keep(dual_columns - motion_columns - 1, tensor_rows(grid))
+            else
+               call nodes%motion(1)%keep(motion_columns, [.true., vector_rows(grid), &
+                  vector_rows(grid)])
+            end if
+         end if
+         call nodes%motion(1)%ensure(nodes%touched%nodes())
+         if (.not. dual) return
+         call move_pieces(nodes%gradient, nodes%motion(2))
+         call nodes%motion(2)%ensure(nodes%touched%nodes())
+      end associate
+   end subroutine ensure_motion
+
+   !> Components of a vector that can be other than zero.
+   pure function vector_rows(grid) result(kept)
+      type(grid_t), intent(in) :: grid               !! The grid
+      logical :: kept(3)
+
+      kept = grid%active
+   end function vector_rows
+
+   !> The same of a tensor whose component (k, l) is in row k + 3 (l - 1).
+   pure function tensor_rows(grid) result(kept)
+      type(grid_t), intent(in) :: grid               !! The grid
+      logical :: kept(9)
+      integer :: l
+
+      do l = 1, 3
+         kept(3*l - 2:3*l) = grid%active .and. grid%active(l)
+      end do
+   end function tensor_rows
+
+   !> One tile.
+   subroutine scatter_tile(simulation, scratch, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
-      integer, intent(out) :: box(3, 2)              !! Lowest and highest node that gets anything
-      logical :: used(simulation%grid%tile_cells)
+      real(wp) :: patch(merge(dual_columns, motion_columns, simulation%method%dual), &
+         simulation%grid%tile_nodes)
       integer :: index
 
       call clear_patch(patch)
-      call empty_box(box)
       do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
-         associate (grid => simulation%grid, store => simulation%stores(index), &
-            method => simulation%method, places => scratch%places, &
-            start => simulation%stores(index)%cell_start(:, tile), &
-            first => simulation%stores(index)%first(tile), &
-               matter => simulation%stores(index)%matter)
-            used = start(2:) > start(:grid%tile_cells)
-            call widen_box(grid, used, box)
-            call find_places(simulation, scratch, store, tile)
-            if (allocated(store%affine)) then
-               call method%basis%spread_affine(grid, start, first, places, matter%mass, &
-                  store%velocity, store%affine, patch)
-            else if (allocated(store%spin)) then
-               call method%basis%scatter_turning(grid, start, first, places, matter%mass, &
-                  store%velocity, store%spin, patch)
-            else
-               call method%basis%scatter_motion(grid, start, first, places, matter%mass, &
-                  store%velocity, patch)
-            end if
-            if (method%even .or. method%controlled()) then
-               call change_stress(simulation, scratch, store, tile)
-               call push_nodes(simulation, places, start, 1, scratch%pushed%position, &
-                  scratch%pushed%volume, scratch%pushed%stress, patch)
-            else
-               call push_nodes(simulation, places, start, first, store%position, matter%volume, &
-                  matter%stress, patch)
-            end if
-            if (allocated(simulation%exact)) call add_body_force(simulation, scratch, index, tile, &
-               patch)
-         end associate
+         call scatter_store(simulation, scratch, index, tile, patch)
       end do
+      associate (nodes => simulation%nodes)
+         call nodes%motion(1)%put(simulation%grid, nodes%touched, tile, 1, patch)
+         if (simulation%method%dual) call nodes%motion(2)%put(simulation%grid, nodes%touched, &
+            tile, motion_columns + 2, patch)
+      end associate
    end subroutine scatter_tile
+
+   !> The particles of one material in a tile.
+   subroutine scatter_store(simulation, scratch, index, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+
+      associate (grid => simulation%grid, store => simulation%stores(index), &
+         method => simulation%method, places => scratch%places, &
+         start => simulation%stores(index)%cell_start(:, tile), &
+         first => simulation%stores(index)%first(tile), matter => simulation%stores(index)%matter)
+         call find_places(simulation, scratch, store, tile)
+         if (allocated(store%affine)) then
+            call method%basis%spread_affine(grid, start, first, places, matter%mass, &
+               store%velocity, store%affine, patch)
+         else if (allocated(store%spin)) then
+            call method%basis%scatter_turning(grid, start, first, places, matter%mass, &
+               store%velocity, store%spin, patch)
+         else
+            call method%basis%scatter_motion(grid, start, first, places, matter%mass, &
+               store%velocity, patch)
+         end if
+         if (method%even .or. method%controlled()) then
+            call change_stress(simulation, scratch, store, tile)
+            call push_nodes(simulation, places, start, 1, scratch%pushed%position, &
+               scratch%pushed%volume, scratch%pushed%stress, patch)
+         else
+            call push_nodes(simulation, places, start, first, store%position, matter%volume, &
+               matter%stress, patch)
+         end if
+         if (allocated(simulation%exact)) call add_body_force(simulation, scratch, index, tile, &
+            patch)
+      end associate
+   end subroutine scatter_store
 
    !> The stress that particles of a tile push the nodes with, where it is not their own.
    subroutine change_stress(simulation, scratch, store, tile)
@@ -191,7 +287,7 @@ contains
 
       low = 1
       high = 0
-      associate (grid => simulation%grid, box => simulation%nodes%touched(:, :, tile))
+      associate (grid => simulation%grid, box => simulation%nodes%touched%box(:, :, tile))
          if (any(box(:, 2) < box(:, 1))) return
          low = 1 + dot_product(box(:, 1) + merge(grid%margin, 0, grid%active), grid%stride)
          high = 1 + dot_product(box(:, 2) + merge(grid%margin, 0, grid%active), grid%stride)

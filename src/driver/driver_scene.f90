@@ -10,6 +10,7 @@ module driver_scene
    use driver_exact_deck, only: read_exact
    use driver_method, only: position_of
    use driver_output, only: outputs_t
+   use driver_points, only: compare_fields, pack_points
    use driver_shapes, only: read_shapes, named_shape_t
    use driver_simulation, only: simulation_t
    use driver_start, only: make_stores, prepare
@@ -22,6 +23,7 @@ module driver_scene
    use material_wishes, only: wishes_t
    use mesh_boundary, only: face_names, face_outflow, face_periodic, face_symmetry, face_types
    use mesh_grid, only: grid_t
+   use particle_disks, only: disks_t, start_disks
    use particle_fill, only: body_t
    use particle_store, only: traits_t
    implicit none
@@ -35,17 +37,19 @@ contains
    !! deck's list of problems. Where there are some, what does not depend on them is built and
    !! checked all the same, so that one look at the deck tells as much as can be known; bodies are
    !! then there if their places are sound.
-   subroutine build_scene(deck, simulation, bodies, shapes)
+   subroutine build_scene(deck, simulation, bodies, shapes, coarser)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
       type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
+      integer, intent(in), optional :: coarser       !! Cells so many times as large as in the deck
       type(traits_t) :: traits
       integer :: n
 
       call simulation%method%read(deck)
       call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
+      if (present(coarser)) call coarsen(simulation%grid, coarser)
       call read_materials(deck, simulation)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
@@ -116,6 +120,22 @@ contains
             grid%upper(3) = grid%lower(3) + 1.0_wp
       end associate
    end subroutine read_grid
+
+   !> Make the cells larger, and the box by less than one of them where it holds no whole number.
+   pure subroutine coarsen(grid, coarser)
+      type(grid_t), intent(inout) :: grid            !! Corners, spacing and dimensions are set
+      integer, intent(in) :: coarser                 !! How many times as large
+      real(wp), parameter :: grain = 1.0e-6_wp       ! rounding of a number of cells
+      integer :: direction
+
+      grid%spacing = grid%spacing*real(coarser, wp)
+      do direction = 1, 3
+         if (direction == 2 .and. grid%dimensions < 3) cycle
+         if (direction == 3 .and. grid%dimensions < 2) cycle
+         grid%upper(direction) = grid%lower(direction) + grid%spacing &
+            *real(ceiling((grid%upper(direction) - grid%lower(direction))/grid%spacing - grain), wp)
+      end do
+   end subroutine coarsen
 
    !> Cells along a tile that the user wished, 0 = the program chooses.
    integer function block_of(deck) result(block)
@@ -258,8 +278,9 @@ contains
             call group%get("region", region)
             call group%get("material", material)
             do place = 1, size(shapes)
-               if (shapes(place)%name == region) body%shape = shapes(place)%shape
+               if (shapes(place)%name == region) body%region = place
             end do
+            body%shape = shapes(body%region)%shape
             do place = 1, size(simulation%materials)
                if (simulation%materials(place)%name == material) body%store = place
             end do
@@ -277,9 +298,56 @@ contains
                body%per_cell = 1
                body%velocity = 0.0_wp
             end where
+            if (packing == "poisson_disk") call pack_disks(deck, simulation%grid, index, body)
+            call read_points(deck, simulation, group, shapes(body%region), body)
          end associate
       end do
    end subroutine read_bodies
+
+   !> Particles at random places, no two of them near each other.
+   subroutine pack_disks(deck, grid, index, body)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: index                   !! Number of the body
+      type(body_t), intent(inout) :: body            !! Gets its particles
+      type(group_t) :: group
+      type(disks_t) :: disks
+      integer :: seed
+
+      group = deck%group("run")
+      call group%get("seed", seed)
+      call start_disks(disks, grid, product(body%per_cell), int(seed, int64), int(index, int64))
+      allocate (body%given, source=disks)
+   end subroutine pack_disks
+
+   !> Particles of a list, where region and packing say so, and what they take from it.
+   subroutine read_points(deck, simulation, group, shape, body)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! Materials and grid
+      type(group_t), intent(in) :: group             !! The &body
+      type(named_shape_t), intent(in) :: shape       !! Its region
+      type(body_t), intent(inout) :: body            !! Gets its particles
+      character(len=:), allocatable :: packing, stress
+      type(traits_t) :: traits
+
+      call group%get("packing", packing)
+      call group%get("initial_stress", stress)
+      body%keeps_stress = stress == "file"
+      if (allocated(shape%points) .neqv. packing == "file") then
+         if (packing == "file") call deck%complain(group, "packing = 'file' needs a region of "// &
+            "shape = 'points'", "packing")
+         if (packing /= "file") call deck%complain(group, "its region is a list of points; "// &
+            "write packing = 'file'", "packing")
+      else if (allocated(shape%points)) then
+         call pack_points(deck, simulation%grid, simulation%boundary, group, shape%points, body)
+         call simulation%method%request(traits)
+         call compare_fields(deck, group, simulation%materials(body%store), traits, shape%points, &
+            body%keeps_stress)
+      else if (body%keeps_stress) then
+         call deck%complain(group, "initial_stress = 'file' needs packing = 'file' and a "// &
+            "snapshot of another run", "initial_stress")
+      end if
+   end subroutine read_points
 
    !> Internal energy at the start, of a material that carries it.
    subroutine read_energy(deck, group, material, body)

@@ -17,8 +17,10 @@ module driver_simulation
    use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
    use mesh_halo, only: halo_t
+   use mesh_pieces, only: boxes_t, pieces_t
    use mesh_rigid, only: rigid_t
    use mesh_tiles, only: tiles_t
+   use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use transfer_contact, only: pair_law_t
    use transfer_places, only: places_t
@@ -26,18 +28,26 @@ module driver_simulation
    implicit none
    private
 
-   public :: conduction_t, contact_t, load_t, nodes_t, phases_t, requests_t, scratch_t, simulation_t
+   public :: conduction_t, contact_t, load_t, nodes_t, phases_t, reach_t, requests_t, scratch_t, &
+      simulation_t
+
+   !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
+   !> divides stays finite.
+   real(wp), parameter, public :: empty_mass = 1.0e-290_wp
 
    !> Node fields, all as patches of tiles: (component, node, tile). What the method does not need
    !! is
    !! not allocated.
    type :: nodes_t
-      !> Patch of mass, momentum, force, and for the dual gradient volume and stress, in whose place
-      !! the node gradient of the mid-step velocity stands when the nodes have moved [m3/s]
-      real(wp), allocatable :: motion(:, :, :)
-      !> (3, lowest or highest node, tile) Box of the nodes to which own tiles add motion, and of
-      !! those of cells with a weight
-      integer, allocatable :: touched(:, :, :), weighted(:, :, :)
+      !> Nodes to which tiles add motion, and those of their cells with a weight
+      type(boxes_t) :: touched, weighted
+      !> Pieces of mass, momentum, force, with the dual gradient volume; and of stress times volume
+      type(pieces_t) :: motion(2)
+      !> Are the sums and velocities of a tile kept only while it is worked on? Then they are those
+      !! of a thread, and of what the particles see pieces are kept: velocity and acceleration
+      logical :: lean = .false.
+      type(pieces_t) :: seen(2)
+      real(wp) :: acting = 0.0_wp                    !! Time that the forces acted to move them [s]
       real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
@@ -54,12 +64,12 @@ module driver_simulation
       real(wp), allocatable :: unit(:, :, :)         !! Patch (3): wrong force of unit stress [m2]
       real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force for that [N]
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
-      real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
+      type(pieces_t) :: share                        !! (1) Volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
       real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if asked for [m3]
-      real(wp), allocatable :: force(:, :, :)        !! Patch (3): force of the node stress [N]
-      !> Patch (9): node gradient of strain [m3/s]; before the nodes move, sums of the stresses [J]
-      real(wp), allocatable :: gradient(:, :, :)
+      type(pieces_t) :: force                        !! (3) Force of the node stress [N]
+      !> (9) Node gradient of strain, and of the mid-step velocity [m3/s]
+      type(pieces_t) :: gradient, middle
       !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): first sum
       real(wp), allocatable :: heat(:, :, :), flux(:, :, :), warmth(:, :, :)
       !> (3) What faces and gravity add to the velocities [m/s]; only with contact
@@ -67,6 +77,7 @@ module driver_simulation
       real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
    contains
       procedure :: move_to => nodes_move_to          !! Hand all fields over to another
+      procedure :: slot => nodes_slot                !! Where the fields of a tile are
    end type nodes_t
 
    integer, parameter, public :: guesses = 3         !! Of the normal between two bodies
@@ -108,6 +119,16 @@ module driver_simulation
       real(wp), allocatable :: push(:, :, :)         !! Patch (3): heat of the node flux, row 1 [W]
    end type conduction_t
 
+   !> How far nodes would go in a step: that which goes farthest over the bounds.
+   type :: reach_t
+      real(wp) :: excess = 0.0_wp                    !! Over the bounds, the worst of both [1]
+      real(wp) :: moved = 0.0_wp                     !! Displacement of that node over a cell [1]
+      real(wp) :: strain = 0.0_wp                    !! Or difference of two over a cell, else 0 [1]
+      integer :: node = 0                            !! The node, in the tile
+      integer(int64) :: number = huge(1_int64)       !! The same in the grid
+      integer :: place(3) = 0                        !! Its place in the grid, from 0
+   end type reach_t
+
    !> Scratch space of one thread.
    type :: scratch_t
       type(places_t) :: places                       !! Particles of the tile as the basis sees them
@@ -118,6 +139,7 @@ module driver_simulation
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
       logical :: sound = .true.                      !! Are all particles in their bounds?
       logical :: retired = .false.                   !! Has one been taken out for leaving them?
+      type(reach_t) :: reach                         !! Node that goes too far, if looked for
       real(wp) :: steepest = 0.0_wp                  !! Square of steepest velocity gradient [1/s2]
       integer(int64) :: steepest_identity = huge(1_int64) !! Its particle
    end type scratch_t
@@ -166,6 +188,7 @@ module driver_simulation
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       type(conduction_t), allocatable :: conduction  !! If some material conducts heat
       logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
+      logical :: keeps_nodes = .false.               !! Are the fields of all nodes asked for?
       type(contact_t), allocatable :: contact        !! If bodies have velocities of their own
       integer :: first_store = 1                     !! First store of the velocity field at hand
       integer :: last_store = huge(1)                !! Its last one, if there are so many
@@ -223,14 +246,26 @@ contains
       call self%nodes%move_to(self%contact%field(field)%nodes)
    end subroutine simulation_return_field
 
+   !> Where the fields of a tile are: its own place, or that of the thread which works on it.
+   integer function nodes_slot(self, tile) result(slot)
+      class(nodes_t), intent(in) :: self             !! The fields
+      integer, intent(in) :: tile                    !! Which tile
+
+      slot = tile
+      if (self%lean) slot = 1 + omp_get_thread_num()
+   end function nodes_slot
+
    !> Hand all fields over to another holder, without a copy.
    pure subroutine nodes_move_to(self, other)
       class(nodes_t), intent(inout) :: self          !! Empty afterwards
       type(nodes_t), intent(inout) :: other          !! Gets them
+      integer :: n
 
-      call move_alloc(self%motion, other%motion)
-      call move_alloc(self%touched, other%touched)
-      call move_alloc(self%weighted, other%weighted)
+      do n = 1, size(self%motion)
+         call self%motion(n)%move_to(other%motion(n))
+      end do
+      call self%touched%move_to(other%touched)
+      call self%weighted%move_to(other%weighted)
       call move_alloc(self%mass, other%mass)
       call move_alloc(self%velocity, other%velocity)
       call move_alloc(self%acceleration, other%acceleration)
@@ -244,11 +279,12 @@ contains
       call move_alloc(self%unit, other%unit)
       call move_alloc(self%difference, other%difference)
       call move_alloc(self%weight, other%weight)
-      call move_alloc(self%share, other%share)
+      call self%share%move_to(other%share)
       call move_alloc(self%volume, other%volume)
       call move_alloc(self%filled, other%filled)
-      call move_alloc(self%force, other%force)
-      call move_alloc(self%gradient, other%gradient)
+      call self%force%move_to(other%force)
+      call self%gradient%move_to(other%gradient)
+      call self%middle%move_to(other%middle)
       call move_alloc(self%push, other%push)
       call move_alloc(self%rubbed, other%rubbed)
    end subroutine nodes_move_to

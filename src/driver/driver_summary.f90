@@ -181,13 +181,15 @@ contains
    pure integer(int64) function node_bytes(nodes) result(bytes)
       type(nodes_t), intent(in) :: nodes             !! Those of the run, or of a velocity field
 
-      bytes = 8_int64*(length(nodes%motion) + length(nodes%mass) &
-         + length(nodes%velocity) + length(nodes%acceleration) + length(nodes%extra) &
-         + length(nodes%strain) + length(nodes%share) + length(nodes%volume) &
-         + length(nodes%force) + length(nodes%gradient) &
-         + length(nodes%filtered) + length(nodes%term) + length(nodes%loss) &
-         + length(nodes%mean) + length(nodes%star) + length(nodes%unit) &
-         + length(nodes%difference) + length(nodes%push) + length(nodes%rubbed))
+      bytes = 8_int64*(length(nodes%mass) + length(nodes%velocity) + length(nodes%acceleration) &
+         + length(nodes%extra) + length(nodes%strain) + length(nodes%volume) &
+         + length(nodes%filled) + length(nodes%filtered) + length(nodes%term) &
+         + length(nodes%loss) + length(nodes%mean) + length(nodes%star) + length(nodes%unit) &
+         + length(nodes%difference) + length(nodes%push) + length(nodes%rubbed) &
+         + sum(nodes%motion%length()) + sum(nodes%seen%length()) + nodes%share%length() &
+         + nodes%force%length() + nodes%gradient%length() + nodes%middle%length())
+      if (allocated(nodes%touched%box)) bytes = bytes + 28_int64*size(nodes%touched%box, 3)
+      if (allocated(nodes%weighted%box)) bytes = bytes + 28_int64*size(nodes%weighted%box, 3)
       if (allocated(nodes%weight)) bytes = bytes + 8_int64*size(nodes%weight, kind=int64)
    end function node_bytes
 

@@ -8,9 +8,8 @@ module driver_surface
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use driver_nodes, only: empty_mass
    use driver_scatter, only: find_places
-   use driver_simulation, only: contact_t, guesses, scratch_t, simulation_t
+   use driver_simulation, only: contact_t, empty_mass, guesses, scratch_t, simulation_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t

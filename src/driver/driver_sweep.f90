@@ -3,8 +3,10 @@
 !! node velocities, and the map of the new particle velocities that strains with `musl`.
 module driver_sweep
    use base_kinds, only: wp
+   use driver_dual_nodes, only: node_gradient
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use driver_nodes, only: book_push, divide, node_gradient
+   use driver_node_sums, only: divide
+   use driver_nodes, only: book_push
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
    use driver_walls, only: stop_at_walls, walls_touch
@@ -136,13 +138,15 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), allocatable, intent(inout) :: filtered(:, :) !! (3, node) [m/s]
+      integer :: slot
 
+      slot = simulation%nodes%slot(tile)
       if (.not. allocated(filtered)) allocate (filtered(3, simulation%grid%tile_nodes))
       if (simulation%method%transfer%sweeps() > 0) then
          filtered = simulation%nodes%filtered(:, :, tile)
       else
-         call simulation%method%transfer%first_term(dt, simulation%nodes%velocity(:, :, tile), &
-            simulation%nodes%acceleration(:, :, tile), filtered)
+         call simulation%method%transfer%first_term(dt, simulation%nodes%velocity(:, :, slot), &
+            simulation%nodes%acceleration(:, :, slot), filtered)
       end if
    end subroutine find_filtered
 

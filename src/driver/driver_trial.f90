@@ -1,9 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How long a run will take, found by doing a little of it.
+!> Does a part of a run, forgets it, and tells what it cost.
 module driver_trial
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use base_timer, only: wall_seconds
+   use base_timer, only: process_seconds, wall_seconds
+   use driver_exact_error, only: take_errors
+   use driver_ledger, only: balance_t
    use driver_run, only: choose_step, limits_t
    use driver_simulation, only: simulation_t
    use driver_step, only: advance
@@ -11,68 +13,77 @@ module driver_trial
    implicit none
    private
 
-   public :: trial_text
+   public :: row_seconds, trial_t, try_steps
 
-   integer(int64), parameter, public :: most_particles = 2000000_int64 !! A login node bears them
-   integer, parameter :: warm_steps = 3              !! Before the clock runs: memory is fetched
-   integer, parameter :: most_steps = 50             !! Timed
-   real(wp), parameter :: patience = 2.0_wp          !! Wall time for them [s]
+   integer, parameter, public :: warm_steps = 3      !! Before anything counts: memory is fetched
+
+   !> A point of a run.
+   type :: mark_t
+      real(wp) :: time = 0.0_wp                      !! [s]
+      real(wp) :: seconds = 0.0_wp                   !! Time of a thread since the first step [s]
+      integer :: steps = 0                           !! Steps since then
+   end type mark_t
+
+   !> What a trial cost.
+   type :: trial_t
+      type(mark_t) :: first                          !! After the warm steps, or at a given time
+      type(mark_t) :: middle                         !! At a given time
+      type(mark_t) :: last                           !! At the end of the trial
+      logical :: whole = .false.                     !! Was that the end of the run?
+   end type trial_t
 
 contains
 
-   !> Time some steps of a filled run and tell how long all of them take. The state of the run is
-   !! spoilt by it. Output, and what changes as the run goes on, are not in the estimate.
-   function trial_text(simulation, limits) result(text)
+   !> Do steps until the run ends or patience does. Processor time is taken, which other work on the
+   !! machine does not change. The state of the run is spoilt by it.
+   subroutine try_steps(simulation, limits, patience, trial, from, to)
       type(simulation_t), intent(inout) :: simulation !! The run in its first state
       type(limits_t), intent(in) :: limits           !! End of the run
-      character(len=:), allocatable :: text
+      real(wp), intent(in) :: patience               !! Wall time [s]
+      type(trial_t), intent(out) :: trial            !! What they cost
+      real(wp), intent(in), optional :: from         !! Time of the first mark [s]
+      real(wp), intent(in), optional :: to           !! Time of the middle one [s]
       type(error_t), allocatable :: error
-      character(len=160) :: line
-      real(wp) :: begin, dt, seconds, steps
-      integer :: step, timed
+      real(wp) :: begin, start, spent, dt
+      logical :: marked(2)
 
-      timed = 0
       begin = wall_seconds()
-      seconds = 0.0_wp
-      do step = 1, warm_steps + most_steps
+      start = process_seconds()
+      marked = .false.
+      do
+         if (simulation%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp)) .or. &
+            simulation%step >= limits%max_steps) then
+            trial%whole = .true.
+            exit
+         end if
+         spent = wall_seconds() - begin
+         if (trial%last%steps > warm_steps .and. spent > patience) exit
          call choose_step(simulation, limits, dt, error)
          if (allocated(error)) exit
-         if (simulation%time + dt >= limits%time_end) exit
          call advance(simulation, dt, error)
          if (allocated(error)) exit
-         if (step <= warm_steps) then
-            begin = wall_seconds()
-         else
-            timed = timed + 1
-            seconds = wall_seconds() - begin
-            if (seconds > patience) exit
+         trial%last = mark_t(simulation%time, (process_seconds() - start) &
+            /real(omp_get_max_threads(), wp), trial%last%steps + 1)
+         if (present(from)) then
+            if (simulation%time >= from .and. .not. marked(1)) trial%first = trial%last
+            if (simulation%time >= to .and. .not. marked(2)) trial%middle = trial%last
+            marked = marked .or. simulation%time >= [from, to]
+         else if (trial%last%steps == warm_steps) then
+            trial%first = trial%last
          end if
       end do
-      text = ""
-      if (timed == 0) return
-      seconds = seconds/real(timed, wp)
-      steps = (limits%time_end - simulation%time)/simulation%dt + real(step, wp)
-      if (limits%max_steps < huge(1_int64)) steps = min(steps, real(limits%max_steps, wp))
-      write (line, "(a,i0,a,i0,a,es8.1,a)") " on 1 rank x ", omp_get_max_threads(), &
-         " threads, from ", timed, " steps of ", seconds, " s"
-      text = "estimate   "//span_text(steps*seconds)//trim(line)//new_line("a")
-   end function trial_text
+   end subroutine try_steps
 
-   !> A span of time for people.
-   pure function span_text(seconds) result(text)
-      real(wp), intent(in) :: seconds                !! [s]
-      character(len=:), allocatable :: text
-      character(len=24) :: line
+   !> Time that a row of a history takes [s].
+   real(wp) function row_seconds(simulation) result(seconds)
+      type(simulation_t), intent(inout) :: simulation !! The run with particles
+      type(balance_t) :: now
+      real(wp) :: begin
 
-      if (seconds < 100.0_wp) then
-         write (line, "(i0,a)") max(nint(seconds), 1), " s"
-      else if (seconds < 6000.0_wp) then
-         write (line, "(i0,a)") nint(seconds/60.0_wp), " min"
-      else if (seconds < 360000.0_wp) then
-         write (line, "(f0.1,a)") seconds/3600.0_wp, " h"
-      else
-         write (line, "(f0.1,a)") seconds/86400.0_wp, " days"
-      end if
-      text = trim(line)
-   end function span_text
+      begin = process_seconds()
+      call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
+         simulation%materials, now)
+      if (allocated(simulation%exact)) call take_errors(simulation)
+      seconds = process_seconds() - begin
+   end function row_seconds
 end module driver_trial

@@ -10,7 +10,8 @@ module mesh_halo
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use mesh_grid, only: grid_t
-   use mesh_patch, only: ensure_patch
+   use mesh_patch, only: ensure_patch, extent_of
+   use mesh_pieces, only: boxes_t, pieces_t
    use mesh_tiles, only: neighbors, tiles_t
    implicit none
    private
@@ -33,6 +34,8 @@ module mesh_halo
       procedure :: plan => halo_plan                 !! Work out who gets what
       procedure :: post => halo_post                 !! Send
       procedure :: complete => halo_complete         !! Receive
+      procedure :: post_pieces => halo_post_pieces   !! Send what is kept as pieces
+      procedure :: complete_pieces => halo_complete_pieces !! Receive that
    end type halo_t
 
 contains
@@ -162,22 +165,102 @@ contains
 
       if (communicator%size == 1) return
       words = 1 + size(patch, 1)*size(patch, 2)
-      if (allocated(self%posted%outgoing)) then
-         if (size(self%posted%outgoing) < words*size(self%tile)) deallocate (self%posted%outgoing)
-      end if
-      if (.not. allocated(self%posted%outgoing)) &
-         allocate (self%posted%outgoing(words*size(self%tile)))
+      call ensure_outgoing(self, words*size(self%tile))
       do entry = 1, size(self%tile)
          at = (entry - 1)*words
          self%posted%outgoing(at + 1) = tiles%key(self%tile(entry))
          call as_words(words - 1, patch(:, :, self%tile(entry)), self%posted%outgoing(at + 2))
       end do
+      call send_words(self, communicator, words)
+   end subroutine halo_post
+
+   !> Make room for words to be sent.
+   pure subroutine ensure_outgoing(self, words)
+      type(halo_t), intent(inout) :: self            !! Gets room
+      integer, intent(in) :: words                   !! How many
+
+      if (allocated(self%posted%outgoing)) then
+         if (size(self%posted%outgoing) < words) deallocate (self%posted%outgoing)
+      end if
+      if (.not. allocated(self%posted%outgoing)) allocate (self%posted%outgoing(words))
+   end subroutine ensure_outgoing
+
+   !> Send the words of all entries to their ranks.
+   subroutine send_words(self, communicator, words)
+      type(halo_t), intent(inout) :: self            !! The plan, with the words
+      type(communicator_t), intent(inout) :: communicator !! The ranks
+      integer, intent(in) :: words                   !! Of an entry
+
       associate (length => words*(self%before(2:) - self%before(:size(self%rank))))
          call communicator%post(self%rank, length, self%posted)
       end associate
       self%messages = self%messages + size(self%rank)
       self%words = self%words + int(words, int64)*size(self%tile)
-   end subroutine halo_post
+   end subroutine send_words
+
+   !> Send key and pieces of each border tile once to every rank that sees it, as whole patches: the
+   !! boxes of tiles at a border change from step to step, and the length of a message does not.
+   subroutine halo_post_pieces(self, communicator, grid, tiles, boxes, pieces)
+      class(halo_t), intent(inout) :: self           !! The plan
+      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(boxes_t), intent(in) :: boxes             !! Their boxes
+      type(pieces_t), intent(in) :: pieces(:)        !! What is sent
+      real(wp), allocatable :: patch(:, :)
+      integer :: entry, words, at, n
+
+      if (communicator%size == 1) return
+      words = 1 + sum(pieces%rows)*grid%tile_nodes
+      call ensure_outgoing(self, words*size(self%tile))
+      do n = 1, size(pieces)
+         allocate (patch(pieces(n)%rows, grid%tile_nodes))
+         do entry = 1, size(self%tile)
+            at = (entry - 1)*words
+            self%posted%outgoing(at + 1) = tiles%key(self%tile(entry))
+            call pieces(n)%get(grid, boxes, self%tile(entry), patch)
+            call as_words(size(patch), patch, self%posted%outgoing(at + 2 &
+               + sum(pieces(:n - 1)%rows)*grid%tile_nodes))
+         end do
+         deallocate (patch)
+      end do
+      call send_words(self, communicator, words)
+   end subroutine halo_post_pieces
+
+   !> Receive pieces, make their tiles ghosts and put them behind the own ones.
+   subroutine halo_complete_pieces(self, communicator, grid, tiles, boxes, pieces)
+      class(halo_t), intent(inout) :: self           !! The plan
+      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
+      type(boxes_t), intent(inout) :: boxes          !! Get those of the ghosts, whole tiles
+      type(pieces_t), intent(inout) :: pieces(:)     !! Get those of the ghosts
+      real(wp), allocatable :: patch(:, :)
+      integer :: words, length, message, at, n, tile, margin(3)
+
+      if (communicator%size == 1) return
+      call communicator%complete(self%posted, self%incoming, length)
+      words = 1 + sum(pieces%rows)*grid%tile_nodes
+      call set_ghosts(grid, tiles, self%incoming(1:length:words))
+      call boxes%ensure(tiles%all)
+      margin = merge(grid%margin, 0, grid%active)
+      do tile = tiles%own + 1, tiles%all
+         boxes%box(:, 1, tile) = -margin
+         boxes%box(:, 2, tile) = extent_of(grid, tiles, tile) + margin
+      end do
+      call boxes%line_up(grid, tiles)
+      do n = 1, size(pieces)
+         call pieces(n)%grow(boxes%nodes())
+         allocate (patch(pieces(n)%rows, grid%tile_nodes))
+         do message = 1, length/words
+            at = (message - 1)*words
+            call as_numbers(size(patch), self%incoming(at + 2 &
+               + sum(pieces(:n - 1)%rows)*grid%tile_nodes), patch)
+            call pieces(n)%put(grid, boxes, tiles%table%find(self%incoming(at + 1)), 1, patch)
+         end do
+         deallocate (patch)
+      end do
+   end subroutine halo_complete_pieces
 
    !> Copy numbers to words of the same bits.
    pure subroutine as_words(number, values, words)

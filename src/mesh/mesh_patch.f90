@@ -13,7 +13,7 @@ module mesh_patch
    private
 
    public :: add_field, assemble, assemble_greatest, clear_patch, combine, empty_box, &
-      ensure_boxes, ensure_patch, ensure_weights, widen_box
+      ensure_patch, ensure_weights, extent_of, widen_box
 
 contains
 
@@ -26,7 +26,7 @@ contains
 
       if (allocated(patch)) then
          if (size(patch, 1) == components .and. size(patch, 2) == nodes .and. &
-            size(patch, 3) >= tiles) return
+            size(patch, 3) >= tiles .and. size(patch, 3) <= 2*tiles + 16) return
          deallocate (patch)
       end if
       allocate (patch(components, nodes, tiles + tiles/32))
@@ -44,18 +44,6 @@ contains
       end if
       allocate (weight(cells, tiles + tiles/32))
    end subroutine ensure_weights
-
-   !> Make room for the boxes of nodes of tiles, of exactly as many.
-   pure subroutine ensure_boxes(box, tiles)
-      integer, allocatable, intent(inout) :: box(:, :, :) !! (3, lowest or highest node, tile)
-      integer, intent(in) :: tiles                   !! Tiles
-
-      if (allocated(box)) then
-         if (size(box, 3) == tiles) return
-         deallocate (box)
-      end if
-      allocate (box(3, 2, tiles))
-   end subroutine ensure_boxes
 
    !> A box that holds no node.
    pure subroutine empty_box(box)
@@ -153,52 +141,22 @@ contains
       end do
    end subroutine add_numbers
 
-   !> Sum the patches that touch the nodes of one tile, its margin included. Where it is known
-   !! between which nodes a patch holds anything the rest is not added: a sum that begins with zero
-   !! is the same bits without further zeros.
-   pure subroutine assemble(grid, tiles, patch, tile, total, box, before)
+   !> Sum the patches that touch the nodes of one tile, its margin included.
+   pure subroutine assemble(grid, tiles, patch, tile, total)
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Contributions
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node) Sums
-      !> (3, lowest or highest, tile) Nodes of the first tiles; the others have no bounds
-      integer, contiguous, intent(in), optional :: box(:, :, :)
-      !> Components before those that are summed; without it all of them are
-      integer, intent(in), optional :: before
-      integer :: place, other, shift(3), extent(3), theirs(3), origin(3), margin(3), low(3), high(3)
-      integer :: boxes
+      integer :: place, other, mine, theirs, length(3)
 
-      extent = extent_of(grid, tiles, tile)
-      margin = merge(grid%margin, 0, grid%active)
-      boxes = 0
-      if (present(box)) boxes = size(box, 3)
       call clear_patch(total)
       do place = 1, neighbors
          other = tiles%neighbor(place, tile)
          if (other == 0) cycle
-         ! as in common_box, whose call would cost 0.7 % of the instructions of a step
-         shift(1) = mod(place - 1, 3) - 1
-         shift(2) = mod((place - 1)/3, 3) - 1
-         shift(3) = (place - 1)/9 - 1
-         theirs = extent_of(grid, tiles, other)
-         ! lower corner of the other tile, and the box that both have, seen from this one
-         origin = merge(extent, merge(-theirs, 0, shift == -1), shift == 1)
-         low = max(0, origin) - margin
-         high = min(extent, origin + theirs) + margin
-         if (other <= boxes) then
-            low = max(low, origin + box(:, 1, other))
-            high = min(high, origin + box(:, 2, other))
-         end if
-         if (any(high < low)) cycle
-         if (present(before)) then
-            call add_rows(before, dot_product(low + margin, grid%stride), &
-               dot_product(low - origin + margin, grid%stride), high - low, grid%stride, &
-               patch(:, :, other), total)
-            cycle
-         end if
-         call add_box(size(patch, 1), size(patch, 2), dot_product(low + margin, grid%stride), &
-            dot_product(low - origin + margin, grid%stride), high - low, grid%stride, &
+         call common_box(grid, tiles, tile, other, place, mine, theirs, length)
+         if (any(length < 0)) cycle
+         call add_box(size(patch, 1), size(patch, 2), mine, theirs, length, grid%stride, &
             patch(:, :, other), total)
       end do
    end subroutine assemble
@@ -292,28 +250,4 @@ contains
          end do
       end do
    end subroutine add_box
-
-   !> The same with some of the components of the other tile.
-   pure subroutine add_rows(before, mine, theirs, length, stride, patch, total)
-      integer, intent(in) :: before                  !! Components before those that are added
-      integer, intent(in) :: mine                    !! Nodes before the first one here
-      integer, intent(in) :: theirs                  !! Nodes before the first one there
-      integer, intent(in) :: length(3)               !! Nodes of the box along a direction, less 1
-      integer, intent(in) :: stride(3)               !! Steps in the node index
-      real(wp), contiguous, intent(in) :: patch(:, :) !! (component, node) Of the other tile
-      real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node) Sums
-      integer :: component, x, y, z, shift
-
-      do z = 0, length(3)
-         do y = 0, length(2)
-            shift = y*stride(2) + z*stride(3)
-            do x = 1 + shift, 1 + shift + length(1)
-               do component = 1, size(total, 1)
-                  total(component, mine + x) = total(component, mine + x) &
-                     + patch(before + component, theirs + x)
-               end do
-            end do
-         end do
-      end do
-   end subroutine add_rows
 end module mesh_patch

@@ -247,11 +247,11 @@ contains
       fits = used <= size(self%identity)
    end function store_fits
 
-   !> Places of a range for a number of particles: a sixteenth to spare.
+   !> Places of a range for a number of particles: a thirty-second to spare.
    elemental integer function with_room(number) result(places)
       integer, intent(in) :: number                   !! Particles
 
-      places = number + number/16
+      places = number + number/32
    end function with_room
 
    !> Give the tiles ranges one after another for coming counts, and say how long arrays must be.
