@@ -81,32 +81,34 @@ contains
       integer, intent(in) :: row                     !! Component that is their volume [m3]
       real(wp), contiguous, intent(in) :: node_volume(:) !! (node) Volume of the node [m3]
       real(wp), contiguous, intent(inout) :: weight(0:)  !! (cell) 0 to 1
-      real(wp) :: least(size(total, 2)), light(size(total, 2)), heavy(size(total, 2))
+      real(wp) :: work(size(total, 2), 3)
       integer :: cell, node
       real(wp) :: density, inverse
 
-      ! without branches, so that nodes are lanes; those beyond the box have no volume
-      !$omp simd private(inverse, density)
-      do node = 1, size(total, 2)
-         inverse = 1.0_wp/merge(node_volume(node), 1.0_wp, node_volume(node) > 0.0_wp)
-         least(node) = merge(min(1.0_wp, total(row, node)*inverse/self%enough), 0.0_wp, &
-            node_volume(node) > 0.0_wp)
-         density = total(1, node)*inverse
-         light(node) = merge(min(huge(1.0_wp)/contrast, density), huge(1.0_wp)/contrast, &
-            node_volume(node) > 0.0_wp)
-         ! the least of these is minus the greatest density
-         heavy(node) = merge(min(0.0_wp, -density), 0.0_wp, node_volume(node) > 0.0_wp)
-      end do
-      ! row by row along each direction, the eight nodes of a cell meet on its first node
-      call least_around(grid, least)
-      call least_around(grid, light)
-      call least_around(grid, heavy)
-      do cell = 0, grid%tile_cells - 1
-         node = grid%first_node(cell)
-         weight(cell) = least(node)
-         if (-heavy(node) > contrast*light(node)) weight(cell) = min(weight(cell), &
-            contrast*light(node)/(-heavy(node)))
-      end do
+      associate (least => work(:, 1), light => work(:, 2), heavy => work(:, 3))
+         ! without branches, so that nodes are lanes; those beyond the box have no volume
+         !$omp simd private(inverse, density)
+         do node = 1, size(total, 2)
+            inverse = 1.0_wp/merge(node_volume(node), 1.0_wp, node_volume(node) > 0.0_wp)
+            least(node) = merge(min(1.0_wp, total(row, node)*inverse/self%enough), 0.0_wp, &
+               node_volume(node) > 0.0_wp)
+            density = total(1, node)*inverse
+            light(node) = merge(min(huge(1.0_wp)/contrast, density), huge(1.0_wp)/contrast, &
+               node_volume(node) > 0.0_wp)
+            ! the least of these is minus the greatest density
+            heavy(node) = merge(min(0.0_wp, -density), 0.0_wp, node_volume(node) > 0.0_wp)
+         end do
+         ! row by row along each direction, the eight nodes of a cell meet on its first node
+         call least_around(grid, least)
+         call least_around(grid, light)
+         call least_around(grid, heavy)
+         do cell = 0, grid%tile_cells - 1
+            node = grid%first_node(cell)
+            weight(cell) = least(node)
+            if (-heavy(node) > contrast*light(node)) weight(cell) = min(weight(cell), &
+               contrast*light(node)/(-heavy(node)))
+         end do
+      end associate
       if (self%surface == surface_cells) weight(:) = merge(1.0_wp, 0.0_wp, weight(:) > 0.0_wp)
       if (self%surface == surface_none) call fill_box(grid, node_volume, weight)
    end subroutine dual_cell_weights

@@ -7,7 +7,9 @@
 !! A tile is one row of numbers, three components a node, and the next node along a direction is a
 !! fixed number of places away. Places that are no cell's first node have the weight zero.
 !! In a plane and on a line vectors have no component along y, so a node has two numbers, and
-!! integrals of products are those along a single other direction.
+!! integrals of products are those along a single other direction. In space all cells have the same
+!! integrals: those of products are 2 or 1 times h/6, so that sums take their place, and what is
+!! left is one factor that goes into the weights.
 module ddmp_lattice
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -19,8 +21,8 @@ module ddmp_lattice
    integer, parameter :: parts = 3                   !! Components of a vector
    integer, parameter :: plane = 2                   !! The same in a plane, along x and z
 
-   !> Functions of one coordinate on the nodes of a tile, as rows of numbers. In axisymmetry those
-   !! along x depend on the radius and thus on the tile.
+   !> Functions of one coordinate on the nodes of a tile, as rows of numbers, for a plane or a line.
+   !! In axisymmetry those along x depend on the radius and thus on the tile.
    type :: lattice_t
       integer :: parts = parts                       !! Components of a vector that count
       integer :: numbers = 0                         !! So many a node
@@ -30,6 +32,7 @@ module ddmp_lattice
       !> (number, both lower / mixed / both upper, direction, tile along x) Of a product [m]
       real(wp), allocatable :: mass(:, :, :, :)
       real(wp) :: factor = 0.0_wp                    !! Depth of missing directions over the spacing
+      real(wp) :: share = 0.0_wp                     !! In space: (h/6)**2 h/2 1/h [m2]
    contains
       procedure :: start => lattice_start            !! Compute the functions
    end type lattice_t
@@ -48,7 +51,9 @@ contains
       self%numbers = self%parts*grid%tile_nodes
       self%shift = self%parts*grid%stride
       self%factor = grid%depth/grid%spacing
+      self%share = 0.5_wp*(grid%spacing/6.0_wp)**2
       if (allocated(self%line)) deallocate (self%line, self%mass)
+      if (grid%dimensions == 3) return
       allocate (self%line(self%numbers, 2, 3, tiles), self%mass(self%numbers, 3, 3, tiles))
       self%line = 0.0_wp
       self%mass = 0.0_wp
@@ -106,8 +111,8 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
-      real(wp) :: row(self%numbers), field(self%numbers), means(self%numbers), sums(self%numbers)
-      integer :: low, high, l, one, other, last, node, k
+      real(wp) :: row(self%numbers), field(self%numbers + 1), sums(1 - sum(self%shift):self%numbers)
+      integer :: low, high, l, one, other, last
 
       if (grid%dimensions < 3) then
          call force_plane(self, grid, tile, weight, stress, patch)
@@ -116,20 +121,15 @@ contains
       call lay_weights(grid, parts, weight, row, low, high)
       if (high < low) return
       last = high + sum(self%shift)
+      row(low:high) = self%share*row(low:high)
       do l = 1, 3
-         if (.not. grid%active(l)) cycle
          call others(l, one, other)
-         do node = (low + 2)/parts, (last + 2)/parts
-            do k = 1, parts
-               field(parts*(node - 1) + k) = stress(k + 3*(l - 1), node)
-            end do
-         end do
-         call mean_along(self%numbers, low, last - self%shift(l), self%shift(l), &
-            self%line(:, :, l, tile), field, means)
-         call apply_mass(self%numbers, low, high, self%shift(one), self%shift(other), &
-            self%mass(:, :, one, tile), self%mass(:, :, other, tile), row, means, sums)
-         call add_difference(self%numbers, low, last - self%shift(l), self%shift(l), self%factor, &
-            sums, patch)
+         call pack_column((low + 2)/parts, (last + 2)/parts, parts*(l - 1), size(stress, 2), &
+            stress, field)
+         call add_next(low, last - self%shift(l), self%shift(l), self%numbers, field)
+         call apply_mass(self%numbers, sum(self%shift), low, high, self%shift(one), &
+            self%shift(other), self%shift(l), row, field, sums)
+         call add_change(self%numbers, sum(self%shift), low, last, self%shift(l), sums, patch)
       end do
    end subroutine spread_force
 
@@ -141,8 +141,8 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
-      real(wp) :: row(self%numbers), field(self%numbers), sums(self%numbers)
-      integer :: low, high, l, one, other, last, node, k
+      real(wp) :: row(self%numbers), field(self%numbers + 1), sums(1 - sum(self%shift):self%numbers)
+      integer :: low, high, l, one, other, last, node, k, n
 
       if (grid%dimensions < 3) then
          call gradient_plane(self, grid, tile, weight, velocity, patch)
@@ -151,23 +151,76 @@ contains
       call lay_weights(grid, parts, weight, row, low, high)
       if (high < low) return
       last = high + sum(self%shift)
+      row(low:high) = self%share*row(low:high)
       do l = 1, 3
-         if (.not. grid%active(l)) cycle
          call others(l, one, other)
-         call difference_along(self%numbers, low, last - self%shift(l), self%shift(l), &
-            self%factor, velocity, field)
-         call apply_mass(self%numbers, low, high, self%shift(one), self%shift(other), &
-            self%mass(:, :, one, tile), self%mass(:, :, other, tile), row, field, sums)
-         field(low:last) = 0.0_wp
-         call add_line(self%numbers, low, last - self%shift(l), self%shift(l), &
-            self%line(:, :, l, tile), sums, field)
+         call difference_along(self%numbers, low, last - self%shift(l), self%shift(l), 1.0_wp, &
+            velocity, field)
+         call apply_mass(self%numbers, sum(self%shift), low, high, self%shift(one), &
+            self%shift(other), self%shift(l), row, field, sums)
          do node = (low + 2)/parts, (last + 2)/parts
             do k = 1, parts
-               patch(k + 3*(l - 1), node) = patch(k + 3*(l - 1), node) + field(parts*(node - 1) + k)
+               n = parts*(node - 1) + k
+               patch(k + parts*(l - 1), node) = patch(k + parts*(l - 1), node) &
+                  + (sums(n) + sums(n - self%shift(l)))
             end do
          end do
       end do
    end subroutine spread_gradient
+
+   !> Three components of the tensors of some nodes as a row of numbers. Four are copied at a time,
+   !! because the fourth is written over by the next node.
+   pure subroutine pack_column(first, last, before, nodes, tensor, field)
+      integer, intent(in) :: first                   !! First node
+      integer, intent(in) :: last                    !! Last one
+      integer, intent(in) :: before                  !! Components before the three
+      integer, intent(in) :: nodes                   !! Of the tile
+      real(wp), intent(in) :: tensor(9*nodes)        !! (component and node)
+      real(wp), intent(inout) :: field(parts*nodes + 1) !! (number)
+      integer :: node, k
+
+      do node = first, last - 1
+         !$omp simd
+         do k = 1, parts + 1
+            field(parts*(node - 1) + k) = tensor(9*(node - 1) + before + k)
+         end do
+      end do
+      do k = 1, parts
+         field(parts*(last - 1) + k) = tensor(9*(last - 1) + before + k)
+      end do
+   end subroutine pack_column
+
+   !> Add to each number that of the next node along a direction.
+   pure subroutine add_next(low, high, shift, numbers, field)
+      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: shift                   !! Numbers to the next node
+      integer, intent(in) :: numbers                 !! Of the tile
+      real(wp), intent(inout) :: field(numbers)      !! On the nodes in, between them out
+      integer :: n
+
+      !$omp simd
+      do n = low, high
+         field(n) = field(n) + field(n + shift)
+      end do
+   end subroutine add_next
+
+   !> Add what a node gets from what lies after it, less what lies before it.
+   pure subroutine add_change(numbers, pad, low, high, shift, sums, patch)
+      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: pad                     !! Room before them
+      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: shift                   !! Numbers to the next node
+      real(wp), intent(in) :: sums(1 - pad:numbers)  !! Between a node and the next
+      real(wp), intent(inout) :: patch(numbers)      !! On the nodes
+      integer :: n
+
+      !$omp simd
+      do n = low, high
+         patch(n) = patch(n) + (sums(n) - sums(n - shift))
+      end do
+   end subroutine add_change
 
    !> The force in a plane or on a line.
    pure subroutine force_plane(self, grid, tile, weight, stress, patch)
@@ -177,31 +230,34 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
-      real(wp) :: row(self%numbers), field(self%numbers), means(self%numbers), sums(self%numbers)
-      real(wp) :: force(self%numbers)
+      ! one piece of memory: getting it costs as much as a loop over the tile
+      real(wp) :: work(self%numbers, 5)
       integer :: low, high, l, last, node
 
-      call lay_weights(grid, plane, weight, row, low, high)
-      if (high < low) return
-      last = high + sum(self%shift)
-      force(low:last) = 0.0_wp
-      do l = 1, 3, 2
-         if (.not. grid%active(l)) cycle
-         do node = (low + 1)/plane, (last + 1)/plane
-            field(2*node - 1) = stress(3*l - 2, node)
-            field(2*node) = stress(3*l, node)
+      associate (row => work(:, 1), field => work(:, 2), means => work(:, 3), sums => work(:, 4), &
+         force => work(:, 5))
+         call lay_weights(grid, plane, weight, row, low, high)
+         if (high < low) return
+         last = high + sum(self%shift)
+         force(low:last) = 0.0_wp
+         do l = 1, 3, 2
+            if (.not. grid%active(l)) cycle
+            do node = (low + 1)/plane, (last + 1)/plane
+               field(2*node - 1) = stress(3*l - 2, node)
+               field(2*node) = stress(3*l, node)
+            end do
+            call mean_along(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%line(:, :, l, tile), field, means)
+            call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
+               self%mass(:, :, 4 - l, tile), row, means, sums)
+            call add_difference(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%factor, sums, force)
          end do
-         call mean_along(self%numbers, low, last - self%shift(l), self%shift(l), &
-            self%line(:, :, l, tile), field, means)
-         call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
-            self%mass(:, :, 4 - l, tile), row, means, sums)
-         call add_difference(self%numbers, low, last - self%shift(l), self%shift(l), self%factor, &
-            sums, force)
-      end do
-      do node = (low + 1)/plane, (last + 1)/plane
-         patch(1, node) = patch(1, node) + force(2*node - 1)
-         patch(3, node) = patch(3, node) + force(2*node)
-      end do
+         do node = (low + 1)/plane, (last + 1)/plane
+            patch(1, node) = patch(1, node) + force(2*node - 1)
+            patch(3, node) = patch(3, node) + force(2*node)
+         end do
+      end associate
    end subroutine force_plane
 
    !> The node gradient in a plane or on a line.
@@ -212,30 +268,32 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
-      real(wp) :: row(self%numbers), field(self%numbers), slopes(self%numbers), sums(self%numbers)
+      real(wp) :: work(self%numbers, 4)
       integer :: low, high, l, last, node
 
-      call lay_weights(grid, plane, weight, row, low, high)
-      if (high < low) return
-      last = high + sum(self%shift)
-      do node = (low + 1)/plane, (last + 1)/plane
-         field(2*node - 1) = velocity(1, node)
-         field(2*node) = velocity(3, node)
-      end do
-      do l = 1, 3, 2
-         if (.not. grid%active(l)) cycle
-         call difference_along(self%numbers, low, last - self%shift(l), self%shift(l), &
-            self%factor, field, slopes)
-         call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
-            self%mass(:, :, 4 - l, tile), row, slopes, sums)
-         slopes(low:last) = 0.0_wp
-         call add_line(self%numbers, low, last - self%shift(l), self%shift(l), &
-            self%line(:, :, l, tile), sums, slopes)
+      associate (row => work(:, 1), field => work(:, 2), slopes => work(:, 3), sums => work(:, 4))
+         call lay_weights(grid, plane, weight, row, low, high)
+         if (high < low) return
+         last = high + sum(self%shift)
          do node = (low + 1)/plane, (last + 1)/plane
-            patch(3*l - 2, node) = patch(3*l - 2, node) + slopes(2*node - 1)
-            patch(3*l, node) = patch(3*l, node) + slopes(2*node)
+            field(2*node - 1) = velocity(1, node)
+            field(2*node) = velocity(3, node)
          end do
-      end do
+         do l = 1, 3, 2
+            if (.not. grid%active(l)) cycle
+            call difference_along(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%factor, field, slopes)
+            call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
+               self%mass(:, :, 4 - l, tile), row, slopes, sums)
+            slopes(low:last) = 0.0_wp
+            call add_line(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%line(:, :, l, tile), sums, slopes)
+            do node = (low + 1)/plane, (last + 1)/plane
+               patch(3*l - 2, node) = patch(3*l - 2, node) + slopes(2*node - 1)
+               patch(3*l, node) = patch(3*l, node) + slopes(2*node)
+            end do
+         end do
+      end associate
    end subroutine gradient_plane
 
    !> The two directions besides one.
@@ -339,38 +397,48 @@ contains
    end subroutine add_difference
 
    !> Integrals of products with both functions along two directions, times the weights of cells,
-   !! summed over the cells around.
-   ! gate: long kernel because two directions are told by their shifts and integrals
-   pure subroutine apply_mass(numbers, low, high, one, other, first, second, weight, field, sums)
+   !! summed over the cells around, in space. The sums end with zeros as far as the next node along
+   !! the third direction, and begin with such.
+   ! gate: long kernel because directions are told by their shifts
+   pure subroutine apply_mass(numbers, pad, low, high, one, other, third, weight, field, sums)
       integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: pad                     !! Room before them
       integer, intent(in) :: low                     !! First number of a cell
       integer, intent(in) :: high                    !! Last one
       integer, intent(in) :: one                     !! Numbers to the next node, first direction
       integer, intent(in) :: other                   !! The same, second direction
-      real(wp), intent(in) :: first(numbers, 3)      !! Integrals of products, first direction [m]
-      real(wp), intent(in) :: second(numbers, 3)     !! The same, second direction
+      integer, intent(in) :: third                   !! The same, third direction
       real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
       real(wp), intent(in) :: field(numbers)         !! On the four corners of a face
-      real(wp), intent(inout) :: sums(numbers)       !! The same
-      real(wp) :: part(numbers, 4), a0, a1, b0, b1
-      integer :: n
+      real(wp), intent(inout) :: sums(1 - pad:numbers) !! The same
+      real(wp) :: part(1 - pad:numbers, 4), a, a0, a1, b, b0, b1
+      integer :: n, k
 
-      !$omp simd private(a0, a1, b0, b1)
+      !$omp simd private(a, a0, a1, b, b0, b1)
       do n = low, high
-         a0 = first(n, 1)*field(n) + first(n, 2)*field(n + one)
-         a1 = first(n, 2)*field(n) + first(n, 3)*field(n + one)
-         b0 = first(n, 1)*field(n + other) + first(n, 2)*field(n + one + other)
-         b1 = first(n, 2)*field(n + other) + first(n, 3)*field(n + one + other)
-         part(n, 1) = weight(n)*(second(n, 1)*a0 + second(n, 2)*b0)
-         part(n, 2) = weight(n)*(second(n, 1)*a1 + second(n, 2)*b1)
-         part(n, 3) = weight(n)*(second(n, 2)*a0 + second(n, 3)*b0)
-         part(n, 4) = weight(n)*(second(n, 2)*a1 + second(n, 3)*b1)
+         a = field(n) + field(n + one)
+         a0 = a + field(n)
+         a1 = a + field(n + one)
+         b = field(n + other) + field(n + one + other)
+         b0 = b + field(n + other)
+         b1 = b + field(n + one + other)
+         a = a0 + b0
+         b = a1 + b1
+         part(n, 1) = weight(n)*(a + a0)
+         part(n, 2) = weight(n)*(b + a1)
+         part(n, 3) = weight(n)*(a + b0)
+         part(n, 4) = weight(n)*(b + b1)
       end do
-      sums(low:high + one + other) = 0.0_wp
-      call add_part(numbers, low, high, 0, part(1, 1), sums)
-      call add_part(numbers, low, high, one, part(1, 2), sums)
-      call add_part(numbers, low, high, other, part(1, 3), sums)
-      call add_part(numbers, low, high, one + other, part(1, 4), sums)
+      do k = 1, 4
+         part(low - one - other:low - 1, k) = 0.0_wp
+         part(high + 1:high + one + other, k) = 0.0_wp
+      end do
+      sums(low - third:low - 1) = 0.0_wp
+      sums(high + one + other + 1:high + one + other + third) = 0.0_wp
+      !$omp simd
+      do n = low, high + one + other
+         sums(n) = (part(n, 1) + part(n - one, 2)) + (part(n - other, 3) + part(n - one - other, 4))
+      end do
    end subroutine apply_mass
 
    !> The same along a single direction.
@@ -384,31 +452,18 @@ contains
       real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
       real(wp), intent(in) :: field(numbers)         !! On the two corners of an edge
       real(wp), intent(inout) :: sums(numbers)       !! The same
-      real(wp) :: part(numbers)
       integer :: n
 
       !$omp simd
       do n = low, high
          sums(n) = weight(n)*(mass(n, 1)*field(n) + mass(n, 2)*field(n + shift))
-         part(n) = weight(n)*(mass(n, 2)*field(n) + mass(n, 3)*field(n + shift))
       end do
       sums(high + 1:high + shift) = 0.0_wp
-      call add_part(numbers, low, high, shift, part, sums)
-   end subroutine apply_line_mass
-
-   !> Add numbers a few places on.
-   pure subroutine add_part(numbers, low, high, shift, part, sums)
-      integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: low                     !! First of those looked at
-      integer, intent(in) :: high                    !! Last one
-      integer, intent(in) :: shift                   !! Places
-      real(wp), intent(in) :: part(numbers)          !! What is added
-      real(wp), intent(inout) :: sums(numbers)       !! Gets it
-      integer :: n
-
+      ! without another field in between, for which memory would have to be got
       !$omp simd
       do n = low, high
-         sums(n + shift) = sums(n + shift) + part(n)
+         sums(n + shift) = sums(n + shift) &
+            + weight(n)*(mass(n, 2)*field(n) + mass(n, 3)*field(n + shift))
       end do
-   end subroutine add_part
+   end subroutine apply_line_mass
 end module ddmp_lattice

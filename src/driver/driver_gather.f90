@@ -18,6 +18,7 @@ module driver_gather
    use material_kinematics, only: centre_backward, centre_gradient
    use material_matter, only: deformation_t, matter_t
    use material_type, only: material_t
+   use mesh_patch, only: combine
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_split, only: find_opening
@@ -285,7 +286,7 @@ contains
          if (simulation%method%leapfrog) then
             call transfer%carry(dt, velocity, acceleration, filtered, view%carry)
          else
-            view%carry = velocity + 0.5_wp*dt*acceleration
+            call combine(1.0_wp, velocity, 0.5_wp*dt, acceleration, view%carry)
          end if
          if (transfer%affine()) view%after = velocity + dt*acceleration
          if (.not. simulation%carries_energy) return

@@ -12,7 +12,7 @@ module driver_nodes
    use driver_scatter, only: vector_rows
    use driver_simulation, only: empty_mass, reach_t, scratch_t, simulation_t
    use driver_walls, only: impose_walls, stand_walls, stop_at_walls, walls_touch
-   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use mesh_patch, only: add_field, assemble, clear_patch, combine, ensure_patch
    use mesh_pieces, only: move_pieces
    use omp_lib, only: omp_get_thread_num
    use transfer_scatter, only: motion_columns
@@ -190,7 +190,7 @@ contains
          mass => simulation%nodes%mass(1, :, slot))
          if (simulation%method%dual) then
             call nodes%force%assemble(grid, simulation%tiles, nodes%weighted, tile, force)
-            acceleration = acceleration + force
+            call add_field(force, acceleration)
          end if
          if (simulation%method%differing()) &
             acceleration = acceleration + nodes%difference(:, :, tile)
@@ -203,7 +203,7 @@ contains
             end do
          end if
          call constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
-         nodes%strain(:, :, slot) = velocity + dt*acceleration
+         call combine(1.0_wp, velocity, dt, acceleration, nodes%strain(:, :, slot))
       end associate
    end subroutine start_tile
 

@@ -12,8 +12,8 @@ module mesh_patch
    implicit none
    private
 
-   public :: assemble, assemble_greatest, clear_patch, empty_box, ensure_patch, ensure_weights, &
-      extent_of, widen_box
+   public :: add_field, assemble, assemble_greatest, clear_patch, combine, empty_box, &
+      ensure_patch, ensure_weights, extent_of, widen_box
 
 contains
 
@@ -91,6 +91,55 @@ contains
 
       values = 0.0_wp
    end subroutine clear_numbers
+
+   !> Sum of two fields of a tile with factors, as one piece of memory: three components at a time
+   !! cost ten times as much.
+   pure subroutine combine(factor, one, share, other, total)
+      real(wp), intent(in) :: factor                 !! Of the first one
+      real(wp), contiguous, intent(in) :: one(:, :)  !! (component, node)
+      real(wp), intent(in) :: share                  !! Factor of the other one
+      real(wp), contiguous, intent(in) :: other(:, :) !! (component, node)
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node)
+
+      call combine_numbers(size(total), factor, one, share, other, total)
+   end subroutine combine
+
+   !> Sum of two rows of numbers with factors.
+   pure subroutine combine_numbers(number, factor, one, share, other, total)
+      integer, intent(in) :: number                  !! Of them
+      real(wp), intent(in) :: factor                 !! Of the first one
+      real(wp), intent(in) :: one(number)            !! Flat
+      real(wp), intent(in) :: share                  !! Factor of the other one
+      real(wp), intent(in) :: other(number)          !! Flat
+      real(wp), intent(inout) :: total(number)       !! Flat
+      integer :: n
+
+      !$omp simd
+      do n = 1, number
+         total(n) = factor*one(n) + share*other(n)
+      end do
+   end subroutine combine_numbers
+
+   !> Add a field of a tile to another, as one piece of memory.
+   pure subroutine add_field(field, total)
+      real(wp), contiguous, intent(in) :: field(:, :)    !! (component, node)
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node)
+
+      call add_numbers(size(total), field, total)
+   end subroutine add_field
+
+   !> Add a row of numbers to another.
+   pure subroutine add_numbers(number, field, total)
+      integer, intent(in) :: number                  !! Of them
+      real(wp), intent(in) :: field(number)          !! Flat
+      real(wp), intent(inout) :: total(number)       !! Flat
+      integer :: n
+
+      !$omp simd
+      do n = 1, number
+         total(n) = total(n) + field(n)
+      end do
+   end subroutine add_numbers
 
    !> Sum the patches that touch the nodes of one tile, its margin included.
    pure subroutine assemble(grid, tiles, patch, tile, total)

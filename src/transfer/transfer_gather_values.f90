@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Single values from nodes to particles with the linear functions of the cell: the coefficients of
-!! the polynomial of a cell are found once, then the particles of the cell are the lanes.
+!! the polynomial of a cell are found once, then four particles of the cell at a time are the lanes,
+!! and those left over come one by one.
 module transfer_gather_values
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
@@ -27,11 +28,11 @@ contains
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
          call find_terms(grid, cell, 1, scale, nodes, u)
-         !$omp simd
-         do p = start(cell) + 1, start(cell + 1)
-            gradient(p, 5) = ((u(1) + u(2)*local(p, 1)) + (u(3) + u(4)*local(p, 1))*local(p, 3)) &
-               /position(first + p - 1, 1)
-         end do
+         call evaluate_plane(start(cell) + 1, start(cell + 1), u, local(:, 1), local(:, 3), &
+            gradient(:, 5))
+      end do
+      do p = 1, start(grid%tile_cells)
+         gradient(p, 5) = gradient(p, 5)/position(first + p - 1, 1)
       end do
    end subroutine gather_hoop
 
@@ -118,12 +119,19 @@ contains
       real(wp), intent(in) :: u(lanes)                       !! Coefficients
       real(wp), contiguous, intent(in) :: x(:), y(:), z(:)   !! (particle) Places in the cell [1]
       real(wp), contiguous, intent(inout) :: values(:)       !! (particle)
-      integer :: p
+      integer :: p, lane
 
-      !$omp simd
-      do p = low, high
-         values(p) = ((u(1) + u(2)*x(p)) + (u(3) + u(4)*x(p))*z(p)) &
-            + ((u(5) + u(6)*x(p)) + (u(7) + u(8)*x(p))*z(p))*y(p)
+      do p = low, high - 3, 4
+         !$omp simd
+         do lane = p, p + 3
+            values(lane) = ((u(1) + u(2)*x(lane)) + (u(3) + u(4)*x(lane))*z(lane)) &
+               + ((u(5) + u(6)*x(lane)) + (u(7) + u(8)*x(lane))*z(lane))*y(lane)
+         end do
+      end do
+      !GCC$ novector
+      do lane = p, high
+         values(lane) = ((u(1) + u(2)*x(lane)) + (u(3) + u(4)*x(lane))*z(lane)) &
+            + ((u(5) + u(6)*x(lane)) + (u(7) + u(8)*x(lane))*z(lane))*y(lane)
       end do
    end subroutine evaluate_space
 
@@ -134,11 +142,17 @@ contains
       real(wp), intent(in) :: u(lanes)                       !! Coefficients, of which four count
       real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Places in the cell [1]
       real(wp), contiguous, intent(inout) :: values(:)       !! (particle)
-      integer :: p
+      integer :: p, lane
 
-      !$omp simd
-      do p = low, high
-         values(p) = (u(1) + u(2)*x(p)) + (u(3) + u(4)*x(p))*z(p)
+      do p = low, high - 3, 4
+         !$omp simd
+         do lane = p, p + 3
+            values(lane) = (u(1) + u(2)*x(lane)) + (u(3) + u(4)*x(lane))*z(lane)
+         end do
+      end do
+      !GCC$ novector
+      do lane = p, high
+         values(lane) = (u(1) + u(2)*x(lane)) + (u(3) + u(4)*x(lane))*z(lane)
       end do
    end subroutine evaluate_plane
 end module transfer_gather_values

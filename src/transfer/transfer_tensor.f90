@@ -9,6 +9,7 @@ module transfer_tensor
    use transfer_gather, only: locate
    use transfer_lines, only: collect_lines, collect_slopes, spread_affine_lines, spread_lines, &
       spread_stress_lines
+   use transfer_lines_plane, only: collect_plane, collect_slopes_plane
    use transfer_places, only: line, places_t
    implicit none
    private
@@ -199,6 +200,10 @@ contains
       real(wp) :: part(3, size(nodes, 2))
       integer :: skip, count
 
+      if (grid%dimensions < 3) then
+         call collect_plane(grid, start, places, nodes, values)
+         return
+      end if
       if (size(nodes, 1) == 3) then
          call collect_lines(grid, layers_after(self, grid), start, places, size(nodes, 2), nodes, &
             0, values)
@@ -223,6 +228,10 @@ contains
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
 
+      if (grid%dimensions < 3) then
+         call collect_slopes_plane(grid, start, places, nodes, scale, gradient)
+         return
+      end if
       call collect_slopes(grid, layers_after(self, grid), start, places, size(nodes, 2), nodes, &
          scale, gradient)
    end subroutine tensor_collect_gradient

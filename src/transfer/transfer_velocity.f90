@@ -15,6 +15,7 @@ module transfer_velocity
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use mesh_grid, only: grid_t
+   use mesh_patch, only: combine
    use transfer_basis, only: basis_t
    use transfer_places, only: places_t
    implicit none
@@ -110,7 +111,7 @@ contains
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
       real(wp), contiguous, intent(inout) :: push(:, :)      !! (3, node) [m/s]
 
-      push = dt*acceleration + (1.0_wp - self%keep())*filtered
+      call combine(dt, acceleration, 1.0_wp - self%keep(), filtered, push)
    end subroutine velocity_push
 
    !> What moves the particles: x <- x + S carry times the length of the step.
@@ -122,7 +123,7 @@ contains
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
       real(wp), contiguous, intent(inout) :: carry(:, :)     !! (3, node) [m/s]
 
-      carry = velocity + dt*acceleration
+      call combine(1.0_wp, velocity, dt, acceleration, carry)
    end subroutine velocity_carry
 
    !> Node fields that `heat` wants.
