@@ -321,7 +321,6 @@ contains
       file = ""
       if (allocated(session%command%checkpoint)) file = session%command%checkpoint
       call resume(session%simulation, session%outputs, session%place, file, note, error)
-      call forget_shapes(session)
    end subroutine go_on
 
    !> Particles are there: nobody needs voxels, facets and lists of points any more.
