@@ -10,23 +10,15 @@
 module transfer_lines
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
+   use transfer_lines_plane, only: add_line, before_block, columns, plane_collect, plane_forces, &
+      plane_slopes, plane_spread
    use transfer_places, only: line, places_t
    implicit none
    private
 
-   integer, parameter :: columns = 4                 !! Components of a node that are summed at once
-
    public :: collect_lines, collect_slopes, spread_affine_lines, spread_lines, spread_stress_lines
 
 contains
-
-   !> Node before the block of a cell.
-   pure integer function before_block(grid, cell) result(node)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, intent(in) :: cell                            !! Cell of the tile, from 0
-
-      node = grid%first_node(cell) - sum(grid%stride) - 1
-   end function before_block
 
    !> Add sum S_i value to columns of a patch, four columns at a time.
    pure subroutine spread_lines(grid, after, start, places, count, values, before, patch)
@@ -38,10 +30,9 @@ contains
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: part(columns, start(grid%tile_cells)), sums(columns*size(patch, 2)), z
-      integer :: cell, p, j, k, c, skip, base, at, up
+      real(wp) :: part(columns, start(grid%tile_cells)), sums(columns*size(patch, 2))
+      integer :: p, c, skip
 
-      up = columns*grid%stride(2)
       do skip = 0, count - 1, columns
          part = 0.0_wp
          do c = 1, min(count - skip, columns)
@@ -50,44 +41,47 @@ contains
             end do
          end do
          sums = 0.0_wp
-         do cell = 0, grid%tile_cells - 1
-            base = columns*before_block(grid, cell)
-            do p = start(cell) + 1, start(cell + 1)
-               do k = places%low(p, 3), places%low(p, 3) + after
-                  at = base + columns*(k - 1)*grid%stride(3)
-                  z = places%weight(p, k, 3)
-                  do j = places%low(p, 2), places%low(p, 2) + merge(after, 0, grid%active(2))
-                     call add_line(z*places%weight(p, j, 2), places%weight(p, 1, 1), &
-                        places%weight(p, 2, 1), places%weight(p, 3, 1), places%weight(p, 4, 1), &
-                        part(1, p), at + (j - 1)*up, size(sums), sums)
-                  end do
-               end do
-            end do
-         end do
+         if (grid%active(2)) then
+            call space_spread(grid, after, start, size(places%weight, 1), places%weight, &
+               places%low, part, size(sums), sums)
+         else
+            call plane_spread(grid, after, start, size(places%weight, 1), places%weight, &
+               places%low, part, size(sums), sums)
+         end if
          call add_nodes(size(patch, 2), min(count - skip, columns), sums, before + skip, patch)
       end do
    end subroutine spread_lines
 
-   !> Add columns, times a factor, to the four nodes of a line with their weights.
-   pure subroutine add_line(factor, w1, w2, w3, w4, values, before, numbers, sums)
-      real(wp), intent(in) :: factor                         !! Weight of the line
-      real(wp), intent(in) :: w1, w2, w3, w4                 !! Weights of the nodes
-      real(wp), intent(in) :: values(columns)                !! What is added
-      integer, intent(in) :: before                          !! Numbers before the line
+   !> Add sum S_i value of four columns to the sums of the nodes.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine space_spread(grid, after, start, rows, weight, low, values, numbers, sums)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: after                           !! Lines and layers after the first one
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: rows                            !! Length of the next two
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
+      real(wp), contiguous, intent(in) :: values(:, :)       !! (column, particle of the tile)
       integer, intent(in) :: numbers                         !! Four a node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
-      real(wp) :: value
-      integer :: c
+      integer :: cell, p, j, k, base, at, up
 
-      !$omp simd private(value)
-      do c = 1, columns
-         value = factor*values(c)
-         sums(before + c) = sums(before + c) + w1*value
-         sums(before + columns + c) = sums(before + columns + c) + w2*value
-         sums(before + 2*columns + c) = sums(before + 2*columns + c) + w3*value
-         sums(before + 3*columns + c) = sums(before + 3*columns + c) + w4*value
+      up = columns*grid%stride(2)
+      do cell = 0, grid%tile_cells - 1
+         do p = start(cell) + 1, start(cell + 1)
+            base = columns*before_block(grid, cell) + (low(p, 2) - 1)*up
+            do k = low(p, 3), low(p, 3) + after
+               at = base + columns*(k - 1)*grid%stride(3)
+               do j = low(p, 2), low(p, 2) + after
+                  call add_line(weight(p, k, 3)*weight(p, j, 2), weight(p, 1, 1), &
+                     weight(p, 2, 1), weight(p, 3, 1), weight(p, 4, 1), values(:, p), at, numbers, &
+                     sums)
+                  at = at + up
+               end do
+            end do
+         end do
       end do
-   end subroutine add_line
+   end subroutine space_spread
 
    !> Add sums of all nodes of a tile to columns of the patch.
    pure subroutine add_nodes(nodes, number, sums, before, patch)
@@ -131,8 +125,9 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: sums(columns*size(patch, 2)), x(columns, line), y(columns, line)
       real(wp) :: z(columns, line), d, d_y, d_z, weight
-      integer :: cell, p, q, i, j, k, n, base, at, up
+      integer :: cell, p, q, i, j, k, n, base, at, up, lines_after
 
+      lines_after = merge(after, 0, grid%active(2))
       up = columns*grid%stride(2)
       sums = 0.0_wp
       y = 0.0_wp
@@ -155,7 +150,7 @@ contains
                d_z = merge(grid%spacing*(real(k - 2, wp) - places%local(p, 3)), 0.0_wp, &
                   grid%active(3))
                at = base + columns*(k - 1)*grid%stride(3)
-               do j = places%low(p, 2), places%low(p, 2) + merge(after, 0, grid%active(2))
+               do j = places%low(p, 2), places%low(p, 2) + lines_after
                   d_y = merge(grid%spacing*(real(j - 2, wp) - places%local(p, 2)), 0.0_wp, &
                      grid%active(2))
                   weight = places%weight(p, j, 2)*places%weight(p, k, 3)
@@ -197,7 +192,7 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer, parameter :: component(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
       real(wp) :: load(columns, 3, start(grid%tile_cells)), sums(columns*size(patch, 2))
-      integer :: cell, p, j, k, l, base, at, up
+      integer :: p, k, l
 
       load(columns, :, :) = 0.0_wp
       do l = 1, 3
@@ -207,31 +202,57 @@ contains
             end do
          end do
       end do
-      up = columns*grid%stride(2)
       sums = 0.0_wp
+      if (grid%active(2)) then
+         call space_forces(grid, after, start, size(places%weight, 1), places%weight, &
+            places%slope, places%low, load, size(sums), sums)
+      else
+         call plane_forces(grid, after, start, size(places%weight, 1), places%weight, &
+            places%slope, places%low, load, size(sums), sums)
+      end if
+      call add_nodes(size(patch, 2), 3, sums, 4, patch)
+   end subroutine spread_stress_lines
+
+   !> Add the force of loads to the sums of the nodes.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine space_forces(grid, after, start, rows, weight, slope, low, load, numbers, sums)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: after                           !! Lines and layers after the first one
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: rows                            !! Length of the next three
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      real(wp), intent(in) :: slope(rows, line, 3)           !! The same: derivatives [1/m]
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
+      !> (component, direction, particle of the tile) [N m]
+      real(wp), contiguous, intent(in) :: load(:, :, :)
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (component, node), flat
+      real(wp) :: functions(line), slopes(line)
+      integer :: cell, p, j, k, base, at, up
+
+      up = columns*grid%stride(2)
       do cell = 0, grid%tile_cells - 1
-         base = columns*before_block(grid, cell)
          do p = start(cell) + 1, start(cell + 1)
-            do k = places%low(p, 3), places%low(p, 3) + after
+            base = columns*before_block(grid, cell) + (low(p, 2) - 1)*up
+            functions = weight(p, :, 1)
+            slopes = slope(p, :, 1)
+            do k = low(p, 3), low(p, 3) + after
                at = base + columns*(k - 1)*grid%stride(3)
-               do j = places%low(p, 2), places%low(p, 2) + merge(after, 0, grid%active(2))
-                  call add_forces([places%weight(p, j, 2)*places%weight(p, k, 3), &
-                     places%slope(p, j, 2)*places%weight(p, k, 3), &
-                     places%weight(p, j, 2)*places%slope(p, k, 3)], &
-                     [places%weight(p, 1, 1), places%weight(p, 2, 1), places%weight(p, 3, 1), &
-                     places%weight(p, 4, 1)], [places%slope(p, 1, 1), places%slope(p, 2, 1), &
-                     places%slope(p, 3, 1), places%slope(p, 4, 1)], load(1, 1, p), &
-                     at + (j - 1)*up, size(sums), sums)
+               do j = low(p, 2), low(p, 2) + after
+                  call add_forces(weight(p, j, 2)*weight(p, k, 3), slope(p, j, 2)*weight(p, k, 3), &
+                     weight(p, j, 2)*slope(p, k, 3), functions, slopes, load(:, :, p), at, &
+                     numbers, sums)
+                  at = at + up
                end do
             end do
          end do
       end do
-      call add_nodes(size(patch, 2), 3, sums, 4, patch)
-   end subroutine spread_stress_lines
+   end subroutine space_forces
 
    !> Add forces to the four nodes of a line.
-   pure subroutine add_forces(factor, weight, slope, load, before, numbers, sums)
-      real(wp), intent(in) :: factor(3)                      !! Of the line along x, y, z
+   ! gate: long kernel because factors in registers are three numbers
+   pure subroutine add_forces(x, y, z, weight, slope, load, before, numbers, sums)
+      real(wp), intent(in) :: x, y, z                        !! Factors of the line by direction
       real(wp), intent(in) :: weight(line)                   !! Functions of the nodes
       real(wp), intent(in) :: slope(line)                    !! Their derivatives [1/m]
       real(wp), intent(in) :: load(columns, 3)               !! (component, direction) [N m]
@@ -243,8 +264,8 @@ contains
 
       !$omp simd private(along, across)
       do c = 1, columns
-         along = factor(1)*load(c, 1)
-         across = factor(2)*load(c, 2) + factor(3)*load(c, 3)
+         along = x*load(c, 1)
+         across = y*load(c, 2) + z*load(c, 3)
          sums(before + c) = sums(before + c) + (slope(1)*along + weight(1)*across)
          sums(before + columns + c) = sums(before + columns + c) &
             + (slope(2)*along + weight(2)*across)
@@ -269,6 +290,11 @@ contains
       real(wp) :: sums(3*line), y(line), z
       integer :: cell, p, k, n, base, at
 
+      if (.not. grid%active(2)) then
+         call plane_collect(grid, after, start, size(places%weight, 1), places%weight, places%low, &
+            number, nodes, skip, values)
+         return
+      end if
       do cell = 0, grid%tile_cells - 1
          base = before_block(grid, cell)
          do p = start(cell) + 1, start(cell + 1)
@@ -309,6 +335,11 @@ contains
       real(wp) :: x(3*line), y(3*line), z(3*line), b(line), db(line), c, dc, even, odd
       integer :: cell, p, k, n, base, at
 
+      if (.not. grid%active(2)) then
+         call plane_slopes(grid, after, start, size(places%weight, 1), places%weight, &
+            places%slope, places%low, number, nodes, scale, gradient)
+         return
+      end if
       do cell = 0, grid%tile_cells - 1
          base = before_block(grid, cell)
          do p = start(cell) + 1, start(cell + 1)

@@ -1,0 +1,205 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Maps with node functions that are products of functions of one coordinate, in one and two
+!! dimensions: a layer along z is one line along x. Otherwise as in `transfer_lines`, whose node
+!! sums and node values these are; functions come as whole arrays, so that a particle finds them
+!! without a look into what holds them.
+module transfer_lines_plane
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   use transfer_places, only: line
+   implicit none
+   private
+
+   public :: add_line, before_block, plane_collect, plane_forces, plane_slopes, plane_spread
+
+   integer, parameter, public :: columns = 4         !! Components of a node that are summed at once
+
+contains
+
+   !> Node before the block of a cell.
+   pure integer function before_block(grid, cell) result(node)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: cell                            !! Cell of the tile, from 0
+
+      node = grid%first_node(cell) - sum(grid%stride) - 1
+   end function before_block
+
+   !> Add sum S_i value of four columns to the sums of the nodes.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine plane_spread(grid, after, start, rows, weight, low, values, numbers, sums)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: after                           !! Lines after the first one
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: rows                            !! Length of the next two
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
+      real(wp), contiguous, intent(in) :: values(:, :)       !! (column, particle of the tile)
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
+      integer :: cell, p, k, at, up
+
+      up = columns*grid%stride(3)
+      do cell = 0, grid%tile_cells - 1
+         do p = start(cell) + 1, start(cell + 1)
+            at = columns*before_block(grid, cell) + (low(p, 3) - 1)*up
+            do k = low(p, 3), low(p, 3) + after
+               call add_line(weight(p, k, 3), weight(p, 1, 1), weight(p, 2, 1), weight(p, 3, 1), &
+                  weight(p, 4, 1), values(:, p), at, numbers, sums)
+               at = at + up
+            end do
+         end do
+      end do
+   end subroutine plane_spread
+
+   !> Add columns, times a factor, to the four nodes of a line with their weights.
+   ! gate: long kernel because weights in registers are four numbers
+   pure subroutine add_line(factor, w1, w2, w3, w4, values, before, numbers, sums)
+      real(wp), intent(in) :: factor                         !! Weight of the line
+      real(wp), intent(in) :: w1, w2, w3, w4                 !! Weights of the nodes
+      real(wp), intent(in) :: values(columns)                !! What is added
+      integer, intent(in) :: before                          !! Numbers before the line
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
+      real(wp) :: value
+      integer :: c
+
+      !$omp simd private(value)
+      do c = 1, columns
+         value = factor*values(c)
+         sums(before + c) = sums(before + c) + w1*value
+         sums(before + columns + c) = sums(before + columns + c) + w2*value
+         sums(before + 2*columns + c) = sums(before + 2*columns + c) + w3*value
+         sums(before + 3*columns + c) = sums(before + 3*columns + c) + w4*value
+      end do
+   end subroutine add_line
+
+   !> Add the force of loads to the sums of the nodes.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine plane_forces(grid, after, start, rows, weight, slope, low, load, numbers, sums)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: after                           !! Lines after the first one
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: rows                            !! Length of the next three
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      real(wp), intent(in) :: slope(rows, line, 3)           !! The same: derivatives [1/m]
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
+      !> (component, direction, particle of the tile) [N m]
+      real(wp), contiguous, intent(in) :: load(:, :, :)
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (component, node), flat
+      real(wp) :: along, across, w1, w2, w3, w4, s1, s2, s3, s4, z, slope_z
+      integer :: cell, p, k, c, at, up
+
+      up = columns*grid%stride(3)
+      do cell = 0, grid%tile_cells - 1
+         do p = start(cell) + 1, start(cell + 1)
+            at = columns*before_block(grid, cell) + (low(p, 3) - 1)*up
+            w1 = weight(p, 1, 1)
+            w2 = weight(p, 2, 1)
+            w3 = weight(p, 3, 1)
+            w4 = weight(p, 4, 1)
+            s1 = slope(p, 1, 1)
+            s2 = slope(p, 2, 1)
+            s3 = slope(p, 3, 1)
+            s4 = slope(p, 4, 1)
+            do k = low(p, 3), low(p, 3) + after
+               z = weight(p, k, 3)
+               slope_z = slope(p, k, 3)
+               !$omp simd private(along, across)
+               do c = 1, columns
+                  along = z*load(c, 1, p)
+                  across = slope_z*load(c, 3, p)
+                  sums(at + c) = sums(at + c) + (s1*along + w1*across)
+                  sums(at + columns + c) = sums(at + columns + c) + (s2*along + w2*across)
+                  sums(at + 2*columns + c) = sums(at + 2*columns + c) + (s3*along + w3*across)
+                  sums(at + 3*columns + c) = sums(at + 3*columns + c) + (s4*along + w4*across)
+               end do
+               at = at + up
+            end do
+         end do
+      end do
+   end subroutine plane_forces
+
+   !> Values sum S_i node_i of three columns. The nodes come as one row of numbers, in which those
+   !! of a line lie together.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine plane_collect(grid, after, start, rows, weight, low, number, nodes, skip, values)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: after                           !! Lines after the first one
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: rows                            !! Length of the next two
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
+      integer, intent(in) :: number                          !! Nodes of the tile
+      real(wp), intent(in) :: nodes(3*number)                !! (column, node), flat
+      integer, intent(in) :: skip                            !! Columns of the values before them
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
+      real(wp) :: sums(3*line), z
+      integer :: cell, p, k, n, at, up
+
+      up = 3*grid%stride(3)
+      do cell = 0, grid%tile_cells - 1
+         do p = start(cell) + 1, start(cell + 1)
+            at = 3*before_block(grid, cell) + (low(p, 3) - 1)*up
+            sums = 0.0_wp
+            do k = low(p, 3), low(p, 3) + after
+               z = weight(p, k, 3)
+               !$omp simd
+               do n = 1, 3*line
+                  sums(n) = sums(n) + z*nodes(at + n)
+               end do
+               at = at + up
+            end do
+            do n = 1, 3
+               values(p, skip + n) = (weight(p, 1, 1)*sums(n) + weight(p, 2, 1)*sums(n + 3)) &
+                  + (weight(p, 3, 1)*sums(n + 6) + weight(p, 4, 1)*sums(n + 9))
+            end do
+         end do
+      end do
+   end subroutine plane_collect
+
+   !> Scaled velocity gradient scale sum u_k dS_i/dx_l. The nodes come as one row of numbers.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine plane_slopes(grid, after, start, rows, weight, slope, low, number, nodes, &
+      scale, gradient)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: after                           !! Lines after the first one
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: rows                            !! Length of the next three
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      real(wp), intent(in) :: slope(rows, line, 3)           !! The same: derivatives [1/m]
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
+      integer, intent(in) :: number                          !! Nodes of the tile
+      real(wp), intent(in) :: nodes(3*number)                !! (3, node) Velocity, flat [m/s]
+      real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
+      real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
+      real(wp) :: x(3*line), z(3*line), c, dc
+      integer :: cell, p, k, n, at, up
+
+      up = 3*grid%stride(3)
+      do cell = 0, grid%tile_cells - 1
+         do p = start(cell) + 1, start(cell + 1)
+            at = 3*before_block(grid, cell) + (low(p, 3) - 1)*up
+            x = 0.0_wp
+            z = 0.0_wp
+            do k = low(p, 3), low(p, 3) + after
+               c = scale*weight(p, k, 3)
+               dc = scale*slope(p, k, 3)
+               !$omp simd
+               do n = 1, 3*line
+                  x(n) = x(n) + c*nodes(at + n)
+                  z(n) = z(n) + dc*nodes(at + n)
+               end do
+               at = at + up
+            end do
+            do n = 1, 3
+               gradient(p, n) = (slope(p, 1, 1)*x(n) + slope(p, 2, 1)*x(n + 3)) &
+                  + (slope(p, 3, 1)*x(n + 6) + slope(p, 4, 1)*x(n + 9))
+               gradient(p, n + 3) = 0.0_wp
+               gradient(p, n + 6) = (weight(p, 1, 1)*z(n) + weight(p, 2, 1)*z(n + 3)) &
+                  + (weight(p, 3, 1)*z(n + 6) + weight(p, 4, 1)*z(n + 9))
+            end do
+         end do
+      end do
+   end subroutine plane_slopes
+end module transfer_lines_plane
