@@ -10,7 +10,7 @@
 module transfer_lines
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use transfer_lines_plane, only: add_line, before_block, columns, plane_collect, plane_forces, &
+   use transfer_lines_plane, only: before_block, columns, plane_collect, plane_forces, &
       plane_slopes, plane_spread
    use transfer_places, only: line, places_t
    implicit none
@@ -64,18 +64,29 @@ contains
       real(wp), contiguous, intent(in) :: values(:, :)       !! (column, particle of the tile)
       integer, intent(in) :: numbers                         !! Four a node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
-      integer :: cell, p, j, k, base, at, up
+      real(wp) :: w1, w2, w3, w4, yz, value
+      integer :: cell, p, j, k, c, base, at, up
 
       up = columns*grid%stride(2)
       do cell = 0, grid%tile_cells - 1
          do p = start(cell) + 1, start(cell + 1)
             base = columns*before_block(grid, cell) + (low(p, 2) - 1)*up
+            w1 = weight(p, 1, 1)
+            w2 = weight(p, 2, 1)
+            w3 = weight(p, 3, 1)
+            w4 = weight(p, 4, 1)
             do k = low(p, 3), low(p, 3) + after
                at = base + columns*(k - 1)*grid%stride(3)
                do j = low(p, 2), low(p, 2) + after
-                  call add_line(weight(p, k, 3)*weight(p, j, 2), weight(p, 1, 1), &
-                     weight(p, 2, 1), weight(p, 3, 1), weight(p, 4, 1), values(:, p), at, numbers, &
-                     sums)
+                  yz = weight(p, k, 3)*weight(p, j, 2)
+                  !$omp simd private(value)
+                  do c = 1, columns
+                     value = yz*values(c, p)
+                     sums(at + c) = sums(at + c) + w1*value
+                     sums(at + columns + c) = sums(at + columns + c) + w2*value
+                     sums(at + 2*columns + c) = sums(at + 2*columns + c) + w3*value
+                     sums(at + 3*columns + c) = sums(at + 3*columns + c) + w4*value
+                  end do
                   at = at + up
                end do
             end do
@@ -287,24 +298,42 @@ contains
       real(wp), intent(in) :: nodes(3*number)                !! (column, node), flat
       integer, intent(in) :: skip                            !! Columns of the values before them
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
+
+      if (grid%active(2)) then
+         call space_collect(grid, after, start, size(places%weight, 1), places%weight, places%low, &
+            number, nodes, skip, values)
+      else
+         call plane_collect(grid, after, start, size(places%weight, 1), places%weight, places%low, &
+            number, nodes, skip, values)
+      end if
+   end subroutine collect_lines
+
+   !> The same in three dimensions.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine space_collect(grid, after, start, rows, weight, low, number, nodes, skip, values)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: after                           !! Layers after the first one
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: rows                            !! Length of the next two
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
+      integer, intent(in) :: number                          !! Nodes of the tile
+      real(wp), intent(in) :: nodes(3*number)                !! (column, node), flat
+      integer, intent(in) :: skip                            !! Columns of the values before them
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: sums(3*line), y(line), z
       integer :: cell, p, k, n, base, at
 
-      if (.not. grid%active(2)) then
-         call plane_collect(grid, after, start, size(places%weight, 1), places%weight, places%low, &
-            number, nodes, skip, values)
-         return
-      end if
       do cell = 0, grid%tile_cells - 1
          base = before_block(grid, cell)
          do p = start(cell) + 1, start(cell + 1)
             sums = 0.0_wp
             do n = 1, line
-               y(n) = places%weight(p, n, 2)
+               y(n) = weight(p, n, 2)
             end do
-            do k = places%low(p, 3), places%low(p, 3) + after
+            do k = low(p, 3), low(p, 3) + after
                at = 3*(base + (k - 1)*grid%stride(3))
-               z = places%weight(p, k, 3)
+               z = weight(p, k, 3)
                associate (up => 3*grid%stride(2))
                   !$omp simd
                   do n = 1, 3*line
@@ -314,13 +343,13 @@ contains
                end associate
             end do
             do n = 1, 3
-               values(p, skip + n) = (places%weight(p, 1, 1)*sums(n) &
-                  + places%weight(p, 2, 1)*sums(n + 3)) + (places%weight(p, 3, 1)*sums(n + 6) &
-                  + places%weight(p, 4, 1)*sums(n + 9))
+               values(p, skip + n) = (weight(p, 1, 1)*sums(n) &
+                  + weight(p, 2, 1)*sums(n + 3)) + (weight(p, 3, 1)*sums(n + 6) &
+                  + weight(p, 4, 1)*sums(n + 9))
             end do
          end do
       end do
-   end subroutine collect_lines
+   end subroutine space_collect
 
    !> Scaled velocity gradient scale sum u_k dS_i/dx_l. The nodes come as one row of numbers.
    pure subroutine collect_slopes(grid, after, start, places, number, nodes, scale, gradient)
@@ -332,14 +361,34 @@ contains
       real(wp), intent(in) :: nodes(3*number)                !! (3, node) Velocity, flat [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
+
+      if (grid%active(2)) then
+         call space_slopes(grid, after, start, size(places%weight, 1), places%weight, &
+            places%slope, places%low, number, nodes, scale, gradient)
+      else
+         call plane_slopes(grid, after, start, size(places%weight, 1), places%weight, &
+            places%slope, places%low, number, nodes, scale, gradient)
+      end if
+   end subroutine collect_slopes
+
+   !> The same in three dimensions.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine space_slopes(grid, after, start, rows, weight, slope, low, number, nodes, &
+      scale, gradient)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: after                           !! Layers after the first one
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: rows                            !! Length of the next three
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      real(wp), intent(in) :: slope(rows, line, 3)           !! The same: derivatives [1/m]
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
+      integer, intent(in) :: number                          !! Nodes of the tile
+      real(wp), intent(in) :: nodes(3*number)                !! (3, node) Velocity, flat [m/s]
+      real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
+      real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
       real(wp) :: x(3*line), y(3*line), z(3*line), b(line), db(line), c, dc, even, odd
       integer :: cell, p, k, n, base, at
 
-      if (.not. grid%active(2)) then
-         call plane_slopes(grid, after, start, size(places%weight, 1), places%weight, &
-            places%slope, places%low, number, nodes, scale, gradient)
-         return
-      end if
       do cell = 0, grid%tile_cells - 1
          base = before_block(grid, cell)
          do p = start(cell) + 1, start(cell + 1)
@@ -347,13 +396,13 @@ contains
             y = 0.0_wp
             z = 0.0_wp
             do n = 1, line
-               b(n) = places%weight(p, n, 2)
-               db(n) = places%slope(p, n, 2)
+               b(n) = weight(p, n, 2)
+               db(n) = slope(p, n, 2)
             end do
-            do k = places%low(p, 3), places%low(p, 3) + after
+            do k = low(p, 3), low(p, 3) + after
                at = 3*(base + (k - 1)*grid%stride(3))
-               c = scale*places%weight(p, k, 3)
-               dc = scale*places%slope(p, k, 3)
+               c = scale*weight(p, k, 3)
+               dc = scale*slope(p, k, 3)
                associate (up => 3*grid%stride(2))
                   !$omp simd private(even, odd)
                   do n = 1, 3*line
@@ -368,8 +417,8 @@ contains
                end associate
             end do
             do n = 1, line
-               b(n) = places%weight(p, n, 1)
-               db(n) = places%slope(p, n, 1)
+               b(n) = weight(p, n, 1)
+               db(n) = slope(p, n, 1)
             end do
             do n = 1, 3
                gradient(p, n) = (db(1)*x(n) + db(2)*x(n + 3)) + (db(3)*x(n + 6) + db(4)*x(n + 9))
@@ -378,5 +427,5 @@ contains
             end do
          end do
       end do
-   end subroutine collect_slopes
+   end subroutine space_slopes
 end module transfer_lines

@@ -10,7 +10,7 @@ module transfer_lines_plane
    implicit none
    private
 
-   public :: add_line, before_block, plane_collect, plane_forces, plane_slopes, plane_spread
+   public :: before_block, plane_collect, plane_forces, plane_slopes, plane_spread
 
    integer, parameter, public :: columns = 4         !! Components of a node that are summed at once
 
@@ -36,42 +36,31 @@ contains
       real(wp), contiguous, intent(in) :: values(:, :)       !! (column, particle of the tile)
       integer, intent(in) :: numbers                         !! Four a node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
-      integer :: cell, p, k, at, up
+      real(wp) :: w1, w2, w3, w4, value
+      integer :: cell, p, k, c, at, up
 
       up = columns*grid%stride(3)
       do cell = 0, grid%tile_cells - 1
          do p = start(cell) + 1, start(cell + 1)
             at = columns*before_block(grid, cell) + (low(p, 3) - 1)*up
+            w1 = weight(p, 1, 1)
+            w2 = weight(p, 2, 1)
+            w3 = weight(p, 3, 1)
+            w4 = weight(p, 4, 1)
             do k = low(p, 3), low(p, 3) + after
-               call add_line(weight(p, k, 3), weight(p, 1, 1), weight(p, 2, 1), weight(p, 3, 1), &
-                  weight(p, 4, 1), values(:, p), at, numbers, sums)
+               !$omp simd private(value)
+               do c = 1, columns
+                  value = weight(p, k, 3)*values(c, p)
+                  sums(at + c) = sums(at + c) + w1*value
+                  sums(at + columns + c) = sums(at + columns + c) + w2*value
+                  sums(at + 2*columns + c) = sums(at + 2*columns + c) + w3*value
+                  sums(at + 3*columns + c) = sums(at + 3*columns + c) + w4*value
+               end do
                at = at + up
             end do
          end do
       end do
    end subroutine plane_spread
-
-   !> Add columns, times a factor, to the four nodes of a line with their weights.
-   ! gate: long kernel because weights in registers are four numbers
-   pure subroutine add_line(factor, w1, w2, w3, w4, values, before, numbers, sums)
-      real(wp), intent(in) :: factor                         !! Weight of the line
-      real(wp), intent(in) :: w1, w2, w3, w4                 !! Weights of the nodes
-      real(wp), intent(in) :: values(columns)                !! What is added
-      integer, intent(in) :: before                          !! Numbers before the line
-      integer, intent(in) :: numbers                         !! Four a node of the tile
-      real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
-      real(wp) :: value
-      integer :: c
-
-      !$omp simd private(value)
-      do c = 1, columns
-         value = factor*values(c)
-         sums(before + c) = sums(before + c) + w1*value
-         sums(before + columns + c) = sums(before + columns + c) + w2*value
-         sums(before + 2*columns + c) = sums(before + 2*columns + c) + w3*value
-         sums(before + 3*columns + c) = sums(before + 3*columns + c) + w4*value
-      end do
-   end subroutine add_line
 
    !> Add the force of loads to the sums of the nodes.
    ! gate: long kernel because arrays are told by their sizes
