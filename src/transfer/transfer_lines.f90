@@ -165,8 +165,8 @@ contains
                   d_y = merge(grid%spacing*(real(j - 2, wp) - places%local(p, 2)), 0.0_wp, &
                      grid%active(2))
                   weight = places%weight(p, j, 2)*places%weight(p, k, 3)
-                  call add_field(weight, weight*d_y, weight*d_z, x, y, z, at + (j - 1)*up, &
-                     size(sums), sums)
+                  call add_field(weight*[1.0_wp, d_y, d_z], x, y, z, at + (j - 1)*up, size(sums), &
+                     sums)
                end do
             end do
          end do
@@ -175,8 +175,8 @@ contains
    end subroutine spread_affine_lines
 
    !> Add three fields of a line with their factors.
-   pure subroutine add_field(one, other, third, x, y, z, before, numbers, sums)
-      real(wp), intent(in) :: one, other, third              !! Factors
+   pure subroutine add_field(factor, x, y, z, before, numbers, sums)
+      real(wp), intent(in) :: factor(3)                      !! Of the three fields
       real(wp), intent(in) :: x(columns*line)                !! (column and node) First field
       real(wp), intent(in) :: y(columns*line)                !! Second one
       real(wp), intent(in) :: z(columns*line)                !! Third one
@@ -187,7 +187,8 @@ contains
 
       !$omp simd
       do n = 1, columns*line
-         sums(before + n) = sums(before + n) + ((one*x(n) + other*y(n)) + third*z(n))
+         sums(before + n) = sums(before + n) + ((factor(1)*x(n) + factor(2)*y(n)) &
+            + factor(3)*z(n))
       end do
    end subroutine add_field
 
