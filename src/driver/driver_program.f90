@@ -23,6 +23,7 @@ module driver_program
    use driver_point, only: drive_point
    use driver_restart, only: resume
    use driver_run, only: run_to_end
+   use driver_point_fields, only: take_fields
    use driver_start, only: fill_simulation, first_step, spin_bodies
    use driver_summary, only: summarise
    use driver_trial, only: most_particles, trial_text
@@ -323,13 +324,28 @@ contains
       call resume(session%simulation, session%outputs, session%place, file, note, error)
    end subroutine go_on
 
+   !> Particles are there: nobody needs voxels, facets and lists of points any more.
+   subroutine forget_shapes(session)
+      type(session_t), intent(inout) :: session      !! Loses its regions
+      integer :: n
+
+      deallocate (session%shapes)
+      do n = 1, size(session%bodies)
+         if (allocated(session%bodies(n)%shape%shape)) deallocate (session%bodies(n)%shape%shape)
+         if (allocated(session%bodies(n)%given)) deallocate (session%bodies(n)%given)
+      end do
+   end subroutine forget_shapes
+
    !> Particles of the bodies in their first state, the books opened.
    subroutine fill_bodies(session, error)
       type(session_t), intent(inout) :: session      !! Gets particles
       type(error_t), allocatable, intent(out) :: error !! Bodies and exact solution do not agree
 
       call fill_simulation(session%simulation, session%bodies, session%survey)
+      call take_fields(session%simulation, session%bodies, session%shapes, error)
+      if (allocated(error)) return
       call spin_bodies(session%simulation, session%bodies)
+      call forget_shapes(session)
       call place_exact(session%simulation, error)
       if (allocated(error)) return
       call strain_exact(session%simulation)

@@ -17,6 +17,7 @@ module driver_simulation
    use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
    use mesh_halo, only: halo_t
+   use mesh_rigid, only: rigid_t
    use mesh_tiles, only: tiles_t
    use particle_store, only: store_t
    use transfer_contact, only: pair_law_t
@@ -152,6 +153,7 @@ module driver_simulation
       type(communicator_t) :: communicator           !! The ranks
       type(grid_t) :: grid                           !! The grid
       type(boundary_t) :: boundary                   !! The faces
+      type(rigid_t), allocatable :: rigid            !! If regions rule nodes
       type(tiles_t) :: tiles                         !! The tiles of this rank
       type(halo_t) :: halo                           !! Which of them other ranks see
       type(material_t), allocatable :: materials(:)  !! The materials
