@@ -9,6 +9,7 @@ module quadrature_sub_points
    use ddmp_quadrature, only: quadrature_t
    use mesh_grid, only: grid_t
    use particle_store, only: store_t, traits_t
+   use transfer_collect_plane, only: collect_plane
    use transfer_lines, only: collect_lines, spread_lines
    use transfer_places, only: line, places_t
    implicit none
@@ -178,11 +179,9 @@ contains
          end if
          column = node_gradient(3*l - 2:3*l, :)
          places%weight(:count, :, l) = places%share(:count, :, l)
-         call collect_lines(grid, layers(grid), start, places, size(nodes, 2), nodes, 0, &
-            places%values)
+         call collect_vector(grid, start, places, nodes, 0)
          places%weight(:count, :, l) = places%rest(:count, :, l)
-         call collect_lines(grid, layers(grid), start, places, size(nodes, 2), column, 3, &
-            places%values)
+         call collect_vector(grid, start, places, column, 3)
          places%weight(:count, :, l) = places%whole(:count, :, l)
          do k = 1, 3
             do p = 1, count
@@ -215,4 +214,23 @@ contains
 
       number = merge(after, 0, grid%active(3))
    end function layers
+
+   !> Values sum S_i node_i of three columns.
+   pure subroutine collect_vector(grid, start, places, nodes, skip)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      type(places_t), intent(inout) :: places                !! Of the tile; gets them as values
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
+      integer, intent(in) :: skip                            !! Columns of the values before them
+      real(wp), allocatable :: values(:, :)
+
+      call move_alloc(places%values, values)
+      if (grid%dimensions < 3) then
+         call collect_plane(grid, start, places, nodes, values(:, skip + 1:))
+      else
+         call collect_lines(grid, layers(grid), start, size(places%weight, 1), places%weight, &
+            places%low, size(nodes, 2), nodes, skip, values)
+      end if
+      call move_alloc(values, places%values)
+   end subroutine collect_vector
 end module quadrature_sub_points

@@ -3,12 +3,14 @@
 !! direction on the nodes -1 to 2 of the cell.
 !!
 !! All particles of a cell share a block of 4 nodes along each direction. The components of the four
-!! nodes of a line along x lie together and are the lanes. Of the lines of a layer, all four are
-!! taken, of the layers those that the particle touches. So few particles in a cell cost hardly more
-!! than many, and the bits of a particle do not depend on others.
+!! nodes of a line along x lie together, and these of a node are the lanes. Of the lines and layers
+!! those are taken that the particle touches. The sums of a tile lie by themselves, four a node, and
+!! are added to the patch at once. So few particles in a cell cost hardly more than many, and the
+!! bits of a particle do not depend on others.
 module transfer_lines
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
+   use transfer_lines_plane, only: before_block, columns, plane_forces, plane_spread
    use transfer_places, only: line, places_t
    implicit none
    private
@@ -16,58 +18,6 @@ module transfer_lines
    public :: collect_lines, collect_slopes, spread_affine_lines, spread_lines, spread_stress_lines
 
 contains
-
-   !> Node before the block of a cell.
-   pure integer function before_block(grid, cell) result(node)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, intent(in) :: cell                            !! Cell of the tile, from 0
-
-      node = grid%first_node(cell) - sum(grid%stride) - 1
-   end function before_block
-
-   !> Add a block to columns of the patch, which comes as one row of numbers.
-   ! gate: long kernel because block and patch are told by their sizes
-   pure subroutine add_block(grid, cell, count, columns, sums, before, rows, number, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, intent(in) :: cell                            !! Cell of the tile, from 0
-      integer, intent(in) :: count                           !! Columns that are added
-      integer, intent(in) :: columns                         !! Columns of the block
-      real(wp), intent(in) :: sums(columns, line, line, line) !! (column, x, y, z)
-      integer, intent(in) :: before                          !! Columns of the patch before them
-      integer, intent(in) :: rows                            !! Columns of the patch
-      integer, intent(in) :: number                          !! Nodes of the tile
-      real(wp), intent(inout) :: patch(rows*number)          !! (column, node), flat
-      integer :: length(3), base, at, i, j, k, c
-
-      length = merge(line, 1, grid%active)
-      base = before_block(grid, cell)
-      do k = 1, length(3)
-         do j = 1, length(2)
-            at = before + rows*(base - 1 + (j - 1)*grid%stride(2) + (k - 1)*grid%stride(3))
-            ! numbers that the compiler knows make the columns one vector
-            select case (count)
-            case (4)
-               do i = 1, line
-                  do c = 1, 4
-                     patch(at + rows*i + c) = patch(at + rows*i + c) + sums(c, i, j, k)
-                  end do
-               end do
-            case (3)
-               do i = 1, line
-                  do c = 1, 3
-                     patch(at + rows*i + c) = patch(at + rows*i + c) + sums(c, i, j, k)
-                  end do
-               end do
-            case default
-               do i = 1, line
-                  do c = 1, count
-                     patch(at + rows*i + c) = patch(at + rows*i + c) + sums(c, i, j, k)
-                  end do
-               end do
-            end select
-         end do
-      end do
-   end subroutine add_block
 
    !> Add sum S_i value to columns of a patch, four columns at a time.
    pure subroutine spread_lines(grid, after, start, places, count, values, before, patch)
@@ -79,53 +29,95 @@ contains
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: sums(4*line, line, line), x(4, line), y(line), z, part(4)
-      integer :: cell, p, i, k, c, skip
+      real(wp) :: part(columns, start(grid%tile_cells)), sums(columns*size(patch, 2))
+      integer :: p, c, skip
 
-      part = 0.0_wp
-      do skip = 0, count - 1, 4
-         do cell = 0, grid%tile_cells - 1
-            if (start(cell + 1) == start(cell)) cycle
-            sums = 0.0_wp
-            do p = start(cell) + 1, start(cell + 1)
-               do c = 1, min(count - skip, 4)
-                  part(c) = values(p, skip + c)
-               end do
-               do i = 1, line
-                  y(i) = places%weight(p, i, 2)
-                  do c = 1, 4
-                     x(c, i) = places%weight(p, i, 1)*part(c)
-                  end do
-               end do
-               do k = places%low(p, 3), places%low(p, 3) + after
-                  z = places%weight(p, k, 3)
-                  call add_layer(z, x, y, sums(1, 1, k))
-               end do
+      do skip = 0, count - 1, columns
+         part = 0.0_wp
+         do c = 1, min(count - skip, columns)
+            do p = 1, start(grid%tile_cells)
+               part(c, p) = values(p, skip + c)
             end do
-            call add_block(grid, cell, min(count - skip, 4), 4, sums, before + skip, &
-               size(patch, 1), size(patch, 2), patch)
          end do
+         sums = 0.0_wp
+         if (grid%active(2)) then
+            call space_spread(grid, after, start, size(places%weight, 1), places%weight, &
+               places%low, part, size(sums), sums)
+         else
+            call plane_spread(grid, after, start, size(places%weight, 1), places%weight, &
+               places%low, part, size(sums), sums)
+         end if
+         call add_nodes(size(patch, 2), min(count - skip, columns), sums, before + skip, patch)
       end do
    end subroutine spread_lines
 
-   !> Add the values of a line, times a factor, to four lines with their weights.
-   pure subroutine add_layer(z, x, y, sums)
-      real(wp), intent(in) :: z                              !! Weight of the layer
-      real(wp), intent(in) :: x(4*line)                      !! (column and node) A line
-      real(wp), intent(in) :: y(line)                        !! Weights of the lines
-      real(wp), intent(inout) :: sums(4*line, line)          !! (column and node, line)
-      real(wp) :: value
-      integer :: n
+   !> Add sum S_i value of four columns to the sums of the nodes.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine space_spread(grid, after, start, rows, weight, low, values, numbers, sums)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: after                           !! Lines and layers after the first one
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: rows                            !! Length of the next two
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
+      real(wp), contiguous, intent(in) :: values(:, :)       !! (column, particle of the tile)
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
+      real(wp) :: w1, w2, w3, w4, yz, value
+      integer :: cell, p, j, k, c, base, at, up
 
-      !$omp simd private(value)
-      do n = 1, 4*line
-         value = z*x(n)
-         sums(n, 1) = sums(n, 1) + y(1)*value
-         sums(n, 2) = sums(n, 2) + y(2)*value
-         sums(n, 3) = sums(n, 3) + y(3)*value
-         sums(n, 4) = sums(n, 4) + y(4)*value
+      up = columns*grid%stride(2)
+      do cell = 0, grid%tile_cells - 1
+         do p = start(cell) + 1, start(cell + 1)
+            base = columns*before_block(grid, cell) + (low(p, 2) - 1)*up
+            w1 = weight(p, 1, 1)
+            w2 = weight(p, 2, 1)
+            w3 = weight(p, 3, 1)
+            w4 = weight(p, 4, 1)
+            do k = low(p, 3), low(p, 3) + after
+               at = base + columns*(k - 1)*grid%stride(3)
+               do j = low(p, 2), low(p, 2) + after
+                  yz = weight(p, k, 3)*weight(p, j, 2)
+                  !$omp simd private(value)
+                  do c = 1, columns
+                     value = yz*values(c, p)
+                     sums(at + c) = sums(at + c) + w1*value
+                     sums(at + columns + c) = sums(at + columns + c) + w2*value
+                     sums(at + 2*columns + c) = sums(at + 2*columns + c) + w3*value
+                     sums(at + 3*columns + c) = sums(at + 3*columns + c) + w4*value
+                  end do
+                  at = at + up
+               end do
+            end do
+         end do
       end do
-   end subroutine add_layer
+   end subroutine space_spread
+
+   !> Add sums of all nodes of a tile to columns of the patch.
+   pure subroutine add_nodes(nodes, number, sums, before, patch)
+      integer, intent(in) :: nodes                           !! Nodes of the tile
+      integer, intent(in) :: number                          !! Columns that are added
+      real(wp), intent(in) :: sums(columns, nodes)           !! (column, node)
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      integer :: node, c
+
+      if (number == columns) then
+         ! a number that the compiler knows makes the columns one vector
+         do node = 1, nodes
+            !$omp simd
+            do c = 1, columns
+               patch(before + c, node) = patch(before + c, node) + sums(c, node)
+            end do
+         end do
+      else
+         do node = 1, nodes
+            do c = 1, number
+               patch(before + c, node) = patch(before + c, node) + sums(c, node)
+            end do
+         end do
+      end if
+   end subroutine add_nodes
 
    !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran,
    !! A. Stomakhin, ACM Trans. Graph. 34 (2015) 51).
@@ -141,15 +133,17 @@ contains
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: sums(4, line, line, line), x(4, line), y(4, line), z(4, line), plain(4, line)
-      real(wp) :: d, weight
-      integer :: cell, p, q, i, j, k, n
+      real(wp) :: sums(columns*size(patch, 2)), x(columns, line), y(columns, line)
+      real(wp) :: z(columns, line), d, d_y, d_z, weight
+      integer :: cell, p, q, i, j, k, n, base, at, up, lines_after
 
+      lines_after = merge(after, 0, grid%active(2))
+      up = columns*grid%stride(2)
+      sums = 0.0_wp
       y = 0.0_wp
       z = 0.0_wp
       do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
-         sums = 0.0_wp
+         base = columns*before_block(grid, cell)
          do p = start(cell) + 1, start(cell + 1)
             q = first + p - 1
             do i = 1, line
@@ -163,20 +157,39 @@ contains
                end do
             end do
             do k = places%low(p, 3), places%low(p, 3) + after
-               d = merge(grid%spacing*(real(k - 2, wp) - places%local(p, 3)), 0.0_wp, &
+               d_z = merge(grid%spacing*(real(k - 2, wp) - places%local(p, 3)), 0.0_wp, &
                   grid%active(3))
-               plain = x + d*z
-               do j = 1, line
-                  d = merge(grid%spacing*(real(j - 2, wp) - places%local(p, 2)), 0.0_wp, &
+               at = base + columns*(k - 1)*grid%stride(3)
+               do j = places%low(p, 2), places%low(p, 2) + lines_after
+                  d_y = merge(grid%spacing*(real(j - 2, wp) - places%local(p, 2)), 0.0_wp, &
                      grid%active(2))
                   weight = places%weight(p, j, 2)*places%weight(p, k, 3)
-                  sums(:, :, j, k) = sums(:, :, j, k) + weight*(plain + d*y)
+                  call add_field(weight*[1.0_wp, d_y, d_z], x, y, z, at + (j - 1)*up, size(sums), &
+                     sums)
                end do
             end do
          end do
-         call add_block(grid, cell, 4, 4, sums, 0, size(patch, 1), size(patch, 2), patch)
       end do
+      call add_nodes(size(patch, 2), columns, sums, 0, patch)
    end subroutine spread_affine_lines
+
+   !> Add three fields of a line with their factors.
+   pure subroutine add_field(factor, x, y, z, before, numbers, sums)
+      real(wp), intent(in) :: factor(3)                      !! Of the three fields
+      real(wp), intent(in) :: x(columns*line)                !! (column and node) First field
+      real(wp), intent(in) :: y(columns*line)                !! Second one
+      real(wp), intent(in) :: z(columns*line)                !! Third one
+      integer, intent(in) :: before                          !! Numbers before the line
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
+      integer :: n
+
+      !$omp simd
+      do n = 1, columns*line
+         sums(before + n) = sums(before + n) + ((factor(1)*x(n) + factor(2)*y(n)) &
+            + factor(3)*z(n))
+      end do
+   end subroutine add_field
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch.
    pure subroutine spread_stress_lines(grid, after, start, first, places, volume, stress, patch)
@@ -188,65 +201,102 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      integer, parameter :: at(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
-      real(wp) :: sums(3*line, line, line), x(3, line), y(3, line), z(3, line), b(line), db(line), v
-      integer :: cell, p, q, i, k, n
+      integer, parameter :: component(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
+      real(wp) :: load(columns, 3, start(grid%tile_cells)), sums(columns*size(patch, 2))
+      integer :: p, k, l
 
-      do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
-         sums = 0.0_wp
-         do p = start(cell) + 1, start(cell + 1)
-            q = first + p - 1
-            v = -volume(q)
-            do i = 1, line
-               b(i) = places%weight(p, i, 2)
-               db(i) = places%slope(p, i, 2)
-               do n = 1, 3
-                  x(n, i) = places%slope(p, i, 1)*(v*stress(q, at(n, 1)))
-                  y(n, i) = places%weight(p, i, 1)*(v*stress(q, at(n, 2)))
-                  z(n, i) = places%weight(p, i, 1)*(v*stress(q, at(n, 3)))
-               end do
-            end do
-            do k = places%low(p, 3), places%low(p, 3) + after
-               call add_forces(places%weight(p, k, 3), places%slope(p, k, 3), b, db, x, y, z, &
-                  sums(1, 1, k))
+      load(columns, :, :) = 0.0_wp
+      do l = 1, 3
+         do k = 1, 3
+            do p = 1, start(grid%tile_cells)
+               load(k, l, p) = -volume(first + p - 1)*stress(first + p - 1, component(k, l))
             end do
          end do
-         call add_block(grid, cell, 3, 3, sums, 4, size(patch, 1), size(patch, 2), patch)
       end do
+      sums = 0.0_wp
+      if (grid%active(2)) then
+         call space_forces(grid, after, start, size(places%weight, 1), places%weight, &
+            places%slope, places%low, load, size(sums), sums)
+      else
+         call plane_forces(grid, after, start, size(places%weight, 1), places%weight, &
+            places%slope, places%low, load, size(sums), sums)
+      end if
+      call add_nodes(size(patch, 2), 3, sums, 4, patch)
    end subroutine spread_stress_lines
 
-   !> Add forces to four lines.
-   pure subroutine add_forces(c, dc, b, db, x, y, z, sums)
-      real(wp), intent(in) :: c                              !! Function of the layer
-      real(wp), intent(in) :: dc                             !! Its derivative [1/m]
-      real(wp), intent(in) :: b(line)                        !! Functions of the lines
-      real(wp), intent(in) :: db(line)                       !! Their derivatives [1/m]
-      real(wp), intent(in) :: x(3*line)                      !! (component and node) By S_x' [N]
-      real(wp), intent(in) :: y(3*line)                      !! By S_y' [Nm]
-      real(wp), intent(in) :: z(3*line)                      !! By S_z' [Nm]
-      real(wp), intent(inout) :: sums(3*line, line)          !! (component and node, line) [N]
-      real(wp) :: even, odd
-      integer :: n
+   !> Add the force of loads to the sums of the nodes.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine space_forces(grid, after, start, rows, weight, slope, low, load, numbers, sums)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: after                           !! Lines and layers after the first one
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: rows                            !! Length of the next three
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      real(wp), intent(in) :: slope(rows, line, 3)           !! The same: derivatives [1/m]
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
+      !> (component, direction, particle of the tile) [N m]
+      real(wp), contiguous, intent(in) :: load(:, :, :)
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (component, node), flat
+      real(wp) :: functions(line), slopes(line)
+      integer :: cell, p, j, k, base, at, up
 
-      !$omp simd private(even, odd)
-      do n = 1, 3*line
-         even = c*x(n) + dc*z(n)
-         odd = c*y(n)
-         sums(n, 1) = sums(n, 1) + (b(1)*even + db(1)*odd)
-         sums(n, 2) = sums(n, 2) + (b(2)*even + db(2)*odd)
-         sums(n, 3) = sums(n, 3) + (b(3)*even + db(3)*odd)
-         sums(n, 4) = sums(n, 4) + (b(4)*even + db(4)*odd)
+      up = columns*grid%stride(2)
+      do cell = 0, grid%tile_cells - 1
+         do p = start(cell) + 1, start(cell + 1)
+            base = columns*before_block(grid, cell) + (low(p, 2) - 1)*up
+            functions = weight(p, :, 1)
+            slopes = slope(p, :, 1)
+            do k = low(p, 3), low(p, 3) + after
+               at = base + columns*(k - 1)*grid%stride(3)
+               do j = low(p, 2), low(p, 2) + after
+                  call add_forces(weight(p, j, 2)*weight(p, k, 3), slope(p, j, 2)*weight(p, k, 3), &
+                     weight(p, j, 2)*slope(p, k, 3), functions, slopes, load(:, :, p), at, &
+                     numbers, sums)
+                  at = at + up
+               end do
+            end do
+         end do
+      end do
+   end subroutine space_forces
+
+   !> Add forces to the four nodes of a line.
+   ! gate: long kernel because factors in registers are three numbers
+   pure subroutine add_forces(x, y, z, weight, slope, load, before, numbers, sums)
+      real(wp), intent(in) :: x, y, z                        !! Factors of the line by direction
+      real(wp), intent(in) :: weight(line)                   !! Functions of the nodes
+      real(wp), intent(in) :: slope(line)                    !! Their derivatives [1/m]
+      real(wp), intent(in) :: load(columns, 3)               !! (component, direction) [N m]
+      integer, intent(in) :: before                          !! Numbers before the line
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (component, node), flat
+      real(wp) :: along, across
+      integer :: c
+
+      !$omp simd private(along, across)
+      do c = 1, columns
+         along = x*load(c, 1)
+         across = y*load(c, 2) + z*load(c, 3)
+         sums(before + c) = sums(before + c) + (slope(1)*along + weight(1)*across)
+         sums(before + columns + c) = sums(before + columns + c) &
+            + (slope(2)*along + weight(2)*across)
+         sums(before + 2*columns + c) = sums(before + 2*columns + c) &
+            + (slope(3)*along + weight(3)*across)
+         sums(before + 3*columns + c) = sums(before + 3*columns + c) &
+            + (slope(4)*along + weight(4)*across)
       end do
    end subroutine add_forces
 
-   !> Values sum S_i node_i of three columns. The nodes come as one row of numbers, in which those
-   !! of a line lie together.
-   pure subroutine collect_lines(grid, after, start, places, number, nodes, skip, values)
+   !> Values sum S_i node_i of three columns in three dimensions. The nodes come as one row of
+   !! numbers, in which those of a line lie together.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine collect_lines(grid, after, start, rows, weight, low, number, nodes, skip, values)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: after                           !! Layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      integer, intent(in) :: rows                            !! Length of the next two
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(in) :: nodes(3*number)                !! (column, node), flat
       integer, intent(in) :: skip                            !! Columns of the values before them
@@ -259,11 +309,11 @@ contains
          do p = start(cell) + 1, start(cell + 1)
             sums = 0.0_wp
             do n = 1, line
-               y(n) = places%weight(p, n, 2)
+               y(n) = weight(p, n, 2)
             end do
-            do k = places%low(p, 3), places%low(p, 3) + after
+            do k = low(p, 3), low(p, 3) + after
                at = 3*(base + (k - 1)*grid%stride(3))
-               z = places%weight(p, k, 3)
+               z = weight(p, k, 3)
                associate (up => 3*grid%stride(2))
                   !$omp simd
                   do n = 1, 3*line
@@ -273,20 +323,26 @@ contains
                end associate
             end do
             do n = 1, 3
-               values(p, skip + n) = (places%weight(p, 1, 1)*sums(n) &
-                  + places%weight(p, 2, 1)*sums(n + 3)) + (places%weight(p, 3, 1)*sums(n + 6) &
-                  + places%weight(p, 4, 1)*sums(n + 9))
+               values(p, skip + n) = (weight(p, 1, 1)*sums(n) &
+                  + weight(p, 2, 1)*sums(n + 3)) + (weight(p, 3, 1)*sums(n + 6) &
+                  + weight(p, 4, 1)*sums(n + 9))
             end do
          end do
       end do
    end subroutine collect_lines
 
-   !> Scaled velocity gradient scale sum u_k dS_i/dx_l. The nodes come as one row of numbers.
-   pure subroutine collect_slopes(grid, after, start, places, number, nodes, scale, gradient)
+   !> Scaled velocity gradient scale sum u_k dS_i/dx_l in three dimensions. The nodes come as one
+   !! row of numbers.
+   ! gate: long kernel because arrays are told by their sizes
+   pure subroutine collect_slopes(grid, after, start, rows, weight, slope, low, number, nodes, &
+      scale, gradient)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: after                           !! Layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      integer, intent(in) :: rows                            !! Length of the next three
+      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
+      real(wp), intent(in) :: slope(rows, line, 3)           !! The same: derivatives [1/m]
+      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(in) :: nodes(3*number)                !! (3, node) Velocity, flat [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
@@ -301,13 +357,13 @@ contains
             y = 0.0_wp
             z = 0.0_wp
             do n = 1, line
-               b(n) = places%weight(p, n, 2)
-               db(n) = places%slope(p, n, 2)
+               b(n) = weight(p, n, 2)
+               db(n) = slope(p, n, 2)
             end do
-            do k = places%low(p, 3), places%low(p, 3) + after
+            do k = low(p, 3), low(p, 3) + after
                at = 3*(base + (k - 1)*grid%stride(3))
-               c = scale*places%weight(p, k, 3)
-               dc = scale*places%slope(p, k, 3)
+               c = scale*weight(p, k, 3)
+               dc = scale*slope(p, k, 3)
                associate (up => 3*grid%stride(2))
                   !$omp simd private(even, odd)
                   do n = 1, 3*line
@@ -322,8 +378,8 @@ contains
                end associate
             end do
             do n = 1, line
-               b(n) = places%weight(p, n, 1)
-               db(n) = places%slope(p, n, 1)
+               b(n) = weight(p, n, 1)
+               db(n) = slope(p, n, 1)
             end do
             do n = 1, 3
                gradient(p, n) = (db(1)*x(n) + db(2)*x(n + 3)) + (db(3)*x(n + 6) + db(4)*x(n + 9))

@@ -6,10 +6,10 @@ module transfer_tensor
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
    use transfer_basis, only: basis_t
+   use transfer_collect_plane, only: collect_plane, collect_slopes_plane
    use transfer_gather, only: locate
    use transfer_lines, only: collect_lines, collect_slopes, spread_affine_lines, spread_lines, &
       spread_stress_lines
-   use transfer_lines_plane, only: collect_plane, collect_slopes_plane
    use transfer_places, only: line, places_t
    implicit none
    private
@@ -205,16 +205,16 @@ contains
          return
       end if
       if (size(nodes, 1) == 3) then
-         call collect_lines(grid, layers_after(self, grid), start, places, size(nodes, 2), nodes, &
-            0, values)
+         call collect_lines(grid, layers_after(self, grid), start, size(places%weight, 1), &
+            places%weight, places%low, size(nodes, 2), nodes, 0, values)
          return
       end if
       part = 0.0_wp
       do skip = 0, size(nodes, 1) - 1, 3
          count = min(size(nodes, 1) - skip, 3)
          part(:count, :) = nodes(skip + 1:skip + count, :)
-         call collect_lines(grid, layers_after(self, grid), start, places, size(nodes, 2), part, &
-            skip, values)
+         call collect_lines(grid, layers_after(self, grid), start, size(places%weight, 1), &
+            places%weight, places%low, size(nodes, 2), part, skip, values)
       end do
    end subroutine tensor_collect
 
@@ -232,8 +232,8 @@ contains
          call collect_slopes_plane(grid, start, places, nodes, scale, gradient)
          return
       end if
-      call collect_slopes(grid, layers_after(self, grid), start, places, size(nodes, 2), nodes, &
-         scale, gradient)
+      call collect_slopes(grid, layers_after(self, grid), start, size(places%weight, 1), &
+         places%weight, places%slope, places%low, size(nodes, 2), nodes, scale, gradient)
    end subroutine tensor_collect_gradient
 
    !> Linear velocity field: C_kl = sum S_i u_k (x_i - x)_l / sum S_i (x_i - x)_l**2, which keeps
