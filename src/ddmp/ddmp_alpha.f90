@@ -27,17 +27,21 @@ contains
       integer, intent(in) :: number                  !! Particles of the tile
       real(wp), contiguous, intent(in) :: local(:, :)    !! (particle of the tile, 3) Place in cell
       real(wp), contiguous, intent(inout) :: alpha(:, :) !! (particle of the tile, 3)
+      real(wp) :: factor
       integer :: p, direction
 
+      factor = merge(centre, 1.0_wp, kind == alpha_split)
       do direction = 1, 3
          if (.not. grid%active(direction)) then
             alpha(:number, direction) = 1.0_wp
             cycle
          end if
          do p = 1, number
-            alpha(p, direction) = 4.0_wp*local(p, direction)*(1.0_wp - local(p, direction))
+            alpha(p, direction) = factor*(4.0_wp*local(p, direction) &
+               *(1.0_wp - local(p, direction)))
          end do
       end do
+      if (kind == alpha_split) return
       if (kind == alpha_product .or. kind == alpha_squared) then
          do p = 1, number
             alpha(p, 1) = alpha(p, 1)*alpha(p, 2)*alpha(p, 3)
@@ -68,13 +72,18 @@ contains
    !! of neighbouring cells cancel there, and what is left is the kink of a linear interpolation of
    !! the node gradient. All sums over nodes remain, because the functions still add up to one and
    !! force and strain use the same.
-   pure subroutine find_blend(number, local, blend)
+   pure subroutine find_blend(grid, number, local, blend)
+      type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: number                  !! Particles of the tile
       real(wp), contiguous, intent(in) :: local(:, :)    !! (particle of the tile, 3) Place in cell
       real(wp), contiguous, intent(inout) :: blend(:, :) !! (particle of the tile, 3)
       integer :: p, direction
 
       do direction = 1, 3
+         if (.not. grid%active(direction)) then
+            blend(:number, direction) = 0.0_wp
+            cycle
+         end if
          do p = 1, number
             blend(p, direction) = local(p, direction)**2*(3.0_wp - 2.0_wp*local(p, direction))
          end do

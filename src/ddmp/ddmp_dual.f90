@@ -83,23 +83,23 @@ contains
       real(wp), contiguous, intent(inout) :: weight(0:)  !! (cell) 0 to 1
       real(wp) :: least(size(total, 2)), light(size(total, 2)), heavy(size(total, 2))
       integer :: cell, node
-      real(wp) :: density
+      real(wp) :: density, inverse
 
+      ! without branches, so that nodes are lanes; those beyond the box have no volume
+      !$omp simd private(inverse, density)
       do node = 1, size(total, 2)
-         least(node) = 0.0_wp
-         light(node) = huge(1.0_wp)/contrast
-         heavy(node) = 0.0_wp
-         if (node_volume(node) > 0.0_wp) then
-            least(node) = min(1.0_wp, total(row, node)/(self%enough*node_volume(node)))
-            density = total(1, node)/node_volume(node)
-            light(node) = min(light(node), density)
-            heavy(node) = max(0.0_wp, density)
-         end if
+         inverse = 1.0_wp/merge(node_volume(node), 1.0_wp, node_volume(node) > 0.0_wp)
+         least(node) = merge(min(1.0_wp, total(row, node)*inverse/self%enough), 0.0_wp, &
+            node_volume(node) > 0.0_wp)
+         density = total(1, node)*inverse
+         light(node) = merge(min(huge(1.0_wp)/contrast, density), huge(1.0_wp)/contrast, &
+            node_volume(node) > 0.0_wp)
+         ! the least of these is minus the greatest density
+         heavy(node) = merge(min(0.0_wp, -density), 0.0_wp, node_volume(node) > 0.0_wp)
       end do
       ! row by row along each direction, the eight nodes of a cell meet on its first node
       call least_around(grid, least)
       call least_around(grid, light)
-      heavy = -heavy
       call least_around(grid, heavy)
       do cell = 0, grid%tile_cells - 1
          node = grid%first_node(cell)
@@ -118,6 +118,8 @@ contains
       integer :: direction, node
 
       do direction = 1, 3
+         if (.not. grid%active(direction)) cycle
+         !$omp simd
          do node = 1, size(values) - grid%stride(direction)
             values(node) = min(values(node), values(node + grid%stride(direction)))
          end do
@@ -133,7 +135,7 @@ contains
 
       do cell = 0, grid%tile_cells - 1
          weight(cell) = 1.0_wp
-         do lane = 1, lanes
+         do lane = 1, 2**grid%dimensions
             if (.not. node_volume(grid%first_node(cell) + grid%lane_offset(lane)) > 0.0_wp) &
                weight(cell) = 0.0_wp
          end do
@@ -153,7 +155,8 @@ contains
          if (.not. weight(cell) > 0.0_wp) cycle
          base = grid%first_node(cell)
          column = column_of(self, grid, coordinate, cell)
-         do lane = 1, lanes
+         ! upper lanes of missing directions have no volume
+         do lane = 1, 2**grid%dimensions
             node = base + grid%lane_offset(lane)
             patch(1, node) = patch(1, node) + weight(cell)*self%volume(lane, column)
          end do

@@ -6,6 +6,8 @@
 !! applied direction by direction: a dozen additions a component of a cell instead of 64 products.
 !! A tile is one row of numbers, three components a node, and the next node along a direction is a
 !! fixed number of places away. Places that are no cell's first node have the weight zero.
+!! In a plane and on a line vectors have no component along y, so a node has two numbers, and
+!! integrals of products are those along a single other direction.
 module ddmp_lattice
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -15,11 +17,13 @@ module ddmp_lattice
    public :: lattice_t, spread_force, spread_gradient
 
    integer, parameter :: parts = 3                   !! Components of a vector
+   integer, parameter :: plane = 2                   !! The same in a plane, along x and z
 
    !> Functions of one coordinate on the nodes of a tile, as rows of numbers. In axisymmetry those
    !! along x depend on the radius and thus on the tile.
    type :: lattice_t
-      integer :: numbers = 0                         !! Three a node
+      integer :: parts = parts                       !! Components of a vector that count
+      integer :: numbers = 0                         !! So many a node
       integer :: shift(3) = 0                        !! (direction) Numbers to the next node
       !> (number, lower or upper node, direction, tile along x) Integral of a function [m]
       real(wp), allocatable :: line(:, :, :, :)
@@ -40,8 +44,9 @@ contains
       real(wp) :: weight(0:1), products(0:1, 0:1)
 
       tiles = merge(grid%tiles(1), 1, grid%axisymmetric)
-      self%numbers = parts*grid%tile_nodes
-      self%shift = parts*grid%stride
+      self%parts = merge(parts, plane, grid%dimensions == 3)
+      self%numbers = self%parts*grid%tile_nodes
+      self%shift = self%parts*grid%stride
       self%factor = grid%depth/grid%spacing
       if (allocated(self%line)) deallocate (self%line, self%mass)
       allocate (self%line(self%numbers, 2, 3, tiles), self%mass(self%numbers, 3, 3, tiles))
@@ -49,7 +54,7 @@ contains
       self%mass = 0.0_wp
       do tile = 1, tiles
          do node = 1, grid%tile_nodes
-            at = parts*(node - 1)
+            at = self%parts*(node - 1)
             place = grid%node_position(node)
             do direction = 1, 3
                ! nothing of the tile lies after the last node of a line, or before the first
@@ -58,11 +63,11 @@ contains
                if (direction == 1) along = along + (tile - 1)*grid%width(1)
                weight = grid%line_weight(direction, along)
                products = grid%mass_weight(direction, along)
-               self%line(at + 1:at + parts, 1, direction, tile) = weight(0)
-               self%line(at + 1:at + parts, 2, direction, tile) = weight(1)
-               self%mass(at + 1:at + parts, 1, direction, tile) = products(0, 0)
-               self%mass(at + 1:at + parts, 2, direction, tile) = products(0, 1)
-               self%mass(at + 1:at + parts, 3, direction, tile) = products(1, 1)
+               self%line(at + 1:at + self%parts, 1, direction, tile) = weight(0)
+               self%line(at + 1:at + self%parts, 2, direction, tile) = weight(1)
+               self%mass(at + 1:at + self%parts, 1, direction, tile) = products(0, 0)
+               self%mass(at + 1:at + self%parts, 2, direction, tile) = products(0, 1)
+               self%mass(at + 1:at + self%parts, 3, direction, tile) = products(1, 1)
             end do
          end do
       end do
@@ -70,8 +75,9 @@ contains
 
    !> Weights of cells as rows of numbers, on their first nodes, and the numbers between which there
    !! are some: sparse tiles are looked at only where they have matter.
-   pure subroutine lay_weights(grid, weight, row, low, high)
+   pure subroutine lay_weights(grid, parts, weight, row, low, high)
       type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: parts                   !! Numbers a node, two or three
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(inout) :: row(:)  !! (number)
       integer, intent(out) :: low                    !! First number of a cell with a weight
@@ -84,7 +90,9 @@ contains
       do cell = 0, grid%tile_cells - 1
          if (.not. weight(cell) > 0.0_wp) cycle
          at = parts*(grid%first_node(cell) - 1)
-         row(at + 1:at + parts) = weight(cell)
+         row(at + 1) = weight(cell)
+         row(at + 2) = weight(cell)
+         row(at + parts) = weight(cell)
          low = min(low, at + 1)
          high = at + parts
       end do
@@ -101,7 +109,11 @@ contains
       real(wp) :: row(self%numbers), field(self%numbers), means(self%numbers), sums(self%numbers)
       integer :: low, high, l, one, other, last, node, k
 
-      call lay_weights(grid, weight, row, low, high)
+      if (grid%dimensions < 3) then
+         call force_plane(self, grid, tile, weight, stress, patch)
+         return
+      end if
+      call lay_weights(grid, parts, weight, row, low, high)
       if (high < low) return
       last = high + sum(self%shift)
       do l = 1, 3
@@ -132,7 +144,11 @@ contains
       real(wp) :: row(self%numbers), field(self%numbers), sums(self%numbers)
       integer :: low, high, l, one, other, last, node, k
 
-      call lay_weights(grid, weight, row, low, high)
+      if (grid%dimensions < 3) then
+         call gradient_plane(self, grid, tile, weight, velocity, patch)
+         return
+      end if
+      call lay_weights(grid, parts, weight, row, low, high)
       if (high < low) return
       last = high + sum(self%shift)
       do l = 1, 3
@@ -152,6 +168,75 @@ contains
          end do
       end do
    end subroutine spread_gradient
+
+   !> The force in a plane or on a line.
+   pure subroutine force_plane(self, grid, tile, weight, stress, patch)
+      type(lattice_t), intent(in) :: self            !! The functions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: tile                    !! Tile along x, from 1
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
+      real(wp) :: row(self%numbers), field(self%numbers), means(self%numbers), sums(self%numbers)
+      real(wp) :: force(self%numbers)
+      integer :: low, high, l, last, node
+
+      call lay_weights(grid, plane, weight, row, low, high)
+      if (high < low) return
+      last = high + sum(self%shift)
+      force(low:last) = 0.0_wp
+      do l = 1, 3, 2
+         if (.not. grid%active(l)) cycle
+         do node = (low + 1)/plane, (last + 1)/plane
+            field(2*node - 1) = stress(3*l - 2, node)
+            field(2*node) = stress(3*l, node)
+         end do
+         call mean_along(self%numbers, low, last - self%shift(l), self%shift(l), &
+            self%line(:, :, l, tile), field, means)
+         call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
+            self%mass(:, :, 4 - l, tile), row, means, sums)
+         call add_difference(self%numbers, low, last - self%shift(l), self%shift(l), self%factor, &
+            sums, force)
+      end do
+      do node = (low + 1)/plane, (last + 1)/plane
+         patch(1, node) = patch(1, node) + force(2*node - 1)
+         patch(3, node) = patch(3, node) + force(2*node)
+      end do
+   end subroutine force_plane
+
+   !> The node gradient in a plane or on a line.
+   pure subroutine gradient_plane(self, grid, tile, weight, velocity, patch)
+      type(lattice_t), intent(in) :: self            !! The functions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: tile                    !! Tile along x, from 1
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
+      real(wp) :: row(self%numbers), field(self%numbers), slopes(self%numbers), sums(self%numbers)
+      integer :: low, high, l, last, node
+
+      call lay_weights(grid, plane, weight, row, low, high)
+      if (high < low) return
+      last = high + sum(self%shift)
+      do node = (low + 1)/plane, (last + 1)/plane
+         field(2*node - 1) = velocity(1, node)
+         field(2*node) = velocity(3, node)
+      end do
+      do l = 1, 3, 2
+         if (.not. grid%active(l)) cycle
+         call difference_along(self%numbers, low, last - self%shift(l), self%shift(l), &
+            self%factor, field, slopes)
+         call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
+            self%mass(:, :, 4 - l, tile), row, slopes, sums)
+         slopes(low:last) = 0.0_wp
+         call add_line(self%numbers, low, last - self%shift(l), self%shift(l), &
+            self%line(:, :, l, tile), sums, slopes)
+         do node = (low + 1)/plane, (last + 1)/plane
+            patch(3*l - 2, node) = patch(3*l - 2, node) + slopes(2*node - 1)
+            patch(3*l, node) = patch(3*l, node) + slopes(2*node)
+         end do
+      end do
+   end subroutine gradient_plane
 
    !> The two directions besides one.
    pure subroutine others(direction, one, other)
@@ -287,6 +372,29 @@ contains
       call add_part(numbers, low, high, other, part(1, 3), sums)
       call add_part(numbers, low, high, one + other, part(1, 4), sums)
    end subroutine apply_mass
+
+   !> The same along a single direction.
+   ! gate: long kernel because a direction is told by its shift and integrals
+   pure subroutine apply_line_mass(numbers, low, high, shift, mass, weight, field, sums)
+      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: low                     !! First number of a cell
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: shift                   !! Numbers to the next node, 0 if missing
+      real(wp), intent(in) :: mass(numbers, 3)       !! Integrals of products [m]
+      real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
+      real(wp), intent(in) :: field(numbers)         !! On the two corners of an edge
+      real(wp), intent(inout) :: sums(numbers)       !! The same
+      real(wp) :: part(numbers)
+      integer :: n
+
+      !$omp simd
+      do n = low, high
+         sums(n) = weight(n)*(mass(n, 1)*field(n) + mass(n, 2)*field(n + shift))
+         part(n) = weight(n)*(mass(n, 2)*field(n) + mass(n, 3)*field(n + shift))
+      end do
+      sums(high + 1:high + shift) = 0.0_wp
+      call add_part(numbers, low, high, shift, part, sums)
+   end subroutine apply_line_mass
 
    !> Add numbers a few places on.
    pure subroutine add_part(numbers, low, high, shift, part, sums)

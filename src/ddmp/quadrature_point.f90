@@ -7,7 +7,7 @@ module quadrature_point
    use ddmp_quadrature, only: quadrature_t
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use transfer_gather, only: gather_dual_gradient, gather_gradient
+   use transfer_gather, only: gather_dual_gradient
    use transfer_places, only: places_t
    use transfer_scatter, only: scatter_dual_force
    implicit none
@@ -37,7 +37,7 @@ contains
       call find_alpha(grid, self%alpha, self%alpha_centre, store%count(tile), places%local, &
          places%alpha)
       if (self%smooth) then
-         call find_blend(store%count(tile), places%local, places%blend)
+         call find_blend(grid, store%count(tile), places%local, places%blend)
       else
          places%blend(:store%count(tile), :) = places%local(:store%count(tile), :)
       end if
@@ -69,8 +69,7 @@ contains
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
 
-      call gather_gradient(grid, start, places%blend, nodes, scale, gradient)
-      call gather_dual_gradient(grid, start, places%blend, places%alpha, node_gradient, scale, &
-         gradient)
+      call gather_dual_gradient(grid, start, places%blend, places%alpha, nodes, node_gradient, &
+         scale, gradient)
    end subroutine point_gather_gradient
 end module quadrature_point

@@ -3,6 +3,8 @@
 module driver_begin
    use base_error, only: error_t
    use driver_exact_start, only: place_exact, strain_exact
+   use driver_point_fields, only: take_fields
+   use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
    use driver_start, only: fill_simulation, first_step, spin_bodies, survey_t
    use particle_fill, only: body_t
@@ -14,13 +16,17 @@ module driver_begin
 contains
 
    !> Particles of the bodies in their first state, the first time step, the books opened.
-   subroutine begin_run(simulation, bodies, survey, error)
+   subroutine begin_run(simulation, bodies, survey, shapes, error)
       type(simulation_t), intent(inout) :: simulation !! The run, gets particles
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
       type(survey_t), intent(in) :: survey           !! Counts of them
-      type(error_t), allocatable, intent(out) :: error !! Bodies and exact solution do not agree
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      !> Bodies and exact solution do not agree, or a file cannot be read any more
+      type(error_t), allocatable, intent(out) :: error
 
       call fill_simulation(simulation, bodies, survey)
+      call take_fields(simulation, bodies, shapes, error)
+      if (allocated(error)) return
       call spin_bodies(simulation, bodies)
       call place_exact(simulation, error)
       if (allocated(error)) return

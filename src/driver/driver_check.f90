@@ -4,11 +4,11 @@ module driver_check
    use base_kinds, only: int64, wp
    use base_text, only: number, size_text
    use driver_contact_deck, only: contact_columns, contact_text
-   use driver_facets, only: facets_text
    use driver_heat, only: conduction_step
    use driver_output, only: snapshot_bytes
    use driver_run, only: limits_t
    use driver_simulation, only: simulation_t
+   use driver_solid_volumes, only: solid_volumes_text
    use driver_start, only: survey_t
    use material_matter, only: matter_t
    use material_wishes, only: wishes_t
@@ -37,7 +37,7 @@ contains
       steps = expected_steps(simulation, bodies, limits)
       bytes = memory(simulation, survey)
       text = grid_line(simulation, survey)//new_line("a")//points_text(bodies, survey) &
-         //solids_text(simulation, bodies, survey) &
+         //solid_volumes_text(simulation%grid, bodies, survey%body) &
          //fields_text(simulation, survey)
       if (allocated(simulation%contact)) text = text//contact_text(simulation, bodies)
       text = text &
@@ -108,25 +108,6 @@ contains
       end do
       text = text//new_line("a")
    end function points_text
-
-   !> Volume of bodies of facets and of the lattice sites that fill them; only in space are they the
-   !! same thing.
-   function solids_text(simulation, bodies, survey) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(survey_t), intent(in) :: survey           !! The counts
-      character(len=:), allocatable :: text
-      real(wp) :: volume(size(bodies))
-      integer :: n
-
-      text = ""
-      if (simulation%grid%dimensions < 3) return
-      do n = 1, size(bodies)
-         volume(n) = real(survey%body(n), wp)*simulation%grid%spacing**3 &
-            /real(product(bodies(n)%per_cell), wp)
-      end do
-      text = facets_text(bodies, volume)
-   end function solids_text
 
    !> The fields that particles carry, a block a material.
    function fields_text(simulation, survey) result(text)

@@ -36,8 +36,7 @@ contains
 
       identities = 0.0_wp
       do n = 1, size(bodies)
-         identities = identities + product(merge(real(grid%cells, wp) &
-            *real(bodies(n)%per_cell, wp), 1.0_wp, grid%active))
+         identities = identities + product(real(bodies(n)%sites(grid), wp))
          call cut_bounds(grid, bodies(n), low, high)
          reach = max(high - low, 0.0_wp)/grid%spacing
          points = product(merge(reach*real(bodies(n)%per_cell, wp), 1.0_wp, grid%active))
@@ -81,7 +80,7 @@ contains
       integer :: n, other, pairs
 
       do n = 1, size(bodies)
-         if (survey%body(n) == 0) then
+         if (survey%body(n) == 0 .or. .not. bodies(n)%share > 0.0_wp) then
             call refuse_empty(deck, simulation%grid, bodies(n), n)
             cycle
          end if
@@ -152,7 +151,7 @@ contains
             end do
          end do
       end associate
-      if (100*outside < inside + outside) return
+      if (outside == 0 .or. 100*outside < inside + outside) return
       call deck%warn("body", place, "its region lies "//number(nint(100.0_wp*real(outside, wp) &
          /real(inside + outside, wp)))//" % outside the grid and is cut there", "region")
    end subroutine check_outside

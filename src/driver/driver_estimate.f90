@@ -41,7 +41,7 @@ contains
       real(wp) :: row, seconds, steps
 
       text = ""
-      call begin_run(plan%simulation, plan%bodies, plan%survey, error)
+      call begin_run(plan%simulation, plan%bodies, plan%survey, plan%shapes, error)
       if (allocated(error)) return
       row = row_seconds(plan%simulation)
       call try_steps(plan%simulation, plan%limits, patience, trial)
@@ -142,7 +142,7 @@ contains
       if (allocated(error)) return
       call read_limits(small%deck, small%limits)
       small%limits%max_steps = huge(1_int64)
-      call begin_run(small%simulation, small%bodies, small%survey, error)
+      call begin_run(small%simulation, small%bodies, small%survey, small%shapes, error)
       if (allocated(error)) return
       call try_steps(small%simulation, small%limits, copy_patience, copy, trial%first%time, &
          trial%last%time)

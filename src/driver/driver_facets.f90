@@ -6,17 +6,17 @@ module driver_facets
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: wp
-   use base_text, only: brief, number
+   use base_text, only: number
    use base_units, only: unit_of, unit_t
-   use io_file, only: folder_of, join_path, read_file
+   use driver_paths, only: path_in_deck
+   use io_file, only: read_file
    use io_stl, only: read_stl
    use particle_facets, only: facets_t, set_facets
-   use particle_fill, only: body_t
    use particle_shape, only: shape_holder_t
    implicit none
    private
 
-   public :: facets_text, read_facets
+   public :: read_facets
 
 contains
 
@@ -26,16 +26,14 @@ contains
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(group_t), intent(in) :: group             !! The region
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
-      character(len=:), allocatable :: name, path, text
+      character(len=:), allocatable :: path, text
       type(error_t), allocatable :: error
       real(wp), allocatable :: corner(:, :, :)
       type(facets_t) :: facets
       type(unit_t) :: length
       logical :: known
 
-      call group%get("file", name)
-      path = name
-      if (index(name, "/") /= 1) path = join_path(folder_of(group%file("file")), name)
+      path = path_in_deck(group, "file")
       if (communicator%rank == 0) call read_file(path, text, error)
       call agree(communicator, error)
       if (.not. allocated(error)) then
@@ -72,27 +70,4 @@ contains
       if (open_edges == 0 .and. facets%volume() < 0.0_wp) call deck%warn(group, &
          "all facets face inwards; what they enclose is taken all the same", "file")
    end subroutine look_at_surface
-
-   !> Volume of the particles of bodies in space against that of their facets, a line a body.
-   function facets_text(bodies, filled) result(text)
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      real(wp), intent(in) :: filled(:)              !! (body) Volume of their lattice sites [m3]
-      character(len=:), allocatable :: text
-      real(wp) :: volume
-      integer :: n
-
-      text = ""
-      do n = 1, size(bodies)
-         if (.not. allocated(bodies(n)%shape%shape)) cycle
-         select type (shape => bodies(n)%shape%shape)
-         type is (facets_t)
-            volume = abs(shape%volume())
-            text = text//"facets     "//bodies(n)%name//": "//number(size(shape%corner, 3))// &
-               " enclose "//brief(volume)//" m3, its particles hold "//brief(filled(n))//" m3"
-            if (volume > 0.0_wp) text = text//" ("//brief(100.0_wp*(filled(n)/volume &
-               - 1.0_wp))//" %)"
-            text = text//new_line("a")
-         end select
-      end do
-   end function facets_text
 end module driver_facets

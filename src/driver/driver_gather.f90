@@ -443,6 +443,7 @@ contains
          method => simulation%method)
          first = store%first(tile)
          n = store%count(tile)
+         deformation%plane = simulation%grid%dimensions < 3
          call find_gradient(simulation, scratch, store, tile, &
             simulation%nodes%strain(:, :, view%slot), view%gradient, dt)
          if (.not. view%slow) call find_steepest(deformation%gradient, &
@@ -454,9 +455,9 @@ contains
          if (method%transfer%affine() .and. strained(method)) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          if (method%stress == stress_before .and. method%leapfrog) then
-            call centre_backward(n, deformation%gradient)
+            call centre_backward(n, deformation%plane, deformation%gradient)
          else
-            call centre_gradient(n, deformation%gradient)
+            call centre_gradient(n, deformation%plane, deformation%gradient)
          end if
          call scratch%laps%update(simulation%materials(index), store%matter, deformation, &
             first, first + n - 1, dt, simulation%grid%spacing)

@@ -10,7 +10,7 @@ module driver_nodes
    use driver_reach, only: look_at_tile, worse
    use driver_scatter, only: vector_rows
    use driver_simulation, only: empty_mass, reach_t, scratch_t, simulation_t
-   use mesh_boundary, only: face_friction
+   use driver_walls, only: impose_walls, stand_walls, stop_at_walls, walls_touch
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use mesh_pieces, only: move_pieces
    use omp_lib, only: omp_get_thread_num
@@ -36,6 +36,7 @@ contains
 
       call simulation%timer%start(simulation%phase%grid)
       call ensure_moved(simulation)
+      call stand_walls(simulation, dt)
       simulation%scratch%reach = reach_t()
       simulation%nodes%acting = dt
       !$omp parallel do default(none) shared(simulation, dt, whole) private(tile, began) &
@@ -101,6 +102,7 @@ contains
 
       call simulation%timer%start(simulation%phase%grid)
       call ensure_moved(simulation)
+      call stand_walls(simulation, dt)
       call ensure_patch(simulation%nodes%push, 3, simulation%grid%tile_nodes, simulation%tiles%own)
       !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
@@ -223,7 +225,7 @@ contains
       end associate
    end subroutine finish_tile
 
-   !> Impose the faces of the box and book what they and gravity do. A tile books its own particles'
+   !> Impose the walls and book what they and gravity do. A tile books its own particles'
    !! share of each node, so that all shares add up to the node.
    subroutine constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
       type(simulation_t), intent(inout) :: simulation !! The run
@@ -233,48 +235,38 @@ contains
       real(wp), intent(in) :: mass(:)                !! (node) [kg]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
-      real(wp) :: free_velocity(3, size(mass)), free_acceleration(3, size(mass))
+      real(wp) :: push(3, size(mass)), work(size(mass))
       logical :: ruled
 
-      ruled = simulation%boundary%touches(simulation%grid, simulation%tiles%coordinate(:, tile))
-      if (ruled) then
-         free_velocity = velocity
-         free_acceleration = acceleration
-         call simulation%boundary%constrain(simulation%grid, simulation%tiles%coordinate(:, tile), &
-            velocity, acceleration)
-         if (any(simulation%boundary%kind == face_friction) .and. dt > 0.0_wp) &
-            call simulation%boundary%rub(simulation%grid, simulation%tiles%coordinate(:, tile), &
-            dt, 1.0_wp - simulation%method%transfer%keep(), free_velocity, velocity, acceleration)
-         ! what the particles will gain in velocity through each node because of the faces
-         free_velocity = dt*(acceleration - free_acceleration) &
-            + (1.0_wp - simulation%method%transfer%keep())*(velocity - free_velocity)
-      else
-         free_velocity = 0.0_wp
-      end if
+      ruled = walls_touch(simulation, tile)
+      push = 0.0_wp
+      work = 0.0_wp
+      if (ruled) call impose_walls(simulation, tile, dt, velocity, acceleration, push, work)
       if (tile > simulation%tiles%own .or. .not. dt > 0.0_wp) return
       if (allocated(simulation%gravity)) then
-         free_velocity(1, :) = free_velocity(1, :) + dt*simulation%gravity(1)
-         free_velocity(2, :) = free_velocity(2, :) + dt*simulation%gravity(2)
-         free_velocity(3, :) = free_velocity(3, :) + dt*simulation%gravity(3)
+         push(1, :) = push(1, :) + dt*simulation%gravity(1)
+         push(2, :) = push(2, :) + dt*simulation%gravity(2)
+         push(3, :) = push(3, :) + dt*simulation%gravity(3)
       else if (.not. ruled) then
          return
       end if
       if (allocated(simulation%nodes%push)) then
          ! contact will change the velocities with which it works
-         simulation%nodes%push(:, :, tile) = free_velocity
+         simulation%nodes%push(:, :, tile) = push
          return
       end if
-      call book_push(simulation, scratch%ledger, tile, free_velocity, &
-         velocity + 0.5_wp*dt*acceleration)
+      call book_push(simulation, scratch%ledger, tile, push, &
+         velocity + 0.5_wp*dt*acceleration, work)
    end subroutine constrain_tile
 
    !> Book impulse, its moment, and work of a push on the nodes of a tile.
-   subroutine book_push(simulation, ledger, tile, push, velocity)
+   subroutine book_push(simulation, ledger, tile, push, velocity, more)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: push(:, :)             !! (3, node) Gain of velocity [m/s]
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) In the middle of the step [m/s]
+      real(wp), intent(in), optional :: more(:)      !! (node) Work besides that of the push [J/kg]
       real(wp) :: own(simulation%nodes%motion(1)%rows, size(push, 2))
       real(wp) :: total(3), turn(3), work, part(3), corner(3), place(3)
       integer :: node, k
@@ -285,12 +277,15 @@ contains
       corner = simulation%grid%tile_corner(simulation%tiles%coordinate(:, tile))
       call simulation%nodes%motion(1)%get(simulation%grid, simulation%nodes%touched, tile, own)
       do node = 1, size(push, 2)
+         ! faces push few of the nodes
+         if (.not. abs(push(1, node)) + abs(push(2, node)) + abs(push(3, node)) > 0.0_wp) cycle
          if (.not. own(1, node) > 0.0_wp) cycle
          part = own(1, node)*push(:, node)
          place = corner + simulation%grid%spacing*real(simulation%grid%node_position(node), wp)
          total = total + part
          turn = turn + cross(place, part)
          work = work + dot_product(part, velocity(:, node))
+         if (present(more)) work = work + own(1, node)*more(node)
       end do
       do k = 1, 3
          call ledger%sums(impulse + k - 1)%add(total(k))
@@ -311,14 +306,13 @@ contains
       !$omp parallel do default(none) shared(simulation) private(tile, none, momentum) &
       !$omp schedule(static)
       do tile = 1, simulation%tiles%all
-         associate (strain => simulation%nodes%strain(:, :, tile), &
-            coordinate => simulation%tiles%coordinate(:, tile))
+         associate (strain => simulation%nodes%strain(:, :, tile))
             call assemble(simulation%grid, simulation%tiles, simulation%nodes%extra, tile, momentum)
             ! linear velocity fields bring the mass along, in front
             strain = momentum(size(momentum, 1) - 2:, :)
             call divide(simulation%nodes%mass(:, :, tile), 1, strain)
             none = 0.0_wp
-            call simulation%boundary%constrain(simulation%grid, coordinate, strain, none)
+            call stop_at_walls(simulation, tile, strain, none)
          end associate
       end do
       !$omp end parallel do

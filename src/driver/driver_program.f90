@@ -230,9 +230,10 @@ contains
             call session%log%info(note)
          end if
       else
-         call begin_run(session%simulation, session%bodies, session%survey, error)
+         call begin_run(session%simulation, session%bodies, session%survey, session%shapes, error)
       end if
       if (allocated(error)) return
+      call forget_shapes(session)
       call session%outputs%open(session%simulation, session%command%restart, note, error)
       if (allocated(error)) return
       if (len(note) > 0) call session%log%warn(note//"left out of the series; the run goes on")
@@ -321,4 +322,16 @@ contains
       if (allocated(session%command%checkpoint)) file = session%command%checkpoint
       call resume(session%simulation, session%outputs, session%place, file, note, error)
    end subroutine go_on
+
+   !> Particles are there: nobody needs voxels, facets and lists of points any more.
+   subroutine forget_shapes(session)
+      type(session_t), intent(inout) :: session      !! Loses its regions
+      integer :: n
+
+      deallocate (session%shapes)
+      do n = 1, size(session%bodies)
+         if (allocated(session%bodies(n)%shape%shape)) deallocate (session%bodies(n)%shape%shape)
+         if (allocated(session%bodies(n)%given)) deallocate (session%bodies(n)%given)
+      end do
+   end subroutine forget_shapes
 end module driver_program

@@ -10,9 +10,11 @@ module driver_scene
    use driver_exact_deck, only: read_exact
    use driver_method, only: position_of
    use driver_output, only: outputs_t
+   use driver_points, only: compare_fields, pack_points
    use driver_shapes, only: read_shapes, named_shape_t
    use driver_simulation, only: simulation_t
    use driver_start, only: make_stores, prepare
+   use driver_walls_deck, only: read_walls
    use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
       version_text
    use io_checkpoint, only: checkpoint_place_t
@@ -21,6 +23,7 @@ module driver_scene
    use material_wishes, only: wishes_t
    use mesh_boundary, only: face_names, face_outflow, face_periodic, face_symmetry, face_types
    use mesh_grid, only: grid_t
+   use particle_disks, only: disks_t, start_disks
    use particle_fill, only: body_t
    use particle_store, only: traits_t
    implicit none
@@ -64,6 +67,7 @@ contains
       call read_shapes(deck, simulation%communicator, simulation%grid, shapes)
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
+      call read_walls(deck, simulation, shapes)
       if (deck%errors() > 0) return
       call read_contact(deck, simulation, bodies)
       if (deck%errors() > 0) return
@@ -157,7 +161,7 @@ contains
             group = deck%group("boundary", index)
             call group%get("face", face)
             call group%get("type", kind)
-            if ((face == "all") .neqv. (pass == 1)) cycle
+            if (((face == "all") .neqv. (pass == 1)) .or. group%given("region")) cycle
             do side = 1, 6
                if (face /= face_names(side) .and. face /= "all") cycle
                simulation%boundary%kind(side) = position_of(kind, face_types)
@@ -274,8 +278,9 @@ contains
             call group%get("region", region)
             call group%get("material", material)
             do place = 1, size(shapes)
-               if (shapes(place)%name == region) body%shape = shapes(place)%shape
+               if (shapes(place)%name == region) body%region = place
             end do
+            body%shape = shapes(body%region)%shape
             do place = 1, size(simulation%materials)
                if (simulation%materials(place)%name == material) body%store = place
             end do
@@ -293,9 +298,56 @@ contains
                body%per_cell = 1
                body%velocity = 0.0_wp
             end where
+            if (packing == "poisson_disk") call pack_disks(deck, simulation%grid, index, body)
+            call read_points(deck, simulation, group, shapes(body%region), body)
          end associate
       end do
    end subroutine read_bodies
+
+   !> Particles at random places, no two of them near each other.
+   subroutine pack_disks(deck, grid, index, body)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: index                   !! Number of the body
+      type(body_t), intent(inout) :: body            !! Gets its particles
+      type(group_t) :: group
+      type(disks_t) :: disks
+      integer :: seed
+
+      group = deck%group("run")
+      call group%get("seed", seed)
+      call start_disks(disks, grid, product(body%per_cell), int(seed, int64), int(index, int64))
+      allocate (body%given, source=disks)
+   end subroutine pack_disks
+
+   !> Particles of a list, where region and packing say so, and what they take from it.
+   subroutine read_points(deck, simulation, group, shape, body)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! Materials and grid
+      type(group_t), intent(in) :: group             !! The &body
+      type(named_shape_t), intent(in) :: shape       !! Its region
+      type(body_t), intent(inout) :: body            !! Gets its particles
+      character(len=:), allocatable :: packing, stress
+      type(traits_t) :: traits
+
+      call group%get("packing", packing)
+      call group%get("initial_stress", stress)
+      body%keeps_stress = stress == "file"
+      if (allocated(shape%points) .neqv. packing == "file") then
+         if (packing == "file") call deck%complain(group, "packing = 'file' needs a region of "// &
+            "shape = 'points'", "packing")
+         if (packing /= "file") call deck%complain(group, "its region is a list of points; "// &
+            "write packing = 'file'", "packing")
+      else if (allocated(shape%points)) then
+         call pack_points(deck, simulation%grid, simulation%boundary, group, shape%points, body)
+         call simulation%method%request(traits)
+         call compare_fields(deck, group, simulation%materials(body%store), traits, shape%points, &
+            body%keeps_stress)
+      else if (body%keeps_stress) then
+         call deck%complain(group, "initial_stress = 'file' needs packing = 'file' and a "// &
+            "snapshot of another run", "initial_stress")
+      end if
+   end subroutine read_points
 
    !> Internal energy at the start, of a material that carries it.
    subroutine read_energy(deck, group, material, body)

@@ -6,6 +6,9 @@ module driver_shapes
    use base_kinds, only: wp
    use base_text, only: text_t
    use driver_facets, only: read_facets
+   use driver_points, only: point_region_t, read_point_region
+   use driver_prism, only: build_prism
+   use driver_voxels, only: read_voxel_region
    use mesh_grid, only: grid_t
    use particle_shape, only: box, combine, cylinder, set_difference, set_intersection, set_union, &
       shape_holder_t, sphere
@@ -19,6 +22,7 @@ module driver_shapes
    type :: named_shape_t
       character(len=:), allocatable :: name          !! Name in the deck
       type(shape_holder_t) :: shape                  !! Where it is
+      type(point_region_t), allocatable :: points    !! Its points, if it is a list of them
       logical :: ready = .false.                     !! Is the shape built?
       logical :: asked = .false.                     !! Is it being built?
    end type named_shape_t
@@ -68,6 +72,13 @@ contains
          call build_set(deck, communicator, grid, shapes, index, group, word)
       case ("stl")
          call read_facets(communicator, deck, group, shapes(index)%shape)
+      case ("voxel")
+         call read_voxel_region(communicator, deck, grid, group, shapes(index)%shape)
+      case ("points")
+         call read_point_region(communicator, deck, grid, group, shapes(index)%points, &
+            shapes(index)%shape)
+      case ("prism")
+         call build_prism(deck, grid, group, shapes(index)%shape)
       case ("ellipsoid", "cone", "torus", "halfspace")
          call build_solid(grid, group, word, shapes(index)%shape)
       case default
@@ -164,6 +175,9 @@ contains
          do other = 1, size(shapes)
             if (shapes(other)%name /= names(n)%text) cycle
             call build(deck, communicator, grid, shapes, other)
+            if (allocated(shapes(other)%points)) call deck%complain(group, "'"// &
+               names(n)%text//"' is a list of points, which has no inside; name other regions", &
+               key="of")
             operands(n) = shapes(other)%shape
          end do
       end do

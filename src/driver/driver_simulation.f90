@@ -18,6 +18,7 @@ module driver_simulation
    use mesh_grid, only: grid_t
    use mesh_halo, only: halo_t
    use mesh_pieces, only: boxes_t, pieces_t
+   use mesh_rigid, only: rigid_t
    use mesh_tiles, only: tiles_t
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
@@ -174,6 +175,7 @@ module driver_simulation
       type(communicator_t) :: communicator           !! The ranks
       type(grid_t) :: grid                           !! The grid
       type(boundary_t) :: boundary                   !! The faces
+      type(rigid_t), allocatable :: rigid            !! If regions rule nodes
       type(tiles_t) :: tiles                         !! The tiles of this rank
       type(halo_t) :: halo                           !! Which of them other ranks see
       type(material_t), allocatable :: materials(:)  !! The materials

@@ -13,6 +13,7 @@ module driver_start
    use mesh_curve, only: curve_key
    use mesh_tiles, only: partition_keys
    use omp_lib, only: omp_get_max_threads
+   use particle_even, only: even_volumes
    use particle_fill, only: body_t, fill_bodies, survey_bodies
    use particle_place, only: find_place
    use particle_store, only: traits_t
@@ -106,12 +107,13 @@ contains
       if (allocated(simulation%contact)) call bond_stores(simulation)
    end subroutine make_stores
 
-   !> Count the particles of bodies and tiles.
+   !> Count the particles of bodies and tiles, and find the volumes of those that lie at random.
    subroutine take_survey(simulation, bodies, survey)
       type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(inout) :: bodies(:)       !! The bodies; get factors of volumes
       type(survey_t), intent(out) :: survey          !! The counts
 
+      call even_volumes(simulation%communicator, simulation%grid, bodies)
       allocate (survey%body(size(bodies)))
       call survey_bodies(simulation%communicator, simulation%grid, bodies, survey%key, &
          survey%tile, survey%body)

@@ -9,6 +9,7 @@ module driver_sweep
    use driver_nodes, only: book_push
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
+   use driver_walls, only: stop_at_walls, walls_touch
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
@@ -111,15 +112,14 @@ contains
       real(wp) :: centre(3, simulation%grid%tile_nodes)
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
-         coordinate => simulation%tiles%coordinate(:, tile), &
          term => simulation%nodes%term(:, :, tile), transfer => simulation%method%transfer)
          call assemble(grid, simulation%tiles, nodes%extra, tile, again)
          call divide(nodes%mass(:, :, tile), 1, again)
          again = term - again
          ! where a face rules, all terms but the first vanish as an acceleration does
-         if (simulation%boundary%touches(grid, coordinate)) then
+         if (walls_touch(simulation, tile)) then
             free = again
-            call simulation%boundary%constrain(grid, coordinate, term, again)
+            call stop_at_walls(simulation, tile, term, again)
             free = again - free
             centre = nodes%velocity(:, :, tile) + 0.5_wp*dt*nodes%acceleration(:, :, tile)
             call book_push(simulation, scratch%ledger, tile, free, centre)
@@ -245,11 +245,14 @@ contains
       real(wp), contiguous, intent(inout) :: vector(:, :) !! (particle of the tile, 3) [m/s]
       integer :: p, k
 
-      do k = 1, 3
-         do p = 1, store%count(tile)
-            vector(p, k) = keep*store%velocity(store%first(tile) + p - 1, k) + vector(p, k)
+      associate (before => store%first(tile) - 1, velocity => store%velocity)
+         do k = 1, 3
+            !$omp simd
+            do p = 1, store%count(tile)
+               vector(p, k) = keep*velocity(before + p, k) + vector(p, k)
+            end do
          end do
-      end do
+      end associate
    end subroutine keep_velocity
 
    !> Mass and momentum of linear velocity fields that are in the scratch space.

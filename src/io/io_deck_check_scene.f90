@@ -111,6 +111,13 @@ contains
          call boundary%get("face", face)
          call boundary%get("type", kind)
          call check_plane(deck, boundary, "velocity")
+         call check_wall(deck, boundary, face, kind)
+         if (boundary%given("region")) then
+            do k = 1, 6
+               if (face_names(k) == face) call check_face(deck, boundary, dimension, k, kind)
+            end do
+            cycle
+         end if
          if (face == "all") then
             if (every > 0) call deck%complain(boundary, "face = 'all' is given twice", "face")
             every = i
@@ -127,10 +134,41 @@ contains
       end do
       do i = 1, deck%count("boundary")
          boundary = deck%group("boundary", i)
+         if (boundary%given("region")) cycle
          call boundary%get("face", face)
          call check_pair(deck, boundary, face, periodic)
       end do
    end subroutine check_boundaries
+
+   !> What a wall must have, and what does not go together.
+   subroutine check_wall(deck, boundary, face, kind)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      type(group_t), intent(in) :: boundary              !! One boundary
+      character(len=*), intent(in) :: face               !! Its face, may be empty
+      character(len=*), intent(in) :: kind               !! Its type
+      real(wp) :: begin, end
+
+      if (.not. (boundary%given("face") .or. boundary%given("region"))) then
+         call deck%complain(boundary, "face or region must be given (a face of the grid, or a "// &
+            "rigid region)")
+      else if (boundary%given("region") .and. (kind == "symmetry" .or. kind == "periodic" .or. &
+         (kind == "outflow" .and. .not. boundary%given("face")))) then
+         call deck%complain(boundary, "a region cannot be type = '"//kind//"'; "//trim(merge( &
+            "use outflow, stick, slip, friction or velocity", &
+            "use stick, slip, friction or velocity         ", boundary%given("face"))), "type")
+      end if
+      if (boundary%given("face") .and. kind /= "velocity" .and. kind /= "") then
+         if (boundary%given("velocity")) call deck%complain(boundary, "a face moves only with "// &
+            "type = 'velocity'; remove velocity, or use a region", "velocity")
+         if (boundary%given("table")) call deck%complain(boundary, "a face moves only with "// &
+            "type = 'velocity'; remove table, or use a region", "table")
+      end if
+      if (boundary%known("t_off") .and. boundary%known("t_on")) then
+         call boundary%get("t_on", begin)
+         call boundary%get("t_off", end)
+         if (.not. end > begin) call deck%complain(boundary, "t_off must be after t_on", "t_off")
+      end if
+   end subroutine check_wall
 
    !> A face must exist in the scene; on the axis only mirrors make sense.
    subroutine check_face(deck, boundary, dimension, face, kind)

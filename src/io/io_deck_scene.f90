@@ -11,6 +11,7 @@ module io_deck_scene
    character(len=*), parameter :: solids = &
       "shape = sphere cylinder ellipsoid cone torus halfspace" !! Shapes with a centre
    character(len=*), parameter :: round = "shape = sphere cylinder cone torus" !! With a radius
+   character(len=*), parameter :: walls = "velocity slip stick friction" !! Types that may move
    character(len=*), parameter :: sets = "shape = union difference intersection"
 
 contains
@@ -22,8 +23,8 @@ contains
       call schema%group("region", "a shape, or a set operation on shapes", many=.true.)
       call schema%text("region", "name", "what bodies and other regions refer to")
       call schema%text("region", "shape", "kind of shape", &
-         words="box sphere cylinder cone ellipsoid torus halfspace stl union difference "// &
-         "intersection")
+         words="box sphere cylinder cone ellipsoid torus halfspace prism stl voxel points "// &
+         "union difference intersection")
       call schema%real("region", "lo(3)", "lower corner of a box", unit="m", owner="shape = box")
       call schema%real("region", "hi(3)", "upper corner of a box", unit="m", owner="shape = box")
       call schema%real("region", "centre(3)", "centre; of a cylinder or cone the middle of its "// &
@@ -34,12 +35,27 @@ contains
          "torus that of its section", unit="m", range=">= 0", owner="shape = cone torus")
       call schema%real("region", "semi_axes(3)", "half the axes, along x, y and z", unit="m", &
          range="> 0", owner="shape = ellipsoid")
-      call schema%real("region", "axis(3)", "direction of the axis", default="0 0 1", &
-         owner="shape = cylinder cone torus")
+      call schema%real("region", "axis(3)", "direction of the axis; of a prism one of the "// &
+         "coordinates, in a plane scene the one that it lacks", default="0 0 1", &
+         owner="shape = cylinder cone torus prism")
       call schema%real("region", "normal(3)", "direction out of the halfspace", &
          owner="shape = halfspace")
-      call schema%text("region", "file", "facets in STL, lengths in the unit of the deck; path "// &
-         "relative to the deck", owner="shape = stl")
+      call schema%real("region", "polygon(:400)", "corners of a prism in turn, two numbers "// &
+         "each: in a plane scene x and z, in space the two coordinates other than its axis", &
+         unit="m", owner="shape = prism")
+      call schema%real("region", "span(2)", "where a prism begins and ends along its axis; in "// &
+         "space only", unit="m", owner="shape = prism")
+      call schema%text("region", "file", "of stl: facets; of voxel: HDF5, or MetaImage (.mhd, "// &
+         ".mha); of points: CSV, or a snapshot (.hdf, .h5); lengths in the unit of the deck; "// &
+         "path relative to the deck", owner="shape = stl voxel points")
+      call schema%real("region", "point_volume", "volume of each point, where the file has none", &
+         unit="m3", range="> 0", owner="shape = points")
+      call schema%text("region", "from_body", "body of a snapshot whose points are taken; "// &
+         "without it those of all bodies of the material", owner="shape = points")
+      call schema%text("region", "dataset", "name of the voxels in an HDF5 file", &
+         default="/voxels", owner="shape = voxel")
+      call schema%integer("region", "voxel_value", "which voxels belong to it: those of this "// &
+         "value, or nearest to it", default="1", owner="shape = voxel")
       call schema%real("region", "height", "length along the axis", unit="m", range="> 0", &
          owner="shape = cylinder cone")
       call schema%text("region", "of(:8)", &
@@ -51,7 +67,7 @@ contains
       call schema%real("region", "translate(3)", "displacement, applied last", unit="m", &
          default="0 0 0")
       call schema%require("region", "name shape lo hi centre radius radius2 semi_axes "// &
-         "normal file height of")
+         "normal polygon file height of")
       call schema%refer("region", "of", "region")
    end subroutine declare_region
 
@@ -68,8 +84,11 @@ contains
       call schema%text("body", "packing", &
          "lattice: whole sites with their middles inside; cut: "// &
          "those at the surface have the volume and centre of what is inside; jitter: a lattice "// &
-         "whose points are moved aside by chance, up to a quarter of their distance", &
-         default="lattice", words="lattice cut jitter")
+         "whose points are moved aside by chance, up to a quarter of their distance; "// &
+         "poisson_disk: points at random, none near another; file: the points of its region", &
+         default="lattice", words="lattice cut jitter poisson_disk file")
+      call schema%text("body", "initial_stress", "zero; file: that of the snapshot which its "// &
+         "points come from", default="zero", words="zero file")
       call schema%real("body", "velocity(3)", "velocity of its centre of mass", unit="m/s", &
          default="0 0 0")
       call schema%real("body", "spin(3)", "angular velocity about its centre of mass", unit="1/s", &
@@ -92,18 +111,28 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("boundary", &
-         "what holds on a face of the grid; faces without one are open", &
-         many=.true.)
+         "what holds on a face of the grid, on a part of it, or in a rigid region; faces "// &
+         "without one are open", many=.true.)
       call schema%text("boundary", "face", "one face or all that have no other", words="all")
       call schema%words("boundary", "face", face_names)
+      call schema%text("boundary", "region", "without face: a rigid body, whose nodes have the "// &
+         "type; with face: the part of the face in it")
       call schema%text("boundary", "type", "outflow: points leave and are booked; velocity: a "// &
          "rigid moving wall; friction: a wall that rubs and does not pull")
       call schema%words("boundary", "type", face_types)
-      call schema%real("boundary", "velocity(3)", "velocity of the wall", unit="m/s", &
-         default="0 0 0", owner="type = velocity")
+      call schema%real("boundary", "velocity(3)", "velocity of the wall; of a face only with "// &
+         "type = velocity", unit="m/s", default="0 0 0", owner="type = "//walls)
+      call schema%text("boundary", "table", "file of lines t, vx, vy, vz in the units of the "// &
+         "deck, added to velocity, straight between; path relative to the deck", &
+         owner="type = "//walls)
       call schema%real("boundary", "friction", "coefficient of friction of the wall", &
          range=">= 0", owner="type = friction")
-      call schema%require("boundary", "face type friction")
+      call schema%real("boundary", "t_on", "time at which the wall comes, and a region begins "// &
+         "to move", unit="s", default="0.0", range=">= 0", owner="type = "//walls)
+      call schema%real("boundary", "t_off", "time at which it goes; a face is open then", &
+         unit="s", range="> 0", owner="type = "//walls)
+      call schema%require("boundary", "type friction")
+      call schema%refer("boundary", "region", "region")
    end subroutine declare_boundary
 
    !> Declare &contact.

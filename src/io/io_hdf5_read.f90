@@ -3,12 +3,13 @@
 module io_hdf5_read
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
-   use hdf5, only: h5aclose_f, h5aexists_by_name_f, h5aopen_by_name_f, h5aread_f, h5close_f, &
-      h5dclose_f, h5dget_space_f, h5dget_type_f, h5dopen_f, h5dread_f, h5f_acc_rdonly_f, &
-      h5fclose_f, h5fopen_f, h5g_dataset_f, h5gget_obj_info_idx_f, h5gn_members_f, h5lexists_f, &
-      h5s_select_set_f, h5sclose_f, h5screate_simple_f, h5sget_simple_extent_dims_f, &
-      h5sget_simple_extent_ndims_f, h5sselect_hyperslab_f, h5t_float_f, h5t_native_double, &
-      h5t_std_i64le, h5t_std_u8le, h5tclose_f, h5tget_class_f, h5tget_size_f, hid_t, hsize_t, size_t
+   use hdf5, only: h5aclose_f, h5aexists_by_name_f, h5aget_space_f, h5aopen_by_name_f, &
+      h5aread_f, h5close_f, h5dclose_f, h5dget_space_f, h5dget_type_f, h5dopen_f, h5dread_f, &
+      h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, h5g_dataset_f, h5gget_obj_info_idx_f, &
+      h5gn_members_f, h5lexists_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
+      h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
+      h5sselect_hyperslab_f, h5t_float_f, h5t_native_double, h5t_std_i64le, h5t_std_u8le, &
+      h5tclose_f, h5tget_class_f, h5tget_size_f, hid_t, hsize_t, size_t
    use io_file, only: file_exists
    use io_hdf5, only: start_library
    use io_libc, only: failure_text
@@ -42,6 +43,10 @@ module io_hdf5_read
       procedure :: info => source_info                   !! What a data set is
       procedure :: members => source_members             !! What is in a group
       procedure :: text => source_text                   !! Bytes of a data set as a text
+      procedure :: extents => source_extents             !! Numbers along each direction
+      procedure :: layers => source_layers               !! Some layers of a data set
+      procedure :: list => source_list                   !! Numbers of an attribute
+      procedure :: names => source_names                 !! Texts of a data set
       procedure, private :: source_real, source_whole, source_reals, source_vectors, source_wholes
       !> Read an attribute.
       generic :: attribute => source_real, source_whole
@@ -335,4 +340,102 @@ contains
       extent = len(text)
       call read_any(self, name, 0_int64, extent, h5t_std_u8le, c_loc(text(1:1)), error)
    end subroutine source_text
+
+   !> Numbers along each direction of a data set of one to three, the fastest first.
+   subroutine source_extents(self, name, extent, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      integer, allocatable, intent(out) :: extent(:)     !! (direction)
+      type(error_t), allocatable, intent(out) :: error   !! No such data set, or of another form
+      integer(hid_t) :: data_set, space
+      integer(hsize_t) :: numbers(3), most(3)
+      integer :: dimensions, ignored, status
+
+      call h5dopen_f(self%id, name, data_set, status)
+      if (status < 0) then
+         call fail(error, exit_file, "'"//self%path//"' has no data set '"//name//"'")
+         return
+      end if
+      call h5dget_space_f(data_set, space, status)
+      call h5sget_simple_extent_ndims_f(space, dimensions, status)
+      if (dimensions >= 1 .and. dimensions <= 3) then
+         call h5sget_simple_extent_dims_f(space, numbers(:dimensions), most(:dimensions), status)
+         extent = int(numbers(:dimensions))
+      end if
+      call h5sclose_f(space, ignored)
+      call h5dclose_f(data_set, ignored)
+      if (.not. allocated(extent)) call fail(error, exit_file, "'"//name//"' of '"//self%path// &
+         "' must have one to three dimensions")
+   end subroutine source_extents
+
+   !> Read layers of a data set, which count along its slowest direction.
+   subroutine source_layers(self, name, before, extent, values, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      integer, intent(in) :: before                      !! Layers before the first wanted
+      integer, intent(in) :: extent(:)                   !! Wanted, as `extents` has them
+      real(wp), contiguous, target, intent(out) :: values(:) !! All of them, fastest first
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+
+      call read_any(self, name, int(before, int64), extent, h5t_native_double, c_loc(values), &
+         error)
+   end subroutine source_layers
+
+   !> Read an attribute of one number or several; none if there is no such attribute.
+   subroutine source_list(self, object, name, values, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: object             !! Group or data set, from the root
+      character(len=*), intent(in) :: name               !! Name of the attribute
+      real(wp), allocatable, intent(out) :: values(:)    !! Its numbers
+      type(error_t), allocatable, intent(out) :: error   !! It is there and cannot be read
+      real(wp), allocatable, target :: copy(:)
+      integer(hid_t) :: attribute, space
+      integer(hsize_t) :: numbers
+      integer :: ignored, status
+      logical :: there
+
+      allocate (values(0))
+      call h5aexists_by_name_f(self%id, object, name, there, status)
+      if (status < 0 .or. .not. there) return
+      numbers = 0
+      call h5aopen_by_name_f(self%id, object, name, attribute, status)
+      if (status >= 0) then
+         call h5aget_space_f(attribute, space, status)
+         call h5sget_simple_extent_npoints_f(space, numbers, status)
+         call h5sclose_f(space, ignored)
+         call h5aclose_f(attribute, ignored)
+      end if
+      if (numbers < 1) then
+         call fail_at(self, object//" attribute "//name, error)
+         return
+      end if
+      allocate (copy(numbers))
+      copy = 0.0_wp
+      call read_attribute(self, object, name, h5t_native_double, c_loc(copy), error)
+      values = copy
+   end subroutine source_list
+
+   !> Read the texts of a data set, all of one length, one behind the other.
+   subroutine source_names(self, name, length, names, error)
+      class(hdf5_source_t), intent(in) :: self           !! The file
+      character(len=*), intent(in) :: name               !! From the root
+      integer, intent(out) :: length                     !! Of a text
+      character(len=:), allocatable, intent(out), target :: names !! The texts
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      type(data_info_t) :: info
+      integer(hid_t) :: data_set, kind
+      integer :: extent(1), ignored, status
+
+      names = ""
+      call self%info(name, info, error)
+      length = info%bytes
+      if (allocated(error) .or. info%rows == 0) return
+      names = repeat(" ", length*int(info%rows))
+      call h5dopen_f(self%id, name, data_set, status)
+      call h5dget_type_f(data_set, kind, status)
+      extent = int(info%rows)
+      call read_any(self, name, 0_int64, extent, kind, c_loc(names(1:1)), error)
+      call h5tclose_f(kind, ignored)
+      call h5dclose_f(data_set, ignored)
+   end subroutine source_names
 end module io_hdf5_read

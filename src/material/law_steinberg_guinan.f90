@@ -178,8 +178,9 @@ contains
             ratio(i) = max(self%modulus(matter, k, pressure), least_modulus)
             stress(k, :) = stress(k, :)/ratio(i)
          end do
-         call predict_deviator(first, last, self%shear, deformation%gradient, matter%volume, &
-            stress, deformation%old_volume, deformation%dilatation, deformation%pressure)
+         call predict_deviator(first, last, deformation%plane, self%shear, deformation%gradient, &
+            matter%volume, stress, deformation%old_volume, deformation%dilatation, &
+            deformation%pressure)
          do i = 1, last - first + 1
             k = first - 1 + i
             stress(k, :) = stress(k, :)*ratio(i)

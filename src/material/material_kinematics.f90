@@ -17,12 +17,17 @@ contains
    !! volume grows by det(I + G) to third order, so that volume and places stay together in a
    !! shock (T. J. R. Hughes, J. Winget, Int. J. Numer. Methods Eng. 15 (1980) 1862).
    ! gate: long kernel because the inverse of a matrix is nine numbers
-   pure subroutine centre_gradient(count, gradient)
+   pure subroutine centre_gradient(count, plane, gradient)
       integer, intent(in) :: count                         !! Particles
+      logical, intent(in) :: plane                         !! Is y a direction of its own?
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle, 9) (k, l) in k + 3 (l - 1)
       real(wp) :: g(9), a(9), b(9), determinant, inverse
       integer :: i, row
 
+      if (plane) then
+         call centre_plane(count, gradient)
+         return
+      end if
       !$omp simd private(g, a, b, determinant, inverse, row)
       do i = 1, count
          g(1) = gradient(i, 1)
@@ -62,10 +67,40 @@ contains
       end do
    end subroutine centre_gradient
 
+   !> The same where y is a direction of its own: what has one index y is zero and is not looked
+   !! at.
+   pure subroutine centre_plane(count, gradient)
+      integer, intent(in) :: count                         !! Particles
+      real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle, 9) (k, l) in k + 3 (l - 1)
+      real(wp) :: xx, zx, xz, zz, yy, a1, a3, a7, a9, inverse
+      integer :: i
+
+      !$omp simd private(xx, zx, xz, zz, yy, a1, a3, a7, a9, inverse)
+      do i = 1, count
+         xx = gradient(i, 1)
+         zx = gradient(i, 3)
+         yy = gradient(i, 5)
+         xz = gradient(i, 7)
+         zz = gradient(i, 9)
+         a1 = 1.0_wp + 0.5_wp*xx
+         a3 = 0.5_wp*zx
+         a7 = 0.5_wp*xz
+         a9 = 1.0_wp + 0.5_wp*zz
+         ! bounds as above; those of the determinant of all three directions
+         inverse = 1.0_wp/max(a1*a9 - a7*a3, 0.05_wp)
+         gradient(i, 1) = (xx*a9 - xz*a3)*inverse
+         gradient(i, 3) = (zx*a9 - zz*a3)*inverse
+         gradient(i, 7) = (xz*a1 - xx*a7)*inverse
+         gradient(i, 9) = (zz*a1 - zx*a7)*inverse
+         gradient(i, 5) = yy/max(1.0_wp + 0.5_wp*yy, 0.05_wp)
+      end do
+   end subroutine centre_plane
+
    !> Gradient at the middle of a step whose motion is over: places were x - G x with the gradient
    !! at the new places, so it is G (I - G/2)**-1.
-   pure subroutine centre_backward(count, gradient)
+   pure subroutine centre_backward(count, plane, gradient)
       integer, intent(in) :: count                   !! Particles
+      logical, intent(in) :: plane                   !! Is y a direction of its own?
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle of the tile, 9)
       integer :: p, k
 
@@ -74,7 +109,7 @@ contains
             gradient(p, k) = -gradient(p, k)
          end do
       end do
-      call centre_gradient(count, gradient)
+      call centre_gradient(count, plane, gradient)
       do k = 1, 9
          do p = 1, count
             gradient(p, k) = -gradient(p, k)
@@ -231,10 +266,11 @@ contains
    !! strain is added before the rotation and half after it, which makes the step of second order.
    !! On return the stress is a deviator and the pressure is the old mean pressure with its viscous
    !! part.
-   pure subroutine predict_deviator(first, last, shear, gradient, volume, stress, old_volume, &
-      dilatation, pressure)
+   pure subroutine predict_deviator(first, last, plane, shear, gradient, volume, stress, &
+      old_volume, dilatation, pressure)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
+      logical, intent(in) :: plane                   !! Is y a direction of its own?
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
       real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]
@@ -245,6 +281,11 @@ contains
       real(wp) :: trace, mean, sxx, syy, szz, sxy, syz, sxz, dxx, dyy, dzz, dxy, dyz, dxz
       integer :: i, k
 
+      if (plane) then
+         call predict_plane(first, last, shear, gradient, volume, stress, old_volume, dilatation, &
+            pressure)
+         return
+      end if
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          trace = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
@@ -276,6 +317,58 @@ contains
          stress(k, 6) = sxz + dxz
       end do
    end subroutine predict_deviator
+
+   !> The same where y is a direction of its own: gradients and stresses with one index y are zero,
+   !! and rotations are about y.
+   ! gate: long kernel because it is the step of all fields of a particle
+   pure subroutine predict_plane(first, last, shear, gradient, volume, stress, old_volume, &
+      dilatation, pressure)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
+      real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]
+      real(wp), contiguous, intent(inout) :: stress(:, :) !! Stress in, deviator out (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: old_volume(:) !! Volume before (range) [m3]
+      real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
+      real(wp), contiguous, intent(inout) :: pressure(:)   !! Old mean pressure (range) [Pa]
+      real(wp) :: trace, mean, sxx, szz, sxz, dxx, dyy, dzz, dxz, turn, a, c, s, half, rest, sheared
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         trace = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
+         dilatation(i) = trace
+         old_volume(i) = volume(k)
+         volume(k) = volume(k)*growth(trace)
+         dxx = shear*(gradient(i, 1) - trace/3.0_wp)
+         dyy = shear*(gradient(i, 5) - trace/3.0_wp)
+         dzz = shear*(gradient(i, 9) - trace/3.0_wp)
+         dxz = 0.5_wp*shear*(gradient(i, 7) + gradient(i, 3))
+         mean = (stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
+         pressure(i) = -mean
+         sxx = stress(k, 1) - mean + dxx
+         szz = stress(k, 3) - mean + dzz
+         sxz = stress(k, 6) + dxz
+         ! cosine and sine of the turn from z to x, by the tangent of its half; the mean of xx and
+         ! zz stays
+         turn = 0.5_wp*(gradient(i, 7) - gradient(i, 3))
+         a = 1.0_wp/(1.0_wp + 0.25_wp*turn*turn)
+         c = 1.0_wp - 0.5_wp*a*turn*turn
+         s = a*turn
+         half = 0.5_wp*(sxx + szz)
+         rest = 0.5_wp*(sxx - szz)
+         sheared = c*sxz - s*rest
+         rest = c*rest + s*sxz
+         ! turned once; a tensor of second order turns twice
+         sxz = c*sheared - s*rest
+         rest = c*rest + s*sheared
+         stress(k, 1) = half + rest + dxx
+         stress(k, 2) = stress(k, 2) - mean + 2.0_wp*dyy
+         stress(k, 3) = half - rest + dzz
+         stress(k, 6) = sxz + dxz
+      end do
+   end subroutine predict_plane
 
    !> Rotate a symmetric tensor by the rotation Q = I + (W + W W/2)/(1 + w w/4) that belongs to the
    !! spin increment W with axial vector w.

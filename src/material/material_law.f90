@@ -131,8 +131,9 @@ contains
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range
 
-      call predict_deviator(first, last, self%shear, deformation%gradient, matter%volume, &
-         matter%stress, deformation%old_volume, deformation%dilatation, deformation%pressure)
+      call predict_deviator(first, last, deformation%plane, self%shear, deformation%gradient, &
+         matter%volume, matter%stress, deformation%old_volume, deformation%dilatation, &
+         deformation%pressure)
    end subroutine law_predict
 
    !> Add to the square of the wave speed what the law contributes. A law that gives the whole

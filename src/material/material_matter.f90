@@ -36,6 +36,8 @@ module material_matter
    !! by the transfer, all else by the material. Index 1 belongs to the first particle of the range,
    !! not of the store.
    type :: deformation_t
+      !> Is y a direction of its own? Then gradients and stresses with one index y are zero.
+      logical :: plane = .false.
       real(wp), allocatable :: gradient(:, :)        !! dt du_k/dx_l, column k + 3 (l - 1) [1]
       real(wp), allocatable :: old_volume(:)         !! Volume before the step [m3]
       real(wp), allocatable :: dilatation(:)         !! Trace of the strain increment [1]

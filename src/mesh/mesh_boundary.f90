@@ -3,18 +3,13 @@
 module mesh_boundary
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
+   use mesh_wall, only: face_friction, face_outflow, face_periodic, face_slip, face_stick, &
+      face_symmetry, face_velocity, node_place, rule_t, wall_t
    implicit none
    private
 
-   public :: boundary_t, face_names, face_types
-
-   integer, parameter, public :: face_outflow = 1    !! Particles leave and are booked
-   integer, parameter, public :: face_symmetry = 2   !! Mirror plane
-   integer, parameter, public :: face_slip = 3       !! Rigid wall without friction
-   integer, parameter, public :: face_stick = 4      !! Rigid wall that holds on
-   integer, parameter, public :: face_periodic = 5   !! Joined to the face across
-   integer, parameter, public :: face_velocity = 6   !! Nodes move with a given velocity
-   integer, parameter, public :: face_friction = 7   !! Rigid wall with friction
+   public :: boundary_t, face_friction, face_names, face_outflow, face_periodic, face_slip, &
+      face_stick, face_symmetry, face_types, face_velocity
 
    !> Names of the faces, two a direction, the lower first.
    character(len=3), parameter :: face_names(6) = ["xlo", "xhi", "ylo", "yhi", "zlo", "zhi"]
@@ -27,7 +22,18 @@ module mesh_boundary
       integer :: kind(6) = face_outflow              !! (face) One of the types above
       real(wp) :: velocity(3, 6) = 0.0_wp            !! (component, face) Of a moving face [m/s]
       real(wp) :: friction(6) = 0.0_wp               !! (face) Coefficient of friction [1]
+      real(wp) :: gain(3, 6) = 0.0_wp                !! Acceleration of a moving face [m/s2]
+      real(wp) :: kick = 0.0_wp                      !! Time for which it lasts [s]
+      logical :: divided(6) = .false.                !! (face) Has it parts of other types?
+      !> Parts of faces, the later ones winning, and whole faces that move by a table or come and go
+      type(wall_t), allocatable :: wall(:)
    contains
+      procedure :: advance => boundary_advance       !! Bring moving walls to a time
+      procedure :: kind_at => boundary_kind_at       !! What holds at a place of a face
+      procedure :: whole => boundary_whole           !! What holds on a face without parts
+      procedure :: rule_at => boundary_rule_at       !! What holds at a node of a face
+      procedure :: ruled => boundary_ruled           !! Does a face rule velocities?
+      procedure :: rubs => boundary_rubs             !! Is there friction on some face?
       procedure :: constrain => boundary_constrain   !! Impose velocities on nodes
       procedure :: rub => boundary_rub               !! Walls with friction
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
@@ -37,6 +43,100 @@ module mesh_boundary
    end type boundary_t
 
 contains
+
+   !> Bring walls that move, or come and go, to a time. A face without its wall is open.
+   pure subroutine boundary_advance(self, time, lag, kick, switched)
+      class(boundary_t), intent(inout) :: self       !! The conditions
+      real(wp), intent(in) :: time                   !! Of the positions [s]
+      real(wp), intent(in) :: lag                    !! By which velocities are behind them [s]
+      real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
+      logical, intent(out) :: switched               !! Has one come or gone?
+      logical :: acted
+      integer :: n
+
+      self%kick = kick
+      switched = .false.
+      do n = 1, size(self%wall)
+         acted = self%wall(n)%acts
+         call self%wall(n)%advance(time, lag, kick)
+         associate (wall => self%wall(n))
+            switched = switched .or. (acted .neqv. wall%acts)
+            if (allocated(wall%region)) cycle
+            self%kind(wall%face) = merge(wall%kind, face_outflow, wall%acts)
+            self%velocity(:, wall%face) = wall%velocity
+            self%gain(:, wall%face) = wall%gain
+         end associate
+      end do
+   end subroutine boundary_advance
+
+   !> What holds on a face where it has no parts.
+   pure type(rule_t) function boundary_whole(self, face) result(rule)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      integer, intent(in) :: face                    !! 1 to 6
+
+      rule%kind = self%kind(face)
+      rule%friction = self%friction(face)
+      rule%velocity = self%velocity(:, face)
+      rule%gain = self%gain(:, face)
+   end function boundary_whole
+
+   !> What holds at a node of a face with parts.
+   pure type(rule_t) function boundary_rule_at(self, grid, coordinate, face, node) result(rule)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: face                    !! 1 to 6
+      integer, intent(in) :: node                    !! Node of the tile on that face
+      integer :: n
+
+      rule = self%whole(face)
+      n = part_at(self, face, node_place(grid, coordinate, node))
+      if (n > 0) rule = self%wall(n)%rule_t
+   end function boundary_rule_at
+
+   !> Type that holds at a place on a face.
+   pure integer function boundary_kind_at(self, face, place) result(kind)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      integer, intent(in) :: face                    !! 1 to 6
+      real(wp), intent(in) :: place(3)               !! On the face [m]
+      integer :: n
+
+      kind = self%kind(face)
+      if (.not. self%divided(face)) return
+      n = part_at(self, face, place)
+      if (n > 0) kind = self%wall(n)%kind
+   end function boundary_kind_at
+
+   !> Number of the last part of a face that covers a place, 0 = none.
+   pure integer function part_at(boundary, face, place) result(part)
+      class(boundary_t), intent(in) :: boundary      !! The conditions
+      integer, intent(in) :: face                    !! 1 to 6
+      real(wp), intent(in) :: place(3)               !! On the face [m]
+
+      do part = size(boundary%wall), 1, -1
+         associate (wall => boundary%wall(part))
+            if (wall%face /= face .or. .not. allocated(wall%region)) cycle
+            if (wall%covers(place)) return
+         end associate
+      end do
+      part = 0
+   end function part_at
+
+   !> Whether a face, or a part of it, rules velocities.
+   elemental logical function boundary_ruled(self, face) result(ruled)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      integer, intent(in) :: face                    !! 1 to 6
+
+      ruled = self%divided(face) .or. &
+         .not. (self%kind(face) == face_outflow .or. self%kind(face) == face_periodic)
+   end function boundary_ruled
+
+   !> Whether there is friction on some face.
+   pure logical function boundary_rubs(self) result(rubs)
+      class(boundary_t), intent(in) :: self          !! The conditions
+
+      rubs = any(self%kind == face_friction) .or. any(self%divided)
+   end function boundary_rubs
 
    !> True if some node of the tile lies on a face that rules velocities.
    pure logical function boundary_touches(self, grid, coordinate) result(touches)
@@ -48,32 +148,40 @@ contains
 
       touches = .false.
       do face = 1, 6
-         if (self%kind(face) == face_outflow .or. self%kind(face) == face_periodic) cycle
+         if (.not. self%ruled(face)) cycle
          call face_box(grid, coordinate, face, here, node, length)
          touches = touches .or. here
       end do
    end function boundary_touches
 
-   !> Set the velocity of the nodes on ruled faces and take away their acceleration.
-   pure subroutine boundary_constrain(self, grid, coordinate, velocity, acceleration)
+   !> Set the velocity of the nodes on ruled faces and take away their acceleration, but for that
+   !! of the faces themselves.
+   pure subroutine boundary_constrain(self, grid, coordinate, velocity, acceleration, at_end)
       class(boundary_t), intent(in) :: self          !! The conditions
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      logical, intent(in), optional :: at_end        !! Velocities are those after the step
+      type(rule_t) :: rule
+      real(wp) :: lead
       integer :: face, first, length(3), x, y, z, node, normal
       logical :: here
 
+      lead = 0.0_wp
+      if (present(at_end)) lead = merge(self%kick, 0.0_wp, at_end)
       do face = 1, 6
-         if (self%kind(face) == face_outflow .or. self%kind(face) == face_periodic) cycle
+         if (.not. self%ruled(face)) cycle
          call face_box(grid, coordinate, face, here, first, length)
          if (.not. here) cycle
          normal = (face + 1)/2
+         rule = self%whole(face)
          do z = 0, length(3)
             do y = 0, length(2)
                do x = 0, length(1)
                   node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
-                  select case (self%kind(face))
+                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+                  select case (rule%kind)
                   case (face_symmetry, face_slip)
                      velocity(normal, node) = 0.0_wp
                      acceleration(normal, node) = 0.0_wp
@@ -81,8 +189,10 @@ contains
                      velocity(normal, node) = merge(max(velocity(normal, node), 0.0_wp), &
                         min(velocity(normal, node), 0.0_wp), mod(face, 2) == 1)
                   case (face_velocity)
-                     velocity(:, node) = self%velocity(:, face)
-                     acceleration(:, node) = 0.0_wp
+                     velocity(:, node) = rule%velocity + lead*rule%gain
+                     acceleration(:, node) = merge(0.0_wp, rule%gain, lead > 0.0_wp)
+                  case (face_outflow)
+                     cycle
                   case default
                      velocity(:, node) = 0.0_wp
                      acceleration(:, node) = 0.0_wp
@@ -103,19 +213,23 @@ contains
       real(wp), contiguous, intent(in) :: filled(:, :)    !! (1, node) Volume of particles [m3]
       real(wp), intent(in) :: around(:)              !! (node) Volume of the node [m3]
       real(wp), contiguous, intent(inout) :: excess(:, :) !! (1, node) Fill less 1 [1]
+      type(rule_t) :: rule
       real(wp) :: fill
       integer :: face, first, length(3), x, y, z, node, inner, normal
       logical :: here
 
       do face = 1, 6
-         if (self%kind(face) == face_outflow .or. self%kind(face) == face_periodic) cycle
+         if (.not. self%ruled(face)) cycle
          call face_box(grid, coordinate, face, here, first, length)
          if (.not. here) cycle
          normal = (face + 1)/2
+         rule = self%whole(face)
          do z = 0, length(3)
             do y = 0, length(2)
                do x = 0, length(1)
                   node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+                  if (rule%kind == face_outflow) cycle
                   inner = node + merge(1, -1, mod(face, 2) == 1)*grid%stride(normal)
                   if (.not. min(around(node), around(inner)) > 0.0_wp) cycle
                   fill = filled(1, node)/around(node)
@@ -141,20 +255,24 @@ contains
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) With the others [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      type(rule_t) :: rule
       real(wp) :: along(3), side, taken, speed
       integer :: face, first, length(3), x, y, z, node, normal
       logical :: here
 
       do face = 1, 6
-         if (self%kind(face) /= face_friction) cycle
+         if (.not. (self%kind(face) == face_friction .or. self%divided(face))) cycle
          call face_box(grid, coordinate, face, here, first, length)
          if (.not. here) cycle
          normal = (face + 1)/2
+         rule = self%whole(face)
          side = merge(1.0_wp, -1.0_wp, mod(face, 2) == 1)
          do z = 0, length(3)
             do y = 0, length(2)
                do x = 0, length(1)
                   node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+                  if (rule%kind /= face_friction) cycle
                   ! what particles gain through the node in velocity if the wall holds it
                   taken = -side*(dt*acceleration(normal, node) + share*free(normal, node))
                   if (.not. taken > 0.0_wp) cycle
@@ -163,7 +281,7 @@ contains
                   acceleration(normal, node) = 0.0_wp
                   along = velocity(:, node) + dt*acceleration(:, node)
                   if (.not. dt > 0.0_wp) cycle
-                  taken = self%friction(face)*taken
+                  taken = rule%friction*taken
                   speed = norm2(along)
                   if (taken < speed) then
                      taken = taken/speed
@@ -184,6 +302,7 @@ contains
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       !> (9, node) Component (k, l) in row k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: tensor(:, :)
+      type(rule_t) :: rule
       integer :: face, first, length(3), x, y, z, node, normal, other
       logical :: here
 
@@ -192,10 +311,13 @@ contains
          call face_box(grid, coordinate, face, here, first, length)
          if (.not. here) cycle
          normal = (face + 1)/2
+         rule = self%whole(face)
          do z = 0, length(3)
             do y = 0, length(2)
                do x = 0, length(1)
                   node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+                  if (rule%kind /= face_symmetry) cycle
                   do other = 1, 3
                      if (other == normal) cycle
                      tensor(normal + 3*(other - 1), node) = 0.0_wp

@@ -229,7 +229,7 @@ contains
       class(grid_t), intent(in) :: self              !! The grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), intent(out) :: volume(:)             !! (node of the tile) [m3]
-      real(wp) :: line(-self%margin:maxval(self%width) + self%margin, 3), weight(0:1)
+      real(wp) :: line(-self%margin:maxval(self%width) + self%margin, 3), weight(0:1), area
       integer :: direction, place, cell, extent(3), first(3), last(3), node, x, y, z
 
       extent = self%tile_extent(coordinate)
@@ -255,9 +255,11 @@ contains
       last = merge(extent + self%margin, 0, self%active)
       do z = first(3), last(3)
          do y = first(2), last(2)
+            area = self%depth*line(y, 2)*line(z, 3)
+            node = (y - first(2))*self%stride(2) + (z - first(3))*self%stride(3)
             do x = first(1), last(1)
-               node = 1 + dot_product([x, y, z] - first, self%stride)
-               volume(node) = self%depth*line(x, 1)*line(y, 2)*line(z, 3)
+               node = node + 1
+               volume(node) = area*line(x, 1)
             end do
          end do
       end do

@@ -12,43 +12,14 @@ module particle_fill
    use base_sort, only: sort_order
    use mesh_curve, only: curve_coordinate, curve_key
    use mesh_grid, only: grid_t
-   use particle_shape, only: shape_holder_t
+   use particle_body, only: belongs, body_t, cell_of, site_position, tile_sites
    use particle_store, only: store_t
    implicit none
    private
 
-   public :: body_t, fill_bodies, survey_bodies
-
-   !> A body to be made of particles.
-   type :: body_t
-      character(len=:), allocatable :: name           !! For messages and files
-      type(shape_holder_t) :: shape                   !! Where it is
-      integer :: store = 1                            !! Index of its material
-      integer :: per_cell(3) = 2                      !! Particles along each edge of a cell
-      !> Do sites at the surface hold what is inside?
-      logical :: cut = .false.
-      logical :: jitter = .false.                     !! Are particles moved aside by chance?
-      real(wp) :: density = 0.0_wp                    !! [kg/m3]
-      real(wp) :: velocity(3) = 0.0_wp                !! [m/s]
-      real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
-      real(wp) :: temperature = 293.0_wp              !! [K]
-      real(wp) :: energy = 0.0_wp                     !! Internal, per mass, at the start [J/kg]
-      integer(int64) :: first_identity = 1            !! Identity of the first site of the box
-   contains
-      procedure :: sites => body_sites                !! Sites of the whole box
-   end type body_t
+   public :: body_t, candidate_tiles, fill_bodies, site_volume, survey_bodies
 
 contains
-
-   !> Lattice sites of the whole box, along each direction.
-   pure function body_sites(self, grid) result(sites)
-      class(body_t), intent(in) :: self               !! The body
-      type(grid_t), intent(in) :: grid                !! The grid
-      integer(int64) :: sites(3)
-
-      sites = 1
-      where (grid%active) sites = int(grid%cells, int64)*self%per_cell
-   end function body_sites
 
    !> Count the particles of each tile that some body reaches, and those of each body.
    subroutine survey_bodies(communicator, grid, bodies, key, particles, body_count)
@@ -151,6 +122,10 @@ contains
       real(wp) :: low(3), high(3), edge(3), position(3), share
 
       number = 0
+      if (allocated(bodies(body)%given)) then
+         number = count_given(grid, bodies, body, coordinate)
+         return
+      end if
       call bodies(body)%shape%bounds(low, high)
       edge = grid%tile_corner(coordinate)
       if (any(grid%active .and. (edge > high .or. edge + grid%width*grid%spacing < low))) return
@@ -166,30 +141,23 @@ contains
       end do
    end function count_sites
 
-   !> Lattice sites of one tile along each direction.
-   pure function tile_sites(grid, body, coordinate) result(sites)
+
+   !> Given particles that a body has in a tile.
+   pure integer(int64) function count_given(grid, bodies, body, coordinate) result(particles)
       type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: body                !! The body
+      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      integer, intent(in) :: body                     !! Which body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
-      integer :: sites(3)
+      real(wp), allocatable :: position(:, :), volume(:)
+      integer(int64), allocatable :: number(:)
+      integer :: n
 
-      sites = 1
-      where (grid%active) sites = grid%tile_extent(coordinate)*body%per_cell
-   end function tile_sites
-
-   !> Position of a lattice site [m]. In missing directions it is the middle of the box, on the axis
-   !! plane 0 in axisymmetry.
-   pure function site_position(grid, body, coordinate, site) result(position)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: body                !! The body
-      integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
-      integer, intent(in) :: site(3)                  !! Site in the tile, counted from 0
-      real(wp) :: position(3)
-
-      position = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), grid%axisymmetric)
-      where (grid%active) position = grid%lower + grid%spacing*(real(coordinate*grid%width, wp) &
-         + (real(site, wp) + 0.5_wp)/real(body%per_cell, wp))
-   end function site_position
+      particles = 0
+      call bodies(body)%given%collect(grid, coordinate, position, volume, number)
+      do n = 1, size(number)
+         if (belongs(bodies, body, position(:, n))) particles = particles + 1
+      end do
+   end function count_given
 
    !> Share of a lattice site that belongs to a body and the centre of that share [m]. A lattice
    !! that
@@ -266,20 +234,6 @@ contains
       edge = merge(grid%spacing/real(body%per_cell, wp), 0.0_wp, grid%active)
    end function site_edge
 
-   !> True if a place belongs to a body and to no later one.
-   pure logical function belongs(bodies, body, position) result(inside)
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
-      real(wp), intent(in) :: position(3)             !! [m]
-      integer :: later
-
-      inside = bodies(body)%shape%contains(position)
-      do later = body + 1, size(bodies)
-         if (.not. inside) return
-         inside = .not. bodies(later)%shape%contains(position)
-      end do
-   end function belongs
-
    !> Make the particles of the tiles of this rank. The tiles of the stores exist and are empty; the
    !! particles are not yet in order.
    subroutine fill_bodies(grid, bodies, coordinates, index, store)
@@ -320,10 +274,14 @@ contains
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer, intent(in) :: tile                     !! Its index
       type(store_t), intent(inout) :: store           !! Gets particles
-      integer :: sites(3), x, y, z, p, cell(3)
-      integer(int64) :: number(3), all_sites(3)
+      integer :: sites(3), x, y, z, cell(3)
+      integer(int64) :: number(3), all_sites(3), identity
       real(wp) :: middle(3), position(3), share
 
+      if (allocated(bodies(body)%given)) then
+         call fill_given(grid, bodies, body, coordinate, tile, store)
+         return
+      end if
       associate (it => bodies(body))
          sites = tile_sites(grid, it, coordinate)
          all_sites = it%sites(grid)
@@ -333,30 +291,83 @@ contains
                   middle = site_position(grid, it, coordinate, [x, y, z])
                   call look_at_site(grid, bodies, body, middle, share, position)
                   if (.not. share > 0.0_wp) cycle
-                  p = store%first(tile) + store%count(tile)
-                  store%count(tile) = store%count(tile) + 1
                   number = [x, y, z]
                   cell = 0
                   where (grid%active)
                      number = number + int(coordinate*grid%width, int64)*it%per_cell
                      cell = [x, y, z]/it%per_cell
                   end where
-                  store%identity(p) = it%first_identity + number(1) + all_sites(1)*(number(2) &
+                  identity = it%first_identity + number(1) + all_sites(1)*(number(2) &
                      + all_sites(2)*number(3))
-                  if (allocated(store%body)) store%body(p) = body
-                  if (it%jitter) position = position + chance(store%identity(p)) &
-                     *site_edge(grid, it)
-                  store%home(p) = cell(1) + grid%width(1)*(cell(2) + grid%width(2)*cell(3))
-                  store%position(p, :) = position
-                  store%velocity(p, :) = it%velocity
-                  call size_particle(grid, it, p, store)
-                  store%matter%volume(p) = share*site_volume(grid, it, middle)
-                  store%matter%mass(p) = it%density*store%matter%volume(p)
+                  if (it%jitter) position = position + chance(identity)*site_edge(grid, it)
+                  call add_particle(bodies, body, tile, identity, home_of(grid, cell), position, &
+                     share*site_volume(grid, it, middle), store)
+                  call size_particle(0.5_wp*site_edge(grid, it), &
+                     store%first(tile) + store%count(tile) - 1, store)
                end do
             end do
          end do
       end associate
    end subroutine fill_tile
+
+   !> Make the given particles of one body in one tile. They are cubes of their volume.
+   subroutine fill_given(grid, bodies, body, coordinate, tile, store)
+      type(grid_t), intent(in) :: grid                !! The grid
+      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      integer, intent(in) :: body                     !! Which body
+      integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
+      integer, intent(in) :: tile                     !! Its index
+      type(store_t), intent(inout) :: store           !! Gets particles
+      real(wp), allocatable :: position(:, :), volume(:)
+      integer(int64), allocatable :: number(:)
+      real(wp) :: depth, half(3)
+      integer :: n
+
+      associate (it => bodies(body))
+         call it%given%collect(grid, coordinate, position, volume, number)
+         do n = 1, size(number)
+            if (.not. belongs(bodies, body, position(:, n))) cycle
+            call add_particle(bodies, body, tile, it%first_identity + number(n) - 1, &
+               home_of(grid, cell_of(grid, position(:, n)) - coordinate*grid%width), &
+               position(:, n), it%share*volume(n), store)
+            depth = merge(2.0_wp*pi*position(1, n), grid%depth, grid%axisymmetric)
+            half = merge(0.5_wp*(it%share*volume(n)/depth)**(1.0_wp/real(grid%dimensions, wp)), &
+               0.0_wp, grid%active)
+            call size_particle(half, store%first(tile) + store%count(tile) - 1, store)
+         end do
+      end associate
+   end subroutine fill_given
+
+   !> Append a particle to those of a tile.
+   subroutine add_particle(bodies, body, tile, identity, home, position, volume, store)
+      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      integer, intent(in) :: body                     !! Which body
+      integer, intent(in) :: tile                     !! Index of the tile
+      integer(int64), intent(in) :: identity          !! Of the particle
+      integer, intent(in) :: home                     !! Its cell in the tile, from 0
+      real(wp), intent(in) :: position(3)             !! [m]
+      real(wp), intent(in) :: volume                  !! [m3]
+      type(store_t), intent(inout) :: store           !! Gets the particle
+      integer :: p
+
+      p = store%first(tile) + store%count(tile)
+      store%count(tile) = store%count(tile) + 1
+      store%identity(p) = identity
+      if (allocated(store%body)) store%body(p) = body
+      store%home(p) = home
+      store%position(p, :) = position
+      store%velocity(p, :) = bodies(body)%velocity
+      store%matter%volume(p) = volume
+      store%matter%mass(p) = bodies(body)%density*volume
+   end subroutine add_particle
+
+   !> Number of a cell of a tile.
+   pure integer function home_of(grid, cell) result(home)
+      type(grid_t), intent(in) :: grid                !! The grid
+      integer, intent(in) :: cell(3)                  !! In the tile, counted from 0
+
+      home = cell(1) + grid%width(1)*(cell(2) + grid%width(2)*cell(3))
+   end function home_of
 
    !> How far a particle is moved from the middle of its site, in edges of it: up to a quarter to
    !! either side. It depends on its identity alone.
@@ -373,15 +384,12 @@ contains
 
    !> Size and linear velocity field of a particle at the start, as far as it carries them. Along a
    !! missing direction it has no size.
-   pure subroutine size_particle(grid, body, p, store)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: body                !! The body
+   pure subroutine size_particle(half, p, store)
+      real(wp), intent(in) :: half(3)                 !! Half its edges [m]
       integer, intent(in) :: p                        !! Which particle
       type(store_t), intent(inout) :: store           !! Gets its fields
-      real(wp) :: half(3)
       integer :: k
 
-      half = merge(0.5_wp*grid%spacing/real(body%per_cell, wp), 0.0_wp, grid%active)
       if (allocated(store%extent)) store%extent(p, :) = half
       if (allocated(store%domain)) then
          store%domain(p, :) = 0.0_wp

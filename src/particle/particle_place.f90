@@ -130,7 +130,7 @@ contains
          face = 0
          if (.not. y >= 0.0_wp) face = 2*direction - 1
          if (y >= real(grid%cells(direction), wp)) face = 2*direction
-         if (face > 0) lost = lost .or. boundary%kind(face) == face_outflow
+         if (face > 0) lost = lost .or. opens(grid, boundary, face, inside(1, :))
          cell = min(max(floor(min(max(y, -1.0_wp), real(grid%cells(direction), wp))), 0), &
             grid%cells(direction) - 1)
          owner(direction) = cell/grid%width(direction)
@@ -147,9 +147,10 @@ contains
       real(wp), contiguous, intent(inout) :: position(:, :) !! (particle, 3) [m]
       integer, intent(in) :: p                       !! Which particle
       real(wp), parameter :: inside = 1.0e-9_wp      ! of a cell, far above rounding
-      real(wp) :: x, length, lower, upper
+      real(wp) :: x, length, lower, upper, here(3)
       integer :: direction
 
+      here = [position(p, 1), position(p, 2), position(p, 3)]
       do direction = 1, 3
          if (.not. grid%active(direction)) cycle
          lower = grid%lower(direction)
@@ -159,14 +160,31 @@ contains
             length = upper - lower
             if (x < lower) x = x + length
             if (x >= upper) x = x - length
-         else if (boundary%kind(2*direction - 1) /= face_outflow .and. x <= lower) then
-            x = lower + inside*grid%spacing
+         else if (x <= lower) then
+            if (.not. opens(grid, boundary, 2*direction - 1, here)) &
+               x = lower + inside*grid%spacing
          end if
-         if (boundary%kind(2*direction) /= face_outflow) then
-            if ((x - lower)*(1.0_wp/grid%spacing) >= real(grid%cells(direction), wp)) &
+         if ((x - lower)*(1.0_wp/grid%spacing) >= real(grid%cells(direction), wp)) then
+            if (.not. opens(grid, boundary, 2*direction, here)) &
                x = upper - inside*grid%spacing
          end if
          position(p, direction) = x
+         here(direction) = x
       end do
    end subroutine wrap
+
+   !> Whether a face is open where a particle reached it.
+   pure logical function opens(grid, boundary, face, position) result(open)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! The faces
+      integer, intent(in) :: face                    !! 1 to 6
+      real(wp), intent(in) :: position(3)            !! Of the particle, on or beyond the face [m]
+      real(wp) :: place(3)
+      integer :: normal
+
+      normal = (face + 1)/2
+      place = position
+      place(normal) = merge(grid%lower(normal), grid%upper(normal), mod(face, 2) == 1)
+      open = boundary%kind_at(face, place) == face_outflow
+   end function opens
 end module particle_place

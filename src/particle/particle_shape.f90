@@ -6,6 +6,7 @@
 module particle_shape
    use base_constants, only: pi
    use base_kinds, only: wp
+   use mesh_point_set, only: point_set_t
    implicit none
    private
 
@@ -21,11 +22,9 @@ module particle_shape
    real(wp), parameter :: empty_lower = 1.0_wp, empty_upper = -1.0_wp
 
    !> A set of points.
-   type, abstract, public :: shape_t
+   type, abstract, extends(point_set_t), public :: shape_t
    contains
       procedure :: place => shape_place              !! Scale, turn and move
-      procedure(contains_i), deferred :: contains    !! Whether a point belongs to it
-      procedure(bounds_i), deferred :: bounds        !! A box around it
       procedure(transform_i), deferred :: transform  !! The same as place, with a matrix
    end type shape_t
 
@@ -88,20 +87,6 @@ module particle_shape
    end type combination_t
 
    abstract interface
-      pure recursive logical function contains_i(self, x) result(inside)
-         import :: shape_t, wp
-         implicit none
-         class(shape_t), intent(in) :: self          !! The shape
-         real(wp), intent(in) :: x(3)                !! Point [m]
-      end function contains_i
-
-      pure recursive subroutine bounds_i(self, lo, hi)
-         import :: shape_t, wp
-         implicit none
-         class(shape_t), intent(in) :: self          !! The shape
-         real(wp), intent(out) :: lo(3), hi(3)       !! Corners [m]; lo > hi if it is surely empty
-      end subroutine bounds_i
-
       pure recursive subroutine transform_i(self, scale, rotation, translate)
          import :: shape_t, wp
          implicit none

@@ -9,8 +9,8 @@ module basis_linear
    use transfer_gather, only: gather_gradient, gather_hoop, gather_motion, gather_values, &
       gather_vector, locate
    use transfer_places, only: places_t
-   use transfer_scatter, only: scatter_affine, scatter_force, scatter_hoop, scatter_motion, &
-      scatter_product, scatter_turning, scatter_values
+   use transfer_scatter, only: scatter_affine, scatter_force, scatter_motion, &
+      scatter_turning, scatter_values
    implicit none
    private
 
@@ -27,8 +27,6 @@ module basis_linear
       procedure :: collect_gradient => linear_collect_gradient !! Their gradients
       procedure :: scatter_motion => linear_scatter_motion   !! Mass and momentum
       procedure :: scatter_turning => linear_scatter_turning !! Those of particles that turn
-      procedure :: scatter_product => linear_scatter_product !! Mass times a vector
-      procedure :: scatter_hoop => linear_scatter_hoop       !! Force of the hoop stress
       procedure :: gather_motion => linear_gather_motion     !! Velocity and position
       procedure :: gather_vector => linear_gather_vector     !! One particle vector
       procedure :: gather_hoop => linear_gather_hoop         !! Hoop rate
@@ -149,40 +147,6 @@ contains
 
       call scatter_turning(grid, start, first, places%local, mass, velocity, spin, patch)
    end subroutine linear_scatter_turning
-
-   !> Add mass times a vector to three columns of a patch.
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine linear_scatter_product(self, grid, start, first, places, mass, vector, &
-      before, patch)
-      class(basis_linear_t), intent(in) :: self                     !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
-      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
-      real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3)
-      integer, intent(in) :: before                          !! Columns of the patch before them
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-
-      call scatter_product(grid, start, first, places%local, mass, vector, before, patch)
-   end subroutine linear_scatter_product
-
-   !> Add the force of the hoop stress to column 5.
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine linear_scatter_hoop(self, grid, start, first, places, position, volume, &
-      stress, patch)
-      class(basis_linear_t), intent(in) :: self                     !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
-      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
-      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
-      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) [Pa]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-
-      call scatter_hoop(grid, start, first, places%local, position, volume, stress, patch)
-   end subroutine linear_scatter_hoop
 
    !> Velocity and position at once.
    ! gate: long kernel because a tile is told by its grid, range and places

@@ -3,11 +3,13 @@
 !!
 !! Between its nodes a field is a polynomial with the terms 1, x, z, xz, y, xy, yz, xyz of the place
 !! in the cell. Its coefficients are found once a cell, as differences, so a uniform field has a
-!! gradient of exactly zero; then eight particles of the cell at a time are the lanes. A
-!! value costs 7 products instead of 8 and no weights, a slope 3 instead of 8.
+!! gradient of exactly zero; then the particles of the cell are the lanes. A
+!! value costs 7 products instead of 8 and no weights, a slope 3 instead of 8. In a plane and on a
+!! line most of this is zero, so they have kernels of their own, chosen once a tile.
 module transfer_gather
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
+   use transfer_gather_plane, only: dual_gradient_plane, gradient_plane, motion_plane
    use transfer_gather_values, only: gather_hoop, gather_values, gather_vector
    implicit none
    private
@@ -15,7 +17,12 @@ module transfer_gather
    public :: gather_gradient, gather_dual_gradient, gather_hoop, gather_motion, gather_values, &
       gather_vector, locate
 
-   integer, parameter :: products = 7   !! Of places: x, z, xz, y, xy, yz, xyz
+   integer, parameter :: tensor = 12                 !! Of its components three have no meaning
+   integer, parameter :: one(3) = [3, 1, 1]          !! First direction besides one
+   integer, parameter :: other(3) = [2, 3, 2]        !! The second
+   !> Terms with the place along a direction: alone, with that of the first of the other
+   !! directions, of the second. The last term has all.
+   integer, parameter :: across(3, 3) = reshape([2, 4, 6, 5, 6, 7, 3, 4, 7], [3, 3])
 
 contains
 
@@ -53,233 +60,168 @@ contains
       real(wp), intent(in) :: scale                          !! Time step [s]
       !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: gradient(:, :)
-      real(wp) :: u(4, lanes), terms(lanes, products), slopes(lanes, 9)
-      integer :: cell, p, last, column, lane, offset(lanes)
+      real(wp) :: u(4, lanes), place(lanes, 3), slopes(lanes, 9)
+      integer :: cell, p, last, ways(lanes)
 
-      offset = 3*grid%lane_offset
+      if (grid%dimensions < 3) then
+         call gradient_plane(grid, start, local, nodes, scale, gradient)
+         return
+      end if
+      ways = 3*grid%lane_offset
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         call find_vectors(3*(grid%first_node(cell) - 1), offset, size(nodes), nodes, &
+         call find_terms(3, 4, grid%first_node(cell), ways, size(nodes), nodes, &
             scale/grid%spacing, u)
          do p = start(cell) + 1, start(cell + 1), lanes
             last = min(p + lanes - 1, start(cell + 1))
-            ! the choice stands at each call of find_terms: within, it costs a hundredth of a step
             if (last == p + lanes - 1) then
-               call multiply(p - 1, size(local, 1), local, terms)
-               call find_slopes(u, terms, p - 1, size(gradient, 1), gradient)
+               call find_slopes(u, p - 1, size(local, 1), local, size(gradient, 1), gradient)
             else
-               call find_terms(p, last, local, terms)
-               call find_slopes(u, terms, 0, lanes, slopes)
-               do column = 1, 9
-                  do lane = 1, last - p + 1
-                     gradient(p + lane - 1, column) = slopes(lane, column)
-                  end do
-               end do
+               call fill_lanes(p, last, 3, local, place)
+               call find_slopes(u, 0, lanes, place, lanes, slopes)
+               gradient(p:last, :) = slopes(:last - p + 1, :)
             end if
          end do
       end do
    end subroutine gather_gradient
 
-   !> Blend the gradient of the cell, already in place, with the gradient on the nodes:
-   !! gradient_kl = alpha_l gradient_kl + (1 - alpha_l) scale sum S_j (grad u)_j,kl.
-   pure subroutine gather_dual_gradient(grid, start, local, alpha, nodes, scale, gradient)
+   !> The gradient of the cell, blended with that of the nodes:
+   !! gradient_kl = alpha_l scale sum u_k dS/dx_l + (1 - alpha_l) scale sum S_j (grad u)_j,kl.
+   pure subroutine gather_dual_gradient(grid, start, local, alpha, velocity, nodes, scale, &
+      gradient)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (9, node) Node gradient [1/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: u(9, lanes), terms(lanes, products), means(lanes, 9)
-      integer :: cell, p, last, column, lane, l, offset(lanes)
+      real(wp) :: u(4, lanes), w(tensor, lanes), place(lanes, 3), share(lanes, 3), slopes(lanes, 9)
+      integer :: cell, p, last, ways(lanes), far(lanes)
 
-      offset = 9*grid%lane_offset
+      if (grid%dimensions < 3) then
+         call dual_gradient_plane(grid, start, local, alpha, velocity, nodes, scale, gradient)
+         return
+      end if
+      ways = 3*grid%lane_offset
+      far = 9*grid%lane_offset
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         call find_tensors(9*(grid%first_node(cell) - 1), offset, size(nodes), nodes, &
-            scale, u)
+         call find_terms(3, 4, grid%first_node(cell), ways, size(velocity), velocity, &
+            scale/grid%spacing, u)
+         call find_terms(9, tensor, grid%first_node(cell), far, size(nodes), nodes, scale, w)
          do p = start(cell) + 1, start(cell + 1), lanes
             last = min(p + lanes - 1, start(cell + 1))
             if (last == p + lanes - 1) then
-               call multiply(p - 1, size(local, 1), local, terms)
+               call blend_slopes(u, w, p - 1, size(local, 1), local, size(alpha, 1), alpha, &
+                  size(gradient, 1), gradient)
             else
-               call find_terms(p, last, local, terms)
+               call fill_lanes(p, last, 3, local, place)
+               call fill_lanes(p, last, 3, alpha, share)
+               call blend_slopes(u, w, 0, lanes, place, lanes, share, lanes, slopes)
+               gradient(p:last, :) = slopes(:last - p + 1, :)
             end if
-            call evaluate(grid%dimensions, 9, 9, u, terms, means)
-            do column = 1, 9
-               l = (column + 2)/3
-               if (last == p + lanes - 1) then
-                  call blend(p - 1, size(alpha, 1), alpha(:, l), means(1, column), &
-                     size(gradient, 1), gradient(:, column))
-               else
-                  do lane = 1, last - p + 1
-                     gradient(p + lane - 1, column) = alpha(p + lane - 1, l) &
-                        *gradient(p + lane - 1, column) &
-                        + (1.0_wp - alpha(p + lane - 1, l))*means(lane, column)
-                  end do
-               end if
-            end do
          end do
       end do
    end subroutine gather_dual_gradient
 
-   !> Blend two values of eight particles.
-   pure subroutine blend(before, alphas, alpha, other, rows, values)
-      integer, intent(in) :: before                          !! Particles before them
-      integer, intent(in) :: alphas                          !! Length of the next
-      real(wp), intent(in) :: alpha(alphas)                  !! (particle) Share of the values
-      real(wp), intent(in) :: other(lanes)                   !! (lane) Takes the rest
-      integer, intent(in) :: rows                            !! Length of the next
-      real(wp), intent(inout) :: values(rows)                !! (particle)
-      integer :: lane
-
-      !$omp simd
-      do lane = 1, lanes
-         values(before + lane) = alpha(before + lane)*values(before + lane) &
-            + (1.0_wp - alpha(before + lane))*other(lane)
-      end do
-   end subroutine blend
-
-   !> Add to values of eight particles, of which a share is kept.
-   pure subroutine add_lanes(keep, gain, before, rows, values)
-      real(wp), intent(in) :: keep                           !! Share that is kept
-      real(wp), intent(in) :: gain(lanes)                    !! (lane) What is added
-      integer, intent(in) :: before                          !! Particles before them
-      integer, intent(in) :: rows                            !! Length of the next
-      real(wp), intent(inout) :: values(rows)                !! (particle)
-      integer :: lane
-
-      !$omp simd
-      do lane = 1, lanes
-         values(before + lane) = keep*values(before + lane) + gain(lane)
-      end do
-   end subroutine add_lanes
-
-   !> Products of the places of fewer than eight particles of a cell, the lanes: x, z, xz, y, xy,
-   !! yz, xyz. Lanes without a particle repeat the last one.
-   pure subroutine find_terms(p, last, local, terms)
+   !> Fewer than eight particles of a cell as lanes. Lanes without a particle repeat the last one.
+   pure subroutine fill_lanes(p, last, columns, values, filled)
       integer, intent(in) :: p                               !! First particle of the lanes
       integer, intent(in) :: last                            !! Last one
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), intent(inout) :: terms(lanes, products)      !! (lane, product) [1]
-      real(wp) :: place(lanes, 3)
-      integer :: lane, q, k
+      integer, intent(in) :: columns                         !! Columns
+      real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of tile, column)
+      real(wp), intent(inout) :: filled(lanes, columns)      !! (lane, column)
+      integer :: lane, k
 
-      do k = 1, 3
+      do k = 1, columns
          do lane = 1, lanes
-            q = min(p + lane - 1, last)
-            place(lane, k) = local(q, k)
+            filled(lane, k) = values(min(p + lane - 1, last), k)
          end do
       end do
-      call multiply(0, lanes, place, terms)
-   end subroutine find_terms
+   end subroutine fill_lanes
 
-   !> Products of the places of eight particles.
-   pure subroutine multiply(before, rows, local, terms)
-      integer, intent(in) :: before                          !! Particles before them
-      integer, intent(in) :: rows                            !! Length of a column
-      real(wp), intent(in) :: local(rows, 3)                 !! (particle, 3) Places in the cell [1]
-      real(wp), intent(inout) :: terms(lanes, products)      !! (lane, product) [1]
-      real(wp) :: x, y, z
-      integer :: lane
-
-      !$omp simd private(x, y, z)
-      do lane = 1, lanes
-         x = local(before + lane, 1)
-         y = local(before + lane, 2)
-         z = local(before + lane, 3)
-         terms(lane, 1) = x
-         terms(lane, 2) = z
-         terms(lane, 3) = x*z
-         terms(lane, 4) = y
-         terms(lane, 5) = x*y
-         terms(lane, 6) = z*y
-         terms(lane, 7) = x*z*y
-      end do
-   end subroutine multiply
-
-   !> Values of polynomials of a cell.
-   pure subroutine evaluate(dimensions, number, rows, u, terms, values)
-      integer, intent(in) :: dimensions                      !! Directions that the scene has
-      integer, intent(in) :: number                          !! Of polynomials
-      integer, intent(in) :: rows                            !! Rows of the coefficients
-      real(wp), intent(in) :: u(rows, lanes)                 !! (polynomial, term) Coefficients
-      real(wp), intent(in) :: terms(lanes, products)         !! (lane, product) of the places [1]
-      real(wp), intent(inout) :: values(lanes, number)       !! (lane, polynomial)
-      integer :: c
-
-      ! products with the place along a missing direction are zero, and left out
-      do c = 1, number
-         if (dimensions == 3) then
-            call evaluate_space(u(c, 1), u(c, 2), u(c, 3), u(c, 4), u(c, 5), u(c, 6), u(c, 7), &
-               u(c, 8), terms, values(1, c))
-         else
-            call evaluate_plane(u(c, 1), u(c, 2), u(c, 3), u(c, 4), terms, values(1, c))
-         end if
-      end do
-   end subroutine evaluate
-
-   !> Values of a polynomial with all terms.
-   ! gate: long kernel because coefficients in registers are eight numbers
-   pure subroutine evaluate_space(u1, u2, u3, u4, u5, u6, u7, u8, terms, values)
-      real(wp), intent(in) :: u1, u2, u3, u4, u5, u6, u7, u8 !! Coefficients
-      real(wp), intent(in) :: terms(lanes, products)         !! (lane, product) of the places [1]
-      real(wp), intent(inout) :: values(lanes)               !! (lane)
-      integer :: lane
-
-      !$omp simd
-      do lane = 1, lanes
-         values(lane) = ((u1 + u2*terms(lane, 1)) + (u3*terms(lane, 2) + u4*terms(lane, 3))) &
-            + ((u5*terms(lane, 4) + u6*terms(lane, 5)) + (u7*terms(lane, 6) + u8*terms(lane, 7)))
-      end do
-   end subroutine evaluate_space
-
-   !> Values of a polynomial of x and z.
-   pure subroutine evaluate_plane(u1, u2, u3, u4, terms, values)
-      real(wp), intent(in) :: u1, u2, u3, u4                 !! Coefficients
-      real(wp), intent(in) :: terms(lanes, products)         !! (lane, product) of the places [1]
-      real(wp), intent(inout) :: values(lanes)               !! (lane)
-      integer :: lane
-
-      !$omp simd
-      do lane = 1, lanes
-         values(lane) = (u1 + u2*terms(lane, 1)) + (u3*terms(lane, 2) + u4*terms(lane, 3))
-      end do
-   end subroutine evaluate_plane
-
-   !> Gradients of the polynomials of a vector, component (k, l) in column k + 3 (l - 1).
-   pure subroutine find_slopes(u, terms, before, rows, slopes)
+   !> Gradients of the polynomials of a vector at eight particles, component (k, l) in column
+   !! k + 3 (l - 1).
+   pure subroutine find_slopes(u, before, rows, local, columns, slopes)
       real(wp), intent(in) :: u(4, lanes)                    !! (component, term) Coefficients
-      real(wp), intent(in) :: terms(lanes, products)         !! (lane, product) of the places [1]
       integer, intent(in) :: before                          !! Rows before the lanes
-      integer, intent(in) :: rows                            !! Length of a column
-      real(wp), intent(inout) :: slopes(rows, 9)             !! (lane, component)
-      integer :: k
+      integer, intent(in) :: rows                            !! Length of the next
+      real(wp), intent(in) :: local(rows, 3)                 !! (lane, 3) Places in the cell [1]
+      integer, intent(in) :: columns                         !! Length of a column of the next
+      real(wp), intent(inout) :: slopes(columns, 9)          !! (lane, component)
+      integer :: k, l
 
-      do k = 1, 3
-         call find_slope(u(k, 2), u(k, 4), u(k, 6), u(k, 8), terms(1, 2), terms(1, 4), &
-            terms(1, 6), slopes(before + 1, k))
-         call find_slope(u(k, 5), u(k, 6), u(k, 7), u(k, 8), terms(1, 1), terms(1, 2), &
-            terms(1, 3), slopes(before + 1, k + 3))
-         call find_slope(u(k, 3), u(k, 4), u(k, 7), u(k, 8), terms(1, 1), terms(1, 4), &
-            terms(1, 5), slopes(before + 1, k + 6))
+      do l = 1, 3
+         do k = 1, 3
+            call find_slope(u(k, across(1, l)), u(k, across(2, l)), u(k, across(3, l)), &
+               u(k, lanes), local(before + 1, one(l)), local(before + 1, other(l)), &
+               slopes(before + 1, k + 3*(l - 1)))
+         end do
       end do
    end subroutine find_slopes
 
    !> Slope along one direction from the terms that have its place.
-   pure subroutine find_slope(u1, u2, u3, u4, one, other, both, slopes)
+   pure subroutine find_slope(u1, u2, u3, u4, one, other, slopes)
       real(wp), intent(in) :: u1, u2, u3, u4                 !! Coefficients
       real(wp), intent(in) :: one(lanes)                     !! (lane) Place along one direction [1]
       real(wp), intent(in) :: other(lanes)                   !! (lane) Along the other one [1]
-      real(wp), intent(in) :: both(lanes)                    !! (lane) Their product [1]
       real(wp), intent(inout) :: slopes(lanes)               !! (lane)
       integer :: lane
 
       !$omp simd
       do lane = 1, lanes
-         slopes(lane) = (u1 + u2*one(lane)) + (u3*other(lane) + u4*both(lane))
+         slopes(lane) = (u1 + u2*one(lane)) + (u3 + u4*one(lane))*other(lane)
       end do
    end subroutine find_slope
+
+   !> Gradients of the polynomials of a vector at eight particles, blended with the values of the
+   !! polynomials of a tensor.
+   ! gate: long kernel because places, shares and gradients have lengths of their own
+   pure subroutine blend_slopes(u, w, before, rows, local, shares, alpha, columns, slopes)
+      real(wp), intent(in) :: u(4, lanes)                    !! (component, term) Of the vector
+      real(wp), intent(in) :: w(tensor, lanes)                    !! (component, term) Of the tensor
+      integer, intent(in) :: before                          !! Rows before the lanes
+      integer, intent(in) :: rows                            !! Length of the next
+      real(wp), intent(in) :: local(rows, 3)                 !! (lane, 3) Places in the cell [1]
+      integer, intent(in) :: shares                          !! Length of a column of the next
+      real(wp), intent(in) :: alpha(shares, 3)               !! (lane, 3) Share of the vector [1]
+      integer, intent(in) :: columns                         !! Length of a column of the next
+      real(wp), intent(inout) :: slopes(columns, 9)          !! (lane, component)
+      integer :: k, l
+
+      ! one call, so that it is inlined: without that arguments cost as much as the work
+      do l = 1, 3
+         do k = 1, 3
+            call blend(u(k, across(1, l)), u(k, across(2, l)), u(k, across(3, l)), u(k, lanes), &
+               local(before + 1, one(l)), local(before + 1, other(l)), w(k + 3*(l - 1), 1), &
+               local(before + 1, 1), local(before + 1, 2), local(before + 1, 3), &
+               alpha(before + 1, l), slopes(before + 1, k + 3*(l - 1)))
+         end do
+      end do
+   end subroutine blend_slopes
+
+   !> Slope along one direction, blended with the value of another polynomial.
+   ! gate: long kernel because coefficients in registers are twelve numbers
+   pure subroutine blend(u1, u2, u3, u4, one, other, w, x, y, z, alpha, slopes)
+      real(wp), intent(in) :: u1, u2, u3, u4                 !! Coefficients of the slope
+      real(wp), intent(in) :: one(lanes)                     !! (lane) Place along one direction [1]
+      real(wp), intent(in) :: other(lanes)                   !! (lane) Along the other one [1]
+      real(wp), intent(in) :: w(tensor*(lanes - 1) + 1)      !! Each twelfth a coefficient
+      real(wp), intent(in) :: x(lanes), y(lanes), z(lanes)   !! (lane) Places in the cell [1]
+      real(wp), intent(in) :: alpha(lanes)                   !! (lane) Share of the slope [1]
+      real(wp), intent(inout) :: slopes(lanes)               !! (lane)
+      integer :: lane
+
+      !$omp simd
+      do lane = 1, lanes
+         slopes(lane) = alpha(lane)*((u1 + u2*one(lane)) + (u3 + u4*one(lane))*other(lane)) &
+            + (1.0_wp - alpha(lane))*(((w(1) + w(13)*x(lane)) &
+            + (w(25) + w(37)*x(lane))*z(lane)) + ((w(49) + w(61)*x(lane)) &
+            + (w(73) + w(85)*x(lane))*z(lane))*y(lane))
+      end do
+   end subroutine blend
 
    !> Velocity and position at once: velocity = keep velocity + sum S_i push_i, position = position
    !! + dt sum S_i carry_i.
@@ -295,112 +237,160 @@ contains
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
-      real(wp) :: u(4, lanes), c(4, lanes), terms(lanes, products), gain(lanes, 3), way(lanes, 3)
-      integer :: cell, p, q, last, lane, k, offset(lanes)
+      real(wp) :: u(4, lanes), c(4, lanes), place(lanes, 3), part(lanes, 3)
+      integer :: cell, p, q, last, number, ways(lanes)
 
-      offset = 3*grid%lane_offset
+      if (grid%dimensions < 3) then
+         call motion_plane(grid, start, first, local, push, carry, keep, dt, velocity, position)
+         return
+      end if
+      ways = 3*grid%lane_offset
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         call find_vectors(3*(grid%first_node(cell) - 1), offset, size(push), push, 1.0_wp, u)
-         call find_vectors(3*(grid%first_node(cell) - 1), offset, size(carry), carry, dt, c)
+         call find_terms(3, 4, grid%first_node(cell), ways, size(push), push, 1.0_wp, u)
+         call find_terms(3, 4, grid%first_node(cell), ways, size(carry), carry, dt, c)
          do p = start(cell) + 1, start(cell + 1), lanes
             last = min(p + lanes - 1, start(cell + 1))
-            q = first + p - 2
+            q = first + p - 1
             if (last == p + lanes - 1) then
-               call multiply(p - 1, size(local, 1), local, terms)
-            else
-               call find_terms(p, last, local, terms)
+               call add_vectors(u, keep, p - 1, size(local, 1), local, q - 1, size(velocity, 1), &
+                  velocity)
+               call add_vectors(c, 1.0_wp, p - 1, size(local, 1), local, q - 1, &
+                  size(position, 1), position)
+               cycle
             end if
-            call evaluate(grid%dimensions, 3, 4, u, terms, gain)
-            call evaluate(grid%dimensions, 3, 4, c, terms, way)
-            do k = 1, 3
-               if (last == p + lanes - 1) then
-                  call add_lanes(keep, gain(1, k), q, size(velocity, 1), velocity(:, k))
-                  call add_lanes(1.0_wp, way(1, k), q, size(position, 1), position(:, k))
-               else
-                  do lane = 1, last - p + 1
-                     velocity(q + lane, k) = keep*velocity(q + lane, k) + gain(lane, k)
-                     position(q + lane, k) = position(q + lane, k) + way(lane, k)
-                  end do
-               end if
-            end do
+            number = last - p + 1
+            call fill_lanes(p, last, 3, local, place)
+            call fill_lanes(q, q + number - 1, 3, velocity, part)
+            call add_vectors(u, keep, 0, lanes, place, 0, lanes, part)
+            velocity(q:q + number - 1, :) = part(:number, :)
+            call fill_lanes(q, q + number - 1, 3, position, part)
+            call add_vectors(c, 1.0_wp, 0, lanes, place, 0, lanes, part)
+            position(q:q + number - 1, :) = part(:number, :)
          end do
       end do
    end subroutine gather_motion
 
-   !> Coefficients of the polynomials of the three components of a vector in a cell, the terms being
-   !! 1, x, z, xz, y, xy, yz, xyz. The nodes come as one row of numbers: with the first number
-   !! of the next node a vector has four, which are the lanes. The fourth has no meaning.
-   pure subroutine find_vectors(before, offset, numbers, nodes, scale, u)
-      integer, intent(in) :: before                          !! Numbers before the first node
-      integer, intent(in) :: offset(lanes)                   !! Numbers from there to a node
-      integer, intent(in) :: numbers                         !! Three a node of the tile
-      real(wp), intent(in) :: nodes(numbers)                 !! (component and node)
-      real(wp), intent(in) :: scale                          !! Factor
-      real(wp), intent(inout) :: u(4, lanes)                 !! (component, term)
-      integer :: lane, c
+   !> Add the values of the polynomials of a vector to vectors of eight particles, of which a share
+   !! is kept.
+   ! gate: long kernel because places and vectors have lengths of their own
+   pure subroutine add_vectors(u, keep, before, rows, local, ahead, columns, values)
+      real(wp), intent(in) :: u(4, lanes)                    !! (component, term) Coefficients
+      real(wp), intent(in) :: keep                           !! Share of the old values [1]
+      integer, intent(in) :: before                          !! Rows of places before the lanes
+      integer, intent(in) :: rows                            !! Length of the next
+      real(wp), intent(in) :: local(rows, 3)                 !! (lane, 3) Places in the cell [1]
+      integer, intent(in) :: ahead                           !! Rows of vectors before the lanes
+      integer, intent(in) :: columns                         !! Length of a column of the next
+      real(wp), intent(inout) :: values(columns, 3)          !! (lane, component)
+      integer :: k
 
-      if (before + offset(lanes) + 4 <= numbers) then
-         do lane = 1, lanes
-            !$omp simd
-            do c = 1, 4
-               u(c, lane) = scale*nodes(before + offset(lane) + c)
-            end do
-         end do
-      else
-         do lane = 1, lanes
-            do c = 1, 3
-               u(c, lane) = scale*nodes(before + offset(lane) + c)
-            end do
-            u(4, lane) = 0.0_wp
-         end do
-      end if
-      !$omp simd
-      do c = 1, 4
-         call take_differences(u(c, 1), u(c, 2), u(c, 3), u(c, 4), u(c, 5), u(c, 6), u(c, 7), &
-            u(c, 8))
+      do k = 1, 3
+         call add_lanes(u(k, 1), keep, local(before + 1, 1), local(before + 1, 2), &
+            local(before + 1, 3), values(ahead + 1, k))
       end do
-   end subroutine find_vectors
+   end subroutine add_vectors
 
-   !> Coefficients of the polynomials of the nine components of a tensor in a cell, terms as above.
-   pure subroutine find_tensors(before, offset, numbers, nodes, scale, u)
-      integer, intent(in) :: before                          !! Numbers before the first node
-      integer, intent(in) :: offset(lanes)                   !! Numbers from there to a node
-      integer, intent(in) :: numbers                         !! Nine a node of the tile
-      real(wp), intent(in) :: nodes(numbers)                 !! (component and node)
-      real(wp), intent(in) :: scale                          !! Factor
-      real(wp), intent(inout) :: u(9, lanes)                 !! (component, term)
-      integer :: lane, c
+   !> The same for one component.
+   pure subroutine add_lanes(u, keep, x, y, z, values)
+      real(wp), intent(in) :: u(4*(lanes - 1) + 1)           !! Each fourth a coefficient
+      real(wp), intent(in) :: keep                           !! Share of the old values [1]
+      real(wp), intent(in) :: x(lanes), y(lanes), z(lanes)   !! (lane) Places in the cell [1]
+      real(wp), intent(inout) :: values(lanes)               !! (lane)
+      integer :: lane
 
+      !$omp simd
       do lane = 1, lanes
-         !$omp simd
-         do c = 1, 9
-            u(c, lane) = scale*nodes(before + offset(lane) + c)
-         end do
+         values(lane) = keep*values(lane) + (((u(1) + u(5)*x(lane)) &
+            + (u(9) + u(13)*x(lane))*z(lane)) + ((u(17) + u(21)*x(lane)) &
+            + (u(25) + u(29)*x(lane))*z(lane))*y(lane))
       end do
-      !$omp simd
-      do c = 1, 9
-         call take_differences(u(c, 1), u(c, 2), u(c, 3), u(c, 4), u(c, 5), u(c, 6), u(c, 7), &
-            u(c, 8))
+   end subroutine add_lanes
+
+   !> Coefficients of the polynomials of the components of a field in a cell, the terms being
+   !! 1, x, z, xz, y, xy, yz, xyz. The nodes come as one row of numbers, of which four are the
+   !! lanes: those of the next node fill the row up to a multiple of four, and have no meaning.
+   ! gate: long kernel because a field is told by its numbers
+   pure subroutine find_terms(components, rows, node, ways, numbers, nodes, scale, u)
+      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: rows                    !! The same, a multiple of four
+      integer, intent(in) :: node                    !! First node of the cell
+      integer, intent(in) :: ways(lanes)             !! Numbers from there to those of a node
+      integer, intent(in) :: numbers                 !! Of the tile
+      real(wp), intent(in) :: nodes(numbers)         !! (component and node)
+      real(wp), intent(in) :: scale                  !! Factor
+      real(wp), intent(inout) :: u(rows, lanes)      !! (component, term)
+      integer :: part, before
+
+      before = components*(node - 1)
+      if (before + ways(lanes) + rows > numbers) then
+         call find_last_terms(components, rows, before, ways, numbers, nodes, scale, u)
+         return
+      end if
+      do part = 0, rows - 1, 4
+         call take_differences(before + part, ways, numbers, nodes, scale, rows, u(part + 1, 1))
       end do
-   end subroutine find_tensors
+   end subroutine find_terms
+
+   !> The same for a cell with the last node of the tile, which nothing follows.
+   ! gate: long kernel because a field is told by its numbers
+   pure subroutine find_last_terms(components, rows, before, ways, numbers, nodes, scale, u)
+      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: rows                    !! The same, a multiple of four
+      integer, intent(in) :: before                  !! Numbers before those of the first node
+      integer, intent(in) :: ways(lanes)             !! Numbers from there to those of a node
+      integer, intent(in) :: numbers                 !! Of the tile
+      real(wp), intent(in) :: nodes(numbers)         !! (component and node)
+      real(wp), intent(in) :: scale                  !! Factor
+      real(wp), intent(inout) :: u(rows, lanes)      !! (component, term)
+      real(wp) :: padded(rows, lanes)
+      integer :: part, lane
+
+      padded = 0.0_wp
+      do lane = 1, lanes
+         padded(:components, lane) = nodes(before + ways(lane) + 1:before + ways(lane) + components)
+      end do
+      do part = 0, rows - 1, 4
+         call take_differences(part, [(rows*(lane - 1), lane=1, lanes)], size(padded), padded, &
+            scale, rows, u(part + 1, 1))
+      end do
+   end subroutine find_last_terms
 
    !> From the values on the eight nodes of a cell to the coefficients of its polynomial:
-   !! differences along x, then z, then y, of which a missing direction has none.
-   pure subroutine take_differences(u1, u2, u3, u4, u5, u6, u7, u8)
-      real(wp), intent(inout) :: u1, u2, u3, u4, u5, u6, u7, u8 !! Node in, term out
+   !! differences along x, then z, then y. Four components are the lanes.
+   pure subroutine take_differences(before, ways, numbers, nodes, scale, rows, u)
+      integer, intent(in) :: before                  !! Numbers before those of the first node
+      integer, intent(in) :: ways(lanes)             !! Numbers from there to those of a node
+      integer, intent(in) :: numbers                 !! Of the tile
+      real(wp), intent(in) :: nodes(numbers)         !! (component and node)
+      real(wp), intent(in) :: scale                  !! Factor
+      integer, intent(in) :: rows                    !! From term to term
+      real(wp), intent(inout) :: u(rows*(lanes - 1) + 4) !! (component and term)
+      real(wp) :: u1, u2, u3, u4, u5, u6, u7, u8
+      integer :: c
 
-      u2 = u2 - u1
-      u4 = u4 - u3
-      u6 = u6 - u5
-      u8 = u8 - u7
-      u3 = u3 - u1
-      u4 = u4 - u2
-      u7 = u7 - u5
-      u8 = u8 - u6
-      u5 = u5 - u1
-      u6 = u6 - u2
-      u7 = u7 - u3
-      u8 = u8 - u4
+      !$omp simd private(u1, u2, u3, u4, u5, u6, u7, u8)
+      do c = 1, 4
+         u1 = scale*nodes(before + c)
+         u2 = scale*nodes(before + ways(2) + c) - u1
+         u3 = scale*nodes(before + ways(3) + c)
+         u4 = scale*nodes(before + ways(4) + c) - u3
+         u5 = scale*nodes(before + ways(5) + c)
+         u6 = scale*nodes(before + ways(6) + c) - u5
+         u7 = scale*nodes(before + ways(7) + c)
+         u8 = scale*nodes(before + ways(8) + c) - u7
+         u3 = u3 - u1
+         u4 = u4 - u2
+         u7 = u7 - u5
+         u8 = u8 - u6
+         u(c) = u1
+         u(rows + c) = u2
+         u(2*rows + c) = u3
+         u(3*rows + c) = u4
+         u(4*rows + c) = u5 - u1
+         u(5*rows + c) = u6 - u2
+         u(6*rows + c) = u7 - u3
+         u(7*rows + c) = u8 - u4
+      end do
    end subroutine take_differences
 end module transfer_gather

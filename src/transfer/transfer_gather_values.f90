@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Single values from nodes to particles with the linear functions of the cell: the nodes of a cell
-!! are loaded once, then the particles of the cell are the lanes.
+!> Single values from nodes to particles with the linear functions of the cell: the coefficients of
+!! the polynomial of a cell are found once, then the particles of the cell are the lanes.
 module transfer_gather_values
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
@@ -21,22 +21,16 @@ contains
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), radial
-      integer :: cell, p, lane
+      real(wp) :: u(lanes)
+      integer :: cell, p
 
-      a = grid%lane_constant
-      b = grid%lane_slope
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         call load_cell(grid, cell, nodes, scale, u)
+         call find_terms(grid, cell, 1, scale, nodes, u)
+         !$omp simd
          do p = start(cell) + 1, start(cell + 1)
-            radial = 0.0_wp
-            do lane = 1, lanes
-               radial = radial + (a(lane, 1) + b(lane, 1)*local(p, 1)) &
-                  *(a(lane, 2) + b(lane, 2)*local(p, 2))*(a(lane, 3) + b(lane, 3)*local(p, 3)) &
-                  *u(lane, 1)
-            end do
-            gradient(p, 5) = radial/position(first + p - 1, 1)
+            gradient(p, 5) = ((u(1) + u(2)*local(p, 1)) + (u(3) + u(4)*local(p, 1))*local(p, 3)) &
+               /position(first + p - 1, 1)
          end do
       end do
    end subroutine gather_hoop
@@ -51,98 +45,100 @@ contains
       real(wp), intent(in) :: keep                           !! Share of the old value
       real(wp), intent(in) :: scale                          !! Factor of the node values
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle, 3)
-      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, 3), shape, v1, v2, v3, x1, x2, x3
-      integer :: cell, p, lane, q
+      real(wp) :: gain(size(local, 1), 3)
+      integer :: p, k
 
-      a = grid%lane_constant
-      b = grid%lane_slope
-      do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
-         call load_cell(grid, cell, nodes, scale, u)
-         !$omp simd private(x1, x2, x3, shape, v1, v2, v3, lane, q)
-         do p = start(cell) + 1, start(cell + 1)
-            x1 = local(p, 1)
-            x2 = local(p, 2)
-            x3 = local(p, 3)
-            v1 = 0.0_wp
-            v2 = 0.0_wp
-            v3 = 0.0_wp
-            do lane = 1, lanes
-               shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
-                  *(a(lane, 3) + b(lane, 3)*x3)
-               v1 = v1 + shape*u(lane, 1)
-               v2 = v2 + shape*u(lane, 2)
-               v3 = v3 + shape*u(lane, 3)
-            end do
-            q = first + p - 1
-            values(q, 1) = keep*values(q, 1) + v1
-            values(q, 2) = keep*values(q, 2) + v2
-            values(q, 3) = keep*values(q, 3) + v3
+      call gather_values(grid, start, local, nodes, gain)
+      do k = 1, 3
+         do p = 1, start(grid%tile_cells)
+            values(first + p - 1, k) = keep*values(first + p - 1, k) + scale*gain(p, k)
          end do
       end do
    end subroutine gather_vector
 
-   !> Values sum S_i node_i of any number of columns, three at a time.
+   !> Values sum S_i node_i of any number of columns.
    pure subroutine gather_values(grid, start, local, nodes, values)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
-      !> (particle of the tile, column) Columns up to the next multiple of three are written
-      real(wp), contiguous, intent(inout) :: values(:, :)
-      integer, parameter :: most = 9
-      real(wp) :: a(lanes, 3), b(lanes, 3), u(lanes, most + 2), shape, v1, v2, v3, x1, x2, x3
-      integer :: cell, p, lane, c, n
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
+      real(wp) :: u(lanes)
+      integer :: cell, c
 
-      a = grid%lane_constant
-      b = grid%lane_slope
-      n = size(nodes, 1)
-      u = 0.0_wp
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         do lane = 1, lanes
-            do c = 1, n
-               u(lane, c) = nodes(c, grid%first_node(cell) + grid%lane_offset(lane))
-            end do
-         end do
-         do c = 1, n, 3
-            !$omp simd private(x1, x2, x3, shape, v1, v2, v3, lane)
-            do p = start(cell) + 1, start(cell + 1)
-               x1 = local(p, 1)
-               x2 = local(p, 2)
-               x3 = local(p, 3)
-               v1 = 0.0_wp
-               v2 = 0.0_wp
-               v3 = 0.0_wp
-               do lane = 1, lanes
-                  shape = (a(lane, 1) + b(lane, 1)*x1)*(a(lane, 2) + b(lane, 2)*x2) &
-                     *(a(lane, 3) + b(lane, 3)*x3)
-                  v1 = v1 + shape*u(lane, c)
-                  v2 = v2 + shape*u(lane, c + 1)
-                  v3 = v3 + shape*u(lane, c + 2)
-               end do
-               values(p, c) = v1
-               values(p, c + 1) = v2
-               values(p, c + 2) = v3
-            end do
+         do c = 1, size(nodes, 1)
+            call find_terms(grid, cell, c, 1.0_wp, nodes, u)
+            if (grid%dimensions == 3) then
+               call evaluate_space(start(cell) + 1, start(cell + 1), u, local(:, 1), &
+                  local(:, 2), local(:, 3), values(:, c))
+            else
+               call evaluate_plane(start(cell) + 1, start(cell + 1), u, local(:, 1), &
+                  local(:, 3), values(:, c))
+            end if
          end do
       end do
    end subroutine gather_values
 
-   !> Load the node values of a cell as lanes.
-   pure subroutine load_cell(grid, cell, nodes, scale, values)
+   !> Coefficients of the polynomial of one component of a node field in a cell, by differences
+   !! along x, then z, then y; those of a missing direction are not found.
+   pure subroutine find_terms(grid, cell, component, scale, nodes, u)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (component, node)
+      integer, intent(in) :: component                       !! Of the field
       real(wp), intent(in) :: scale                          !! Factor
-      real(wp), contiguous, intent(inout) :: values(:, :)    !! (lane, component)
-      integer :: component, lane, base
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (component, node)
+      real(wp), intent(inout) :: u(lanes)                    !! Of 1, x, z, xz, y, xy, yz, xyz
+      integer :: lane, base, last
 
       base = grid%first_node(cell)
-      do lane = 1, lanes
-         do component = 1, size(values, 2)
-            values(lane, component) = scale*nodes(component, base + grid%lane_offset(lane))
-         end do
+      last = merge(lanes, lanes/2, grid%dimensions == 3)
+      do lane = 1, last
+         u(lane) = scale*nodes(component, base + grid%lane_offset(lane))
       end do
-   end subroutine load_cell
+      u(2) = u(2) - u(1)
+      u(4) = u(4) - u(3)
+      u(3) = u(3) - u(1)
+      u(4) = u(4) - u(2)
+      if (last < lanes) return
+      u(6) = u(6) - u(5)
+      u(8) = u(8) - u(7)
+      u(7) = u(7) - u(5)
+      u(8) = u(8) - u(6)
+      do lane = 1, 4
+         u(lane + 4) = u(lane + 4) - u(lane)
+      end do
+   end subroutine find_terms
+
+   !> Values of a polynomial with all terms at the particles of a cell.
+   pure subroutine evaluate_space(low, high, u, x, y, z, values)
+      integer, intent(in) :: low                             !! First particle of the cell
+      integer, intent(in) :: high                            !! Last one
+      real(wp), intent(in) :: u(lanes)                       !! Coefficients
+      real(wp), contiguous, intent(in) :: x(:), y(:), z(:)   !! (particle) Places in the cell [1]
+      real(wp), contiguous, intent(inout) :: values(:)       !! (particle)
+      integer :: p
+
+      !$omp simd
+      do p = low, high
+         values(p) = ((u(1) + u(2)*x(p)) + (u(3) + u(4)*x(p))*z(p)) &
+            + ((u(5) + u(6)*x(p)) + (u(7) + u(8)*x(p))*z(p))*y(p)
+      end do
+   end subroutine evaluate_space
+
+   !> Values of a polynomial of x and z at the particles of a cell.
+   pure subroutine evaluate_plane(low, high, u, x, z, values)
+      integer, intent(in) :: low                             !! First particle of the cell
+      integer, intent(in) :: high                            !! Last one
+      real(wp), intent(in) :: u(lanes)                       !! Coefficients, of which four count
+      real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Places in the cell [1]
+      real(wp), contiguous, intent(inout) :: values(:)       !! (particle)
+      integer :: p
+
+      !$omp simd
+      do p = low, high
+         values(p) = (u(1) + u(2)*x(p)) + (u(3) + u(4)*x(p))*z(p)
+      end do
+   end subroutine evaluate_plane
 end module transfer_gather_values

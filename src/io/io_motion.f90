@@ -1,0 +1,116 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Tables of velocities: lines of a time and three components, with commas or blanks between.
+module io_motion
+   use base_error, only: error_t, exit_file, fail
+   use base_kinds, only: wp
+   use base_text, only: number, shortened, split, text_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   implicit none
+   private
+
+   public :: read_motion
+
+   integer, parameter :: columns = 4                     !! Time and three components
+   integer, parameter :: shown = 40                      !! Letters of a wrong line in a message
+
+contains
+
+   !> Take a table from the content of a file. Lines that begin with # and empty ones are skipped,
+   !! and so is a first line of words.
+   subroutine read_motion(text, path, time, velocity, error)
+      character(len=*), intent(in) :: text               !! All of the file
+      character(len=*), intent(in) :: path               !! Its name, for messages
+      real(wp), allocatable, intent(out) :: time(:)      !! As written
+      real(wp), allocatable, intent(out) :: velocity(:, :) !! (3, entry) As written
+      type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
+      character(len=:), allocatable :: line
+      real(wp), allocatable :: room(:, :)
+      real(wp) :: values(columns)
+      logical :: sound
+      integer :: first, last, row, entries
+
+      allocate (room(columns, 1 + count([(text(first:first) == new_line("a"), &
+         first=1, len(text))])))
+      first = 1
+      row = 0
+      entries = 0
+      do while (first <= len(text))
+         last = first + index(text(first:)//new_line("a"), new_line("a")) - 2
+         line = plain(text(first:last))
+         first = last + 2
+         row = row + 1
+         if (len_trim(line) == 0 .or. index(adjustl(line), "#") == 1) cycle
+         call read_line(line, values, sound)
+         if (.not. sound .and. entries == 0 .and. is_title(line)) cycle
+         if (.not. sound) then
+            call complain(error, path, "line "//number(row)//": expected four numbers t, vx, "// &
+               "vy, vz, not '"//shortened(trim(adjustl(line)), shown)//"'")
+            return
+         end if
+         if (entries > 0) sound = values(1) > room(1, max(entries, 1))
+         if (.not. sound) then
+            call complain(error, path, "line "//number(row)//": times must ascend; t = "// &
+               number(values(1))//" follows "//number(room(1, entries)))
+            return
+         end if
+         entries = entries + 1
+         room(:, entries) = values
+      end do
+      if (entries == 0) call complain(error, path, "it holds no line of four numbers t, vx, vy, vz")
+      time = room(1, :entries)
+      velocity = room(2:, :entries)
+   end subroutine read_motion
+
+   !> Make the message.
+   subroutine complain(error, path, what)
+      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
+      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: what               !! What is wrong
+
+      call fail(error, exit_file, "cannot read the velocities of '"//path//"': "//what)
+   end subroutine complain
+
+   !> A line with blanks for commas and control characters, so that words are between blanks.
+   pure function plain(line) result(clean)
+      character(len=*), intent(in) :: line               !! Any
+      character(len=len(line)) :: clean
+      integer :: n
+
+      do n = 1, len(line)
+         clean(n:n) = merge(" ", line(n:n), line(n:n) == "," .or. iachar(line(n:n)) < iachar(" "))
+      end do
+   end function plain
+
+   !> Four finite numbers, neither less nor more.
+   subroutine read_line(line, values, sound)
+      character(len=*), intent(in) :: line               !! With blanks between the words
+      real(wp), intent(out) :: values(columns)           !! The numbers
+      logical, intent(out) :: sound                      !! Are they there?
+      type(text_t), allocatable :: words(:)
+      integer :: k, status
+
+      values = 0.0_wp
+      call split(line, words)
+      sound = size(words) == columns
+      if (.not. sound) return
+      do k = 1, columns
+         ! a stroke or a star would be read as something else
+         sound = verify(words(k)%text, "+-.0123456789eEdD") == 0
+         if (.not. sound) return
+         read (words(k)%text, *, iostat=status) values(k)
+         sound = status == 0
+         if (.not. sound) return
+         sound = ieee_is_finite(values(k))
+         if (.not. sound) return
+      end do
+   end subroutine read_line
+
+   !> Whether a line holds names of columns: its first word begins with a letter.
+   pure logical function is_title(line) result(title)
+      character(len=*), intent(in) :: line               !! Not empty
+      character(len=1) :: first
+
+      first = adjustl(line)
+      title = scan(first, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ") == 1
+   end function is_title
+end module io_motion

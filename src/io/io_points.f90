@@ -1,0 +1,352 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Lists of points: texts with a line a point (CSV), or snapshots of particles of another run.
+module io_points
+   use base_error, only: error_t, exit_file, fail
+   use base_kinds, only: int64, wp
+   use base_text, only: closest, number, shortened, text_t
+   use io_hdf5_read, only: data_info_t, hdf5_source_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   implicit none
+   private
+
+   public :: data_group, factor_of, point_list_t, read_point_text, read_snapshot
+
+   character(len=*), parameter :: root = "/VTKHDF"       !! Where snapshots have their particles
+   character(len=*), parameter :: data_group = root//"/PointData" !! And their fields
+   character(len=8), parameter :: columns(8) = [character(len=8) :: "x", "y", "z", "volume", "vx", &
+      "vy", "vz", "material"]
+   integer, parameter :: shown = 40                      !! Letters of a wrong line in a message
+
+   !> What a list says of its points; numbers of a text as they stand there, of a snapshot in SI.
+   type :: point_list_t
+      real(wp), allocatable :: position(:, :)            !! (3, row)
+      real(wp), allocatable :: volume(:)                 !! (row) If it is there
+      real(wp), allocatable :: velocity(:, :)            !! (3, row) If it is there; of texts only
+      integer, allocatable :: line(:)                    !! (row) Line of a text
+      integer(int64), allocatable :: material(:)         !! (row) Place among the names, if there
+      type(text_t), allocatable :: material_names(:)     !! Names of materials
+      integer(int64), allocatable :: body(:)             !! (row) Place among the names, if there
+      type(text_t), allocatable :: body_names(:)         !! Names of bodies
+      type(text_t), allocatable :: fields(:)             !! Of a snapshot: what else it has
+   end type point_list_t
+
+contains
+
+   !> Make the message.
+   subroutine complain(error, path, what)
+      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
+      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: what               !! What is wrong
+
+      call fail(error, exit_file, "cannot read the points of '"//path//"': "//what)
+   end subroutine complain
+
+   !> Take the points from the content of a text. Empty lines and those that begin with # say
+   !! nothing.
+   subroutine read_point_text(text, path, list, error)
+      character(len=*), intent(in) :: text               !! All of the file
+      character(len=*), intent(in) :: path               !! Its name, for messages
+      type(point_list_t), intent(out) :: list            !! The points
+      type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
+      type(text_t), allocatable :: words(:)
+      integer, allocatable :: column(:)
+      character(len=:), allocatable :: line, fault
+      integer :: row, lines, first, last
+
+      allocate (list%material_names(0), list%body_names(0), list%fields(0))
+      lines = 0
+      row = 0
+      first = 1
+      do while (first <= len(text))
+         last = first + index(text(first:)//new_line("a"), new_line("a")) - 2
+         line = plain(text(first:last))
+         first = last + 2
+         lines = lines + 1
+         if (line == "" .or. index(adjustl(line), "#") == 1) cycle
+         call cells_of(line, words)
+         if (.not. allocated(column)) then
+            call read_heading(words, column, fault)
+            if (fault == "") call make_room(text, column, list)
+         else
+            row = row + 1
+            call read_row(words, column, row, list, fault)
+            if (fault == "") list%line(row) = lines
+         end if
+         if (fault /= "") then
+            call complain(error, path, "line "//number(lines)//": "//fault)
+            return
+         end if
+      end do
+      if (row == 0) then
+         call complain(error, path, "it holds no point; it begins with a line such as "// &
+            "x,y,z,volume, and each line below is a point")
+         return
+      end if
+      call cut(list, row)
+   end subroutine read_point_text
+
+   !> A line without tabs and carriage returns.
+   pure function plain(line) result(clean)
+      character(len=*), intent(in) :: line               !! Any
+      character(len=len(line)) :: clean
+      integer :: n
+
+      do n = 1, len(line)
+         clean(n:n) = merge(" ", line(n:n), iachar(line(n:n)) < iachar(" "))
+      end do
+   end function plain
+
+   !> Texts between commas.
+   pure subroutine cells_of(line, words)
+      character(len=*), intent(in) :: line               !! A line
+      type(text_t), allocatable, intent(out) :: words(:) !! Without blanks around them
+      integer :: n, first, last
+
+      allocate (words(1 + count([(line(n:n) == ",", n=1, len(line))])))
+      first = 1
+      do n = 1, size(words)
+         last = first + index(line(first:)//",", ",") - 2
+         words(n)%text = trim(adjustl(line(first:last)))
+         first = last + 2
+      end do
+   end subroutine cells_of
+
+   !> Columns by the names in the first line.
+   subroutine read_heading(words, column, fault)
+      type(text_t), intent(in) :: words(:)               !! Names
+      integer, allocatable, intent(out) :: column(:)     !! (name) Place of its column, 0: none
+      character(len=:), allocatable, intent(out) :: fault !! What is wrong, or empty
+      type(text_t) :: known(size(columns))
+      character(len=:), allocatable :: near
+      integer :: n, k
+
+      fault = ""
+      allocate (column(size(columns)))
+      column = 0
+      do n = 1, size(words)
+         do k = 1, size(columns)
+            if (columns(k) /= words(n)%text) cycle
+            if (column(k) > 0) fault = "the column '"//words(n)%text//"' is there twice"
+            column(k) = n
+            exit
+         end do
+         if (k <= size(columns)) cycle
+         do k = 1, size(columns)
+            known(k)%text = trim(columns(k))
+         end do
+         fault = "unknown column '"//shortened(words(n)%text, shown)//"'; there are x, y, z, "// &
+            "volume, vx, vy, vz, material"
+         near = closest(words(n)%text, known)
+         if (near /= "") fault = fault//"; did you mean '"//near//"'?"
+         return
+      end do
+      if (fault /= "") return
+      if (any(column(:3) == 0)) then
+         fault = "the first line must name the columns x, y, z"
+      else if (any(column(5:7) == 0) .and. any(column(5:7) > 0)) then
+         fault = "a velocity needs all of vx, vy, vz"
+      end if
+   end subroutine read_heading
+
+   !> Room for as many points as there are lines.
+   subroutine make_room(text, column, list)
+      character(len=*), intent(in) :: text               !! All of the file
+      integer, intent(in) :: column(:)                   !! (name) Place of its column, 0: none
+      type(point_list_t), intent(inout) :: list          !! Gets arrays
+      integer :: rows, n
+
+      rows = 1
+      do n = 1, len(text)
+         if (text(n:n) == new_line("a")) rows = rows + 1
+      end do
+      allocate (list%position(3, rows), list%line(rows))
+      if (column(4) > 0) allocate (list%volume(rows))
+      if (column(5) > 0) allocate (list%velocity(3, rows))
+      if (column(8) > 0) allocate (list%material(rows))
+   end subroutine make_room
+
+   !> One point.
+   subroutine read_row(words, column, row, list, fault)
+      type(text_t), intent(in) :: words(:)               !! Of its line
+      integer, intent(in) :: column(:)                   !! (name) Place of its column, 0: none
+      integer, intent(in) :: row                         !! Which point
+      type(point_list_t), intent(inout) :: list          !! Gets it
+      character(len=:), allocatable, intent(out) :: fault !! What is wrong, or empty
+      real(wp) :: values(7)
+      integer :: k, status
+
+      fault = ""
+      if (size(words) /= count(column > 0)) then
+         fault = "expected "//number(count(column > 0))//" columns as in the first line, not "// &
+            number(size(words))
+         return
+      end if
+      values = 0.0_wp
+      do k = 1, 7
+         if (column(k) == 0) cycle
+         associate (word => words(column(k))%text)
+            status = verify(word, "0123456789+-.eEdD")
+            if (word == "") status = 1
+            if (status == 0) read (word, *, iostat=status) values(k)
+            if (status /= 0 .or. .not. ieee_is_finite(values(k))) then
+               fault = trim(columns(k))//" = '"//shortened(word, shown)//"' is not a number"
+               return
+            end if
+         end associate
+      end do
+      list%position(:, row) = values(:3)
+      if (column(5) > 0) list%velocity(:, row) = values(5:7)
+      if (column(4) > 0) then
+         list%volume(row) = values(4)
+         if (.not. values(4) > 0.0_wp) fault = "the volume of a point must be above 0"
+      end if
+      if (column(8) > 0) call name_material(words(column(8))%text, row, list)
+   end subroutine read_row
+
+   !> Give the material of a point a number.
+   subroutine name_material(name, row, list)
+      character(len=*), intent(in) :: name               !! Of the material
+      integer, intent(in) :: row                         !! Which point
+      type(point_list_t), intent(inout) :: list          !! Gets it
+      integer :: n
+
+      do n = 1, size(list%material_names)
+         if (list%material_names(n)%text == name) exit
+      end do
+      if (n > size(list%material_names)) list%material_names = [list%material_names, text_t(name)]
+      list%material(row) = n
+   end subroutine name_material
+
+   !> Drop the room that was not needed.
+   subroutine cut(list, rows)
+      type(point_list_t), intent(inout) :: list          !! The points
+      integer, intent(in) :: rows                        !! How many
+
+      list%position = list%position(:, :rows)
+      list%line = list%line(:rows)
+      if (allocated(list%volume)) list%volume = list%volume(:rows)
+      if (allocated(list%velocity)) list%velocity = list%velocity(:, :rows)
+      if (allocated(list%material)) list%material = list%material(:rows)
+   end subroutine cut
+
+   !> Take the points from a snapshot; its other fields are named and read where they are needed.
+   subroutine read_snapshot(source, list, error)
+      type(hdf5_source_t), intent(in) :: source          !! The open file
+      type(point_list_t), intent(out) :: list            !! The points
+      type(error_t), allocatable, intent(out) :: error   !! It is no snapshot, or damaged
+      type(data_info_t), allocatable :: members(:)
+      type(data_info_t) :: info
+      integer :: n
+      logical :: whole
+
+      whole = source%has(root)
+      if (whole) whole = source%has(root//"/Points")
+      if (whole) whole = source%has(data_group)
+      if (.not. whole) then
+         call complain(error, source%path, "it is no snapshot of particles")
+         return
+      end if
+      call source%info(root//"/Points", info, error)
+      if (.not. allocated(error)) call source%members(data_group, members, error)
+      if (allocated(error)) return
+      allocate (list%position(3, info%rows), list%fields(0))
+      call read_vectors(source, root//"/Points", list%position, error)
+      if (allocated(error)) return
+      do n = 1, size(members)
+         if (.not. members(n)%is_data .or. members(n)%rows /= info%rows) cycle
+         list%fields = [list%fields, text_t(trim(members(n)%name))]
+         if (members(n)%name == "volume") then
+            allocate (list%volume(info%rows))
+            call read_numbers(source, data_group//"/volume", list%volume, error)
+         else if (members(n)%name == "material") then
+            allocate (list%material(info%rows))
+            call source%read(data_group//"/material", 0_int64, list%material, error)
+         else if (members(n)%name == "body") then
+            allocate (list%body(info%rows))
+            call source%read(data_group//"/body", 0_int64, list%body, error)
+         end if
+         if (allocated(error)) return
+      end do
+      call read_names(source, "/bodies/name", list%body_names, error)
+      if (.not. allocated(error)) &
+         call read_names(source, "/bodies/material_name", list%material_names, error)
+      if (allocated(error)) return
+      if (size(list%material_names) == 0 .and. allocated(list%material)) deallocate (list%material)
+      if (size(list%body_names) == 0 .and. allocated(list%body)) deallocate (list%body)
+      call check_snapshot(source%path, list, error)
+   end subroutine read_snapshot
+
+   !> Refuse points that are none.
+   subroutine check_snapshot(path, list, error)
+      character(len=*), intent(in) :: path               !! The file
+      type(point_list_t), intent(in) :: list             !! Its points
+      type(error_t), allocatable, intent(out) :: error   !! A number is none
+      integer :: n
+
+      do n = 1, size(list%position, 2)
+         if (.not. all(ieee_is_finite(list%position(:, n)))) then
+            call complain(error, path, "row "//number(n)//": the position is not a number")
+            return
+         end if
+         if (.not. allocated(list%volume)) cycle
+         if (list%volume(n) > 0.0_wp .and. ieee_is_finite(list%volume(n))) cycle
+         call complain(error, path, "row "//number(n)//": the volume must be above 0")
+         return
+      end do
+   end subroutine check_snapshot
+
+   !> Factor that makes SI of the numbers of a data set.
+   real(wp) function factor_of(source, name) result(factor)
+      type(hdf5_source_t), intent(in) :: source          !! The open file
+      character(len=*), intent(in) :: name               !! From the root
+      type(error_t), allocatable :: error
+      real(wp), allocatable :: values(:)
+
+      call source%list(name, "unitSI", values, error)
+      factor = 1.0_wp
+      if (allocated(error) .or. size(values) /= 1) return
+      factor = values(1)
+   end function factor_of
+
+   !> Read vectors and bring them to SI.
+   subroutine read_vectors(source, name, values, error)
+      type(hdf5_source_t), intent(in) :: source          !! The open file
+      character(len=*), intent(in) :: name               !! From the root
+      real(wp), contiguous, intent(out) :: values(:, :)  !! (component, row)
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+
+      call source%read(name, 0_int64, values, error)
+      values = factor_of(source, name)*values
+   end subroutine read_vectors
+
+   !> Read numbers and bring them to SI.
+   subroutine read_numbers(source, name, values, error)
+      type(hdf5_source_t), intent(in) :: source          !! The open file
+      character(len=*), intent(in) :: name               !! From the root
+      real(wp), contiguous, intent(out) :: values(:)     !! (row)
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+
+      call source%read(name, 0_int64, values, error)
+      values = factor_of(source, name)*values
+   end subroutine read_numbers
+
+   !> Read names, if there are any.
+   subroutine read_names(source, name, names, error)
+      type(hdf5_source_t), intent(in) :: source          !! The open file
+      character(len=*), intent(in) :: name               !! From the root
+      type(text_t), allocatable, intent(out) :: names(:) !! Without blanks behind them
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be read
+      character(len=:), allocatable :: texts, one
+      integer :: n, length
+
+      allocate (names(0))
+      if (.not. source%has("/bodies")) return
+      if (.not. source%has(name)) return
+      call source%names(name, length, texts, error)
+      if (allocated(error)) return
+      do n = 1, len(texts), length
+         one = texts(n:n + length - 1)
+         names = [names, text_t(trim(one(:index(one//achar(0), achar(0)) - 1)))]
+      end do
+   end subroutine read_names
+end module io_points

@@ -1,0 +1,439 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Voxels from files: a data set of HDF5, or MetaImage, which is a text of a few lines and bytes.
+!!
+!! Only where a voxel has the wanted value is kept, a bit a voxel. HDF5 is read in pieces of layers.
+module io_voxels
+   use base_error, only: error_t, exit_file, fail
+   use base_kinds, only: int64, wp
+   use base_text, only: join, lower, number, shortened, split, text_t
+   use io_file, only: folder_of, join_path, read_file
+   use io_hdf5_read, only: hdf5_source_t
+   use particle_voxels, only: mark_voxel
+   use, intrinsic :: iso_fortran_env, only: int16, int32, int8, real32, real64
+   implicit none
+   private
+
+   public :: read_voxels, voxel_file_t
+
+   integer(int64), parameter :: piece = 16777216_int64   !! Read at once, if a layer has no more
+   integer, parameter :: shown = 40                      !! Letters of a wrong line in a message
+   integer, parameter :: most_seen = 8                   !! Values that a message names
+
+   !> Types of voxels of MetaImage and their bytes.
+   character(len=10), parameter :: types(10) = [character(len=10) :: "MET_CHAR", "MET_UCHAR", &
+      "MET_SHORT", "MET_USHORT", "MET_INT", "MET_UINT", "MET_LONG", "MET_ULONG", "MET_FLOAT", &
+      "MET_DOUBLE"]
+   integer, parameter :: type_bytes(10) = [1, 1, 2, 2, 4, 4, 4, 4, 4, 8]
+
+   !> What a file of voxels holds, lengths in its own unit.
+   type :: voxel_file_t
+      integer :: extent(3) = 1                           !! Voxels along x, y and z
+      integer :: dimensions = 3                          !! 2: along x and z; 1: along x
+      real(wp) :: edge(3) = 1.0_wp                       !! Edges of a voxel
+      real(wp) :: corner(3) = 0.0_wp                     !! Lower corner of the first one
+      character(len=:), allocatable :: mask              !! Which voxels have the value
+   end type voxel_file_t
+
+   !> Marks voxels, and remembers values for the case that none has the wanted one.
+   type :: marker_t
+      integer :: value = 1                               !! The wanted one
+      integer(int64) :: marked = 0                       !! Voxels that have it
+      integer(int64) :: seen(most_seen) = 0              !! Others
+      integer :: others = 0                              !! How many others
+   end type marker_t
+
+   !> What the text of a MetaImage says.
+   type :: image_t
+      integer :: kind = 0                                !! Place in the list of types
+      integer(int64) :: skip = -1                        !! Bytes before the voxels, -1: to the end
+      logical :: high_first = .false.                    !! Order of the bytes of a number
+      character(len=:), allocatable :: data              !! File of the bytes, or LOCAL
+      integer(int64) :: data_start = 0                   !! Where the text ends
+      logical :: sized = .false.                         !! Are the extents known?
+      real(wp), allocatable :: middle(:)                 !! Of the first voxel, if it is known
+   end type image_t
+
+contains
+
+   !> Read a file and keep the voxels of one value.
+   subroutine read_voxels(path, dataset, value, voxels, error)
+      character(len=*), intent(in) :: path               !! The file; .mhd and .mha are MetaImage
+      character(len=*), intent(in) :: dataset            !! Name of the data set in HDF5
+      integer, intent(in) :: value                       !! Of the voxels wanted
+      type(voxel_file_t), intent(out) :: voxels          !! What the file holds
+      type(error_t), allocatable, intent(out) :: error   !! It is broken, or lacks the value
+      type(marker_t) :: marker
+      character(len=:), allocatable :: ending
+
+      marker%value = value
+      ending = lower(path(max(len(path) - 3, 1):))
+      if (ending == ".mhd" .or. ending == ".mha") then
+         call read_image(path, marker, voxels, error)
+      else
+         call read_hdf5(path, dataset, marker, voxels, error)
+      end if
+      if (allocated(error)) return
+      if (.not. all(voxels%edge > 0.0_wp .and. abs(voxels%edge) <= huge(1.0_wp))) then
+         call complain(error, path, "the edges of a voxel must be above 0")
+      else if (.not. all(abs(voxels%corner) <= huge(1.0_wp))) then
+         call complain(error, path, "its origin is not a number")
+      else if (marker%marked == 0) then
+         call complain(error, path, "no voxel has the value "//number(value)//"; there are "// &
+            values_text(marker))
+      end if
+   end subroutine read_voxels
+
+   !> Make the message.
+   subroutine complain(error, path, what)
+      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
+      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: what               !! What is wrong
+
+      call fail(error, exit_file, "cannot read the voxels of '"//path//"': "//what)
+   end subroutine complain
+
+   !> Values that were seen.
+   function values_text(marker) result(text)
+      type(marker_t), intent(in) :: marker               !! Saw them
+      character(len=:), allocatable :: text
+      type(text_t) :: words(most_seen)
+      integer :: n
+
+      do n = 1, marker%others
+         words(n)%text = number(marker%seen(n))
+      end do
+      text = join(words(:marker%others), ", ")
+      if (marker%others == most_seen) text = text//", ..."
+      if (marker%others == 0) text = "none but what is not a number"
+   end function values_text
+
+   !> Edges and corner from numbers of a file: one for all directions, one a direction of the data,
+   !! or three.
+   subroutine spread_numbers(given, dimensions, values, fits)
+      real(wp), intent(in) :: given(:)                   !! As in the file
+      integer, intent(in) :: dimensions                  !! Of the data
+      real(wp), intent(inout) :: values(3)               !! Along x, y, z
+      logical, intent(out) :: fits                       !! There are as many as needed
+
+      fits = .true.
+      if (size(given) == 0) return
+      if (size(given) == 3) then
+         values = given
+      else if (size(given) == 2 .and. dimensions == 2) then
+         values(1) = given(1)
+         values(3) = given(2)
+      else
+         fits = size(given) == 1
+         if (fits) values = given(1)
+      end if
+   end subroutine spread_numbers
+
+   !> Voxels along x, y and z: data of two directions lie in the plane of x and z.
+   pure function extent_in_space(extent) result(whole)
+      integer, intent(in) :: extent(:)                   !! The fastest first
+      integer :: whole(3)
+
+      whole = 1
+      whole(1) = extent(1)
+      if (size(extent) == 2) whole(3) = extent(2)
+      if (size(extent) == 3) whole = extent
+   end function extent_in_space
+
+   !> An empty mask for all voxels.
+   subroutine make_mask(voxels)
+      type(voxel_file_t), intent(inout) :: voxels        !! Extents are known
+      integer(int64) :: letters
+
+      letters = (product(int(voxels%extent, int64)) + 7)/8
+      allocate (character(len=letters) :: voxels%mask)
+      voxels%mask(:) = repeat(achar(0), len(voxels%mask))
+   end subroutine make_mask
+
+   !> Look at one voxel. Real numbers count as the whole number that they are nearest to.
+   pure subroutine look(marker, value, voxel, mask)
+      type(marker_t), intent(inout) :: marker            !! Counts
+      real(wp), intent(in) :: value                      !! Of the voxel
+      integer(int64), intent(in) :: voxel                !! Which, from 0
+      character(len=:), allocatable, intent(inout) :: mask !! Of all voxels
+      real(wp), parameter :: most = 9.0e18_wp            ! whole numbers end there
+
+      if (abs(value - real(marker%value, wp)) < 0.5_wp) then
+         marker%marked = marker%marked + 1
+         call mark_voxel(mask, voxel)
+      else if (marker%marked == 0 .and. marker%others < most_seen .and. abs(value) < most) then
+         if (any(marker%seen(:marker%others) == nint(value, int64))) return
+         marker%others = marker%others + 1
+         marker%seen(marker%others) = nint(value, int64)
+      end if
+   end subroutine look
+
+   !> Voxels of a data set.
+   subroutine read_hdf5(path, dataset, marker, voxels, error)
+      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: dataset            !! Name of the data set
+      type(marker_t), intent(inout) :: marker            !! What is wanted
+      type(voxel_file_t), intent(inout) :: voxels        !! Gets all
+      type(error_t), allocatable, intent(out) :: error   !! It cannot be read
+      type(hdf5_source_t) :: source
+      integer, allocatable :: extent(:)
+      real(wp), allocatable :: edge(:), corner(:)
+      logical :: fit(2)
+
+      call source%open(path, error)
+      if (allocated(error)) return
+      call source%extents(dataset, extent, error)
+      if (.not. allocated(error)) call source%list(dataset, "spacing", edge, error)
+      if (.not. allocated(error)) call source%list(dataset, "origin", corner, error)
+      if (.not. allocated(error)) then
+         voxels%dimensions = size(extent)
+         voxels%extent = extent_in_space(extent)
+         call spread_numbers(edge, size(extent), voxels%edge, fit(1))
+         call spread_numbers(corner, size(extent), voxels%corner, fit(2))
+         if (product(int(extent, int64)) == 0) then
+            call complain(error, path, "it holds no voxel")
+         else if (.not. all(fit)) then
+            call complain(error, path, "the attributes spacing and origin of '"//dataset// &
+               "' must have one number or one a direction")
+         else
+            call make_mask(voxels)
+            call read_layers(source, dataset, extent, marker, voxels%mask, error)
+         end if
+      end if
+      call source%close()
+   end subroutine read_hdf5
+
+   !> Read a data set, some layers at a time.
+   subroutine read_layers(source, dataset, extent, marker, mask, error)
+      type(hdf5_source_t), intent(in) :: source          !! The open file
+      character(len=*), intent(in) :: dataset            !! Name of the data set
+      integer, intent(in) :: extent(:)                   !! Its extents, the fastest first
+      type(marker_t), intent(inout) :: marker            !! What is wanted
+      character(len=:), allocatable, intent(inout) :: mask !! Of all voxels
+      type(error_t), allocatable, intent(out) :: error   !! It cannot be read
+      real(wp), allocatable :: values(:)
+      integer :: wanted(size(extent)), layers, before, n
+      integer(int64) :: layer
+
+      layers = extent(size(extent))
+      layer = product(int(extent, int64))/layers
+      do before = 0, layers - 1, int(max(piece/layer, 1_int64))
+         wanted = extent
+         wanted(size(extent)) = min(int(max(piece/layer, 1_int64)), layers - before)
+         if (allocated(values)) deallocate (values)
+         allocate (values(product(wanted)))
+         call source%layers(dataset, before, wanted, values, error)
+         if (allocated(error)) return
+         do n = 1, size(values)
+            call look(marker, values(n), layer*before + n - 1, mask)
+         end do
+      end do
+   end subroutine read_layers
+
+   !> Voxels of a MetaImage.
+   subroutine read_image(path, marker, voxels, error)
+      character(len=*), intent(in) :: path               !! The file with the text
+      type(marker_t), intent(inout) :: marker            !! What is wanted
+      type(voxel_file_t), intent(inout) :: voxels        !! Gets all
+      type(error_t), allocatable, intent(out) :: error   !! It cannot be read
+      character(len=:), allocatable :: text
+      type(image_t) :: image
+      integer(int64) :: bytes, voxel, start
+
+      call read_file(path, text, error)
+      if (allocated(error)) return
+      call read_header(text, path, image, voxels, error)
+      if (allocated(error)) return
+      start = image%data_start
+      if (image%data /= "LOCAL") then
+         start = 0
+         if (index(image%data, "/") /= 1) image%data = join_path(folder_of(path), image%data)
+         call read_file(image%data, text, error)
+         if (allocated(error)) return
+      end if
+      bytes = type_bytes(image%kind)*product(int(voxels%extent, int64))
+      if (image%skip >= 0) start = start + image%skip
+      if (image%skip < 0) start = max(start, len(text, kind=int64) - bytes)
+      if (len(text, kind=int64) - start < bytes) then
+         call complain(error, path, "its voxels need "//number(bytes)//" bytes, but there are "// &
+            number(max(len(text, kind=int64) - start, 0_int64))//"; it is cut short")
+         return
+      end if
+      call make_mask(voxels)
+      do voxel = 0, product(int(voxels%extent, int64)) - 1
+         call look(marker, value_at(text, start + voxel*type_bytes(image%kind), image), voxel, &
+            voxels%mask)
+      end do
+   end subroutine read_image
+
+   !> Take the text of a MetaImage apart.
+   subroutine read_header(text, path, image, voxels, error)
+      character(len=*), intent(in) :: text               !! The file
+      character(len=*), intent(in) :: path               !! Its name, for messages
+      type(image_t), intent(inout) :: image              !! How the bytes lie
+      type(voxel_file_t), intent(inout) :: voxels        !! Extents, edges, corner
+      type(error_t), allocatable, intent(out) :: error   !! A line is wrong, or one is missing
+      integer, parameter :: longest = 4095               ! letters of a line
+      character(len=:), allocatable :: line
+      integer :: row
+      integer(int64) :: first, last
+      logical :: fits
+
+      image%data = ""
+      allocate (image%middle(0))
+      first = 1
+      row = 0
+      fits = .true.
+      do while (first <= len(text, kind=int64) .and. image%data == "" .and. fits)
+         last = first + index(text(first:min(first + longest, len(text, kind=int64)))// &
+            new_line("a"), new_line("a")) - 2
+         line = plain(text(first:last))
+         first = last + 2
+         row = row + 1
+         if (line /= "") call read_line(line, image, voxels, fits)
+      end do
+      image%data_start = first - 1
+      if (.not. fits) then
+         call complain(error, path, "line "//number(row)//": cannot use '"// &
+            shortened(trim(line), shown)//"'; raw voxels of one number, not turned, are read")
+      else if (image%kind == 0 .or. .not. image%sized .or. image%data == "") then
+         call complain(error, path, "it lacks one of NDims, DimSize, ElementType, "// &
+            "ElementDataFile; is it a MetaImage?")
+      end if
+      if (allocated(error)) return
+      call spread_numbers(image%middle, voxels%dimensions, voxels%corner, fits)
+      ! places in the text are middles of voxels
+      if (size(image%middle) > 0) voxels%corner = voxels%corner - 0.5_wp*voxels%edge
+   end subroutine read_header
+
+   !> One line of the text of a MetaImage. Lines about patients, colours and devices say nothing of
+   !! shape and are passed over.
+   subroutine read_line(line, image, voxels, fits)
+      character(len=*), intent(in) :: line               !! The line
+      type(image_t), intent(inout) :: image              !! How the bytes lie
+      type(voxel_file_t), intent(inout) :: voxels        !! Extents, edges
+      logical, intent(out) :: fits                       !! It can be followed
+      character(len=:), allocatable :: value
+      real(wp), allocatable :: values(:)
+      integer :: equals
+
+      equals = index(line//"=", "=")
+      value = trim(adjustl(line(min(equals + 1, len(line) + 1):)))
+      fits = value /= ""
+      call numbers_of(value, values)
+      select case (trim(adjustl(line(:equals - 1))))
+      case ("NDims")
+         fits = value == "1" .or. value == "2" .or. value == "3"
+         if (fits) voxels%dimensions = int(values(1))
+      case ("DimSize")
+         fits = size(values) == voxels%dimensions .and. all(values >= 1.0_wp .and. &
+            values < 2.0e9_wp)
+         image%sized = fits
+         if (fits) voxels%extent = extent_in_space(nint(values))
+      case ("ElementSpacing", "ElementSize")
+         fits = size(values) == voxels%dimensions
+         if (fits) call spread_numbers(values, voxels%dimensions, voxels%edge, fits)
+      case ("Offset", "Origin", "Position")
+         image%middle = values
+         fits = size(values) == voxels%dimensions
+      case ("ElementType")
+         image%kind = size(types)
+         do while (image%kind > 0)
+            if (types(image%kind) == value) exit
+            image%kind = image%kind - 1
+         end do
+         fits = image%kind > 0
+      case ("HeaderSize")
+         fits = size(values) == 1
+         if (fits) image%skip = nint(values(1), int64)
+      case ("BinaryDataByteOrderMSB", "ElementByteOrderMSB")
+         image%high_first = lower(value) == "true"
+      case ("TransformMatrix", "Rotation", "Orientation")
+         fits = size(values) == voxels%dimensions**2
+         if (fits) fits = all(abs(values - identity(voxels%dimensions)) <= 0.0_wp)
+      case ("CompressedData")
+         fits = lower(value) == "false"
+      case ("ElementNumberOfChannels")
+         fits = value == "1"
+      case ("ElementDataFile")
+         image%data = value
+         fits = value /= "LIST"
+      case default
+         fits = equals <= len(line)
+      end select
+   end subroutine read_line
+
+   !> The numbers of a line; none if it holds something else.
+   subroutine numbers_of(text, values)
+      character(len=*), intent(in) :: text               !! Numbers with blanks between them
+      real(wp), allocatable, intent(out) :: values(:)    !! The numbers
+      type(text_t), allocatable :: words(:)
+      integer :: n, status
+
+      call split(text, words)
+      allocate (values(size(words)))
+      values = 0.0_wp
+      do n = 1, size(words)
+         status = verify(words(n)%text, "0123456789+-.eE")
+         if (status == 0) read (words(n)%text, *, iostat=status) values(n)
+         if (status /= 0) then
+            deallocate (values)
+            allocate (values(0))
+            return
+         end if
+      end do
+   end subroutine numbers_of
+
+   !> The matrix of a MetaImage that is not turned, row by row.
+   pure function identity(dimensions) result(matrix)
+      integer, intent(in) :: dimensions                  !! Of the data
+      real(wp) :: matrix(dimensions**2)
+
+      matrix = 0.0_wp
+      matrix(1::dimensions + 1) = 1.0_wp
+   end function identity
+
+   !> A line without tabs and carriage returns.
+   pure function plain(line) result(clean)
+      character(len=*), intent(in) :: line               !! Any
+      character(len=len(line)) :: clean
+      integer :: n
+
+      do n = 1, len(line)
+         clean(n:n) = merge(" ", line(n:n), iachar(line(n:n)) < iachar(" "))
+      end do
+   end function plain
+
+   !> One number of the bytes.
+   pure real(wp) function value_at(text, before, image) result(value)
+      character(len=*), intent(in) :: text               !! Bytes
+      integer(int64), intent(in) :: before               !! Bytes before the number
+      type(image_t), intent(in) :: image                 !! How they lie
+      character(len=8) :: letters
+      integer :: bytes, n
+
+      bytes = type_bytes(image%kind)
+      do n = 1, bytes
+         associate (from => before + merge(bytes + 1 - n, n, image%high_first))
+            letters(n:n) = text(from:from)
+         end associate
+      end do
+      select case (types(image%kind))
+      case ("MET_CHAR")
+         value = real(transfer(letters(:1), 0_int8), wp)
+      case ("MET_UCHAR")
+         value = real(iachar(letters(:1)), wp)
+      case ("MET_SHORT")
+         value = real(transfer(letters(:2), 0_int16), wp)
+      case ("MET_USHORT")
+         value = real(iand(int(transfer(letters(:2), 0_int16), int32), 65535_int32), wp)
+      case ("MET_INT", "MET_LONG")
+         value = real(transfer(letters(:4), 0_int32), wp)
+      case ("MET_UINT", "MET_ULONG")
+         value = real(iand(int(transfer(letters(:4), 0_int32), int64), 4294967295_int64), wp)
+      case ("MET_FLOAT")
+         value = real(transfer(letters(:4), 0.0_real32), wp)
+      case default
+         value = real(transfer(letters, 0.0_real64), wp)
+      end select
+   end function value_at
+end module io_voxels

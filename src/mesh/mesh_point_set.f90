@@ -1,0 +1,32 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What faces and rigid regions ask of a shape, whatever it is made of.
+module mesh_point_set
+   use base_kinds, only: wp
+   implicit none
+   private
+
+   public :: point_set_t
+
+   !> A set of points.
+   type, abstract :: point_set_t
+   contains
+      procedure(contains_i), deferred :: contains    !! Whether a point belongs to it
+      procedure(bounds_i), deferred :: bounds        !! A box around it
+   end type point_set_t
+
+   abstract interface
+      pure recursive logical function contains_i(self, x) result(inside)
+         import :: point_set_t, wp
+         implicit none
+         class(point_set_t), intent(in) :: self      !! The set
+         real(wp), intent(in) :: x(3)                !! Point [m]
+      end function contains_i
+
+      pure recursive subroutine bounds_i(self, lo, hi)
+         import :: point_set_t, wp
+         implicit none
+         class(point_set_t), intent(in) :: self      !! The set
+         real(wp), intent(out) :: lo(3), hi(3)       !! Corners [m]; lo > hi if it is surely empty
+      end subroutine bounds_i
+   end interface
+end module mesh_point_set

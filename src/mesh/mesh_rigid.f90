@@ -1,0 +1,246 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Rigid regions: bodies without particles that rule the velocity of the nodes inside of them.
+module mesh_rigid
+   use base_kinds, only: int64, wp
+   use mesh_boundary, only: boundary_t
+   use mesh_grid, only: grid_t
+   use mesh_outward, only: find_outward, touches
+   use mesh_wall, only: face_outflow, face_periodic, face_slip, face_friction, face_stick, &
+      face_symmetry, face_velocity, node_place, wall_t
+   implicit none
+   private
+
+   public :: held_t, rigid_t
+
+   !> Nodes of a tile that rigid regions hold.
+   type :: held_t
+      integer :: coordinate(3) = -1                  !! The tile for which they were found
+      logical :: moves = .false.                     !! Does a region that moves meet the tile?
+      integer, allocatable :: node(:)                !! Nodes of the tile
+      integer, allocatable :: wall(:)                !! The region that holds each
+      real(wp), allocatable :: normal(:, :)          !! (3, held) Out of it, 0 = the node sticks [1]
+   end type held_t
+
+   !> All rigid regions of a scene.
+   type :: rigid_t
+      type(wall_t), allocatable :: wall(:)           !! The regions, the later ones winning
+      type(held_t), allocatable :: held(:)           !! (tile) The nodes in them
+      logical :: switched = .true.                   !! Has one come or gone since the last look?
+      real(wp) :: kick = 0.0_wp                      !! Time that forces act in this step [s]
+      integer(int64) :: looked = -1                  !! Step for which the nodes were found
+   contains
+      procedure :: advance => rigid_advance          !! Bring the regions to a time
+      procedure :: hold => rigid_hold                !! Find the nodes of a tile in them
+      procedure :: holds => rigid_holds              !! Is a node of a tile in one of them?
+      procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
+      procedure :: rub => rigid_rub                  !! Regions that press and rub
+   end type rigid_t
+
+contains
+
+   !> Bring the regions to a time.
+   pure subroutine rigid_advance(self, time, lag, kick)
+      class(rigid_t), intent(inout) :: self          !! The regions
+      real(wp), intent(in) :: time                   !! Of the positions [s]
+      real(wp), intent(in) :: lag                    !! By which velocities are behind them [s]
+      real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
+      logical :: acted
+      integer :: n
+
+      self%kick = kick
+      do n = 1, size(self%wall)
+         acted = self%wall(n)%acts
+         call self%wall(n)%advance(time, lag, kick)
+         self%switched = self%switched .or. (acted .neqv. self%wall(n)%acts)
+      end do
+   end subroutine rigid_advance
+
+   !> Find the nodes of a tile in the regions, unless they are known and cannot have changed.
+   pure subroutine rigid_hold(self, grid, boundary, coordinate, held)
+      class(rigid_t), intent(in) :: self             !! The regions
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! Its faces
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      type(held_t), intent(inout) :: held            !! Those found before
+      real(wp), parameter :: near = 4.0_wp           ! farther no surface is looked for [cells]
+      real(wp) :: low(3), high(3)
+      logical :: moves, meets
+      integer :: n
+
+      low = grid%tile_corner(coordinate) - real(near + grid%margin, wp)*grid%spacing
+      high = low + real(grid%width + 2*grid%margin, wp)*grid%spacing + 2.0_wp*near*grid%spacing
+      where (.not. grid%active)
+         low = -huge(low)
+         high = huge(high)
+      end where
+      moves = .false.
+      meets = .false.
+      do n = 1, size(self%wall)
+         if (.not. self%wall(n)%meets(low, high)) cycle
+         meets = .true.
+         moves = moves .or. self%wall(n)%motion%moves()
+      end do
+      if (all(held%coordinate == coordinate) .and. .not. (self%switched .or. moves &
+         .or. held%moves)) return
+      held%coordinate = coordinate
+      held%moves = moves
+      if (allocated(held%node)) deallocate (held%node, held%wall, held%normal)
+      if (meets) call find_nodes(self, grid, boundary, coordinate, held)
+   end subroutine rigid_hold
+
+   !> Nodes of a tile in the regions, and the directions out.
+   pure subroutine find_nodes(self, grid, boundary, coordinate, held)
+      class(rigid_t), intent(in) :: self             !! The regions
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! Its faces
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      type(held_t), intent(inout) :: held            !! Gets them
+      integer :: owner(grid%tile_nodes), node, count
+      real(wp) :: place(3)
+
+      do node = 1, grid%tile_nodes
+         owner(node) = owner_of(self, grid, node_place(grid, coordinate, node))
+      end do
+      count = sum(merge(1, 0, owner > 0))
+      if (count == 0) return
+      allocate (held%node(count), held%wall(count), held%normal(3, count))
+      held%node = pack([(node, node=1, grid%tile_nodes)], owner > 0)
+      held%wall = owner(held%node)
+      held%normal = 0.0_wp
+      do node = 1, count
+         place = node_place(grid, coordinate, held%node(node))
+         associate (kind => self%wall(held%wall(node))%kind)
+            if (kind == face_slip .or. kind == face_friction) call find_normal(self, grid, &
+               boundary, coordinate, held%node(node), place, held%normal(:, node))
+         end associate
+      end do
+   end subroutine find_nodes
+
+   !> The last region that holds a node, 0 = none.
+   pure integer function owner_of(self, grid, place) result(owner)
+      class(rigid_t), intent(in) :: self             !! The regions
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), intent(in) :: place(3)               !! [m]
+
+      do owner = size(self%wall), 1, -1
+         if (touches(self%wall(owner), grid, place)) return
+      end do
+      owner = 0
+   end function owner_of
+
+   !> Direction out of the regions at a node. On a face that keeps matter in it lies in the face:
+   !! both conditions hold there.
+   pure subroutine find_normal(self, grid, boundary, coordinate, node, place, normal)
+      class(rigid_t), intent(in) :: self             !! The regions
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! Its faces
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: node                    !! Node of the tile
+      real(wp), intent(in) :: place(3)               !! Of the node [m]
+      real(wp), intent(out) :: normal(3)             !! Of length one, or 0 if the node sticks [1]
+      real(wp), parameter :: least = 1.0e-3_wp       ! a face and a region side by side
+      integer :: k, kind, face, global(3)
+      logical :: found
+
+      call find_outward(self%wall, grid, place, normal, found)
+      if (.not. found) normal = 0.0_wp
+      global = coordinate*grid%width + grid%node_position(node)
+      do k = 1, 3
+         if (.not. grid%active(k)) cycle
+         face = 0
+         if (global(k) == 0) face = 2*k - 1
+         if (global(k) == grid%cells(k)) face = 2*k
+         if (face == 0) cycle
+         kind = boundary%kind_at(face, place)
+         if (kind == face_outflow .or. kind == face_periodic) cycle
+         normal(k) = 0.0_wp
+         if (kind == face_stick .or. kind == face_velocity) normal = 0.0_wp
+      end do
+      if (norm2(normal) > least) then
+         normal = normal/norm2(normal)
+      else
+         normal = 0.0_wp
+      end if
+   end subroutine find_normal
+
+   !> True if some node of the tile lies in a region.
+   pure logical function rigid_holds(self, tile) result(holds)
+      class(rigid_t), intent(in) :: self             !! The regions
+      integer, intent(in) :: tile                    !! Index of the tile
+
+      holds = allocated(self%held(tile)%node)
+   end function rigid_holds
+
+   !> Set the velocity of the nodes in regions that hold on, and stop what moves into others.
+   pure subroutine rigid_constrain(self, tile, velocity, acceleration, at_end)
+      class(rigid_t), intent(in) :: self             !! The regions
+      integer, intent(in) :: tile                    !! Index of the tile
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      logical, intent(in) :: at_end                  !! Velocities are those after the step
+      real(wp) :: wall_velocity(3), into
+      integer :: n, node
+
+      if (.not. self%holds(tile)) return
+      associate (held => self%held(tile))
+         do n = 1, size(held%node)
+            node = held%node(n)
+            associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
+               wall_velocity = wall%velocity
+               if (at_end) wall_velocity = wall_velocity + self%kick*wall%gain
+               if (maxval(abs(normal)) > 0.0_wp) then
+                  into = dot_product(velocity(:, node) - wall_velocity, normal)
+                  if (into < 0.0_wp) velocity(:, node) = velocity(:, node) - into*normal
+               else
+                  velocity(:, node) = wall_velocity
+                  acceleration(:, node) = merge(0.0_wp, wall%gain, at_end)
+               end if
+            end associate
+         end do
+      end associate
+   end subroutine rigid_constrain
+
+   !> Regions that press after Coulomb, as faces with friction do: see there. The velocities are
+   !! those that the region sees.
+   pure subroutine rigid_rub(self, tile, dt, share, free, velocity, acceleration)
+      class(rigid_t), intent(in) :: self             !! The regions
+      integer, intent(in) :: tile                    !! Index of the tile
+      real(wp), intent(in) :: dt                     !! Time step, above 0 [s]
+      real(wp), intent(in) :: share                  !! Of PIC in the transfer, 0 to 1
+      real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) With walls [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp) :: along(3), change(3), seen(3), taken, speed
+      integer :: n, node
+
+      if (.not. self%holds(tile)) return
+      associate (held => self%held(tile))
+         do n = 1, size(held%node)
+            node = held%node(n)
+            associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
+               if (.not. maxval(abs(normal)) > 0.0_wp) cycle
+               seen = free(:, node) - wall%velocity
+               change = dt*(acceleration(:, node) - wall%gain)
+               taken = -dot_product(change + share*seen, normal)
+               if (.not. taken > 0.0_wp) cycle
+               if (dot_product(seen + change, normal) > 0.0_wp) cycle
+               velocity(:, node) = velocity(:, node) &
+                  - dot_product(velocity(:, node) - wall%velocity, normal)*normal
+               acceleration(:, node) = acceleration(:, node) &
+                  - dot_product(change, normal)/dt*normal
+               along = velocity(:, node) + dt*acceleration(:, node) &
+                  - wall%velocity - dt*wall%gain
+               taken = wall%friction*taken
+               speed = norm2(along)
+               if (taken < speed) then
+                  taken = taken/speed
+               else
+                  taken = 1.0_wp
+               end if
+               if (wall%friction > 0.0_wp) &
+                  acceleration(:, node) = acceleration(:, node) - taken/dt*along
+            end associate
+         end do
+      end associate
+   end subroutine rigid_rub
+end module mesh_rigid

@@ -1,0 +1,165 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Particles whose places stand in a list.
+module particle_points
+   use base_kinds, only: int64, wp
+   use base_sort, only: sort_order
+   use mesh_curve, only: curve_key
+   use mesh_grid, only: grid_t
+   use particle_body, only: cell_of, given_t
+   use particle_shape, only: shape_t, transform_point
+   implicit none
+   private
+
+   public :: cloud, cloud_t, points_t, set_points
+
+   !> Where points of a list lie. Between points there is nothing, so no place belongs to it.
+   type, extends(shape_t) :: cloud_t
+      private
+      real(wp) :: lower(3) = 1.0_wp                      !! Lower corner of the box around them [m]
+      real(wp) :: upper(3) = -1.0_wp                     !! Upper corner [m]
+   contains
+      procedure :: contains => cloud_contains            !! Whether a point belongs to it: never
+      procedure :: bounds => cloud_bounds                !! A box around it
+      procedure :: transform => cloud_transform          !! Scale, turn and move
+   end type cloud_t
+
+   !> The particles, those of a tile together.
+   type, extends(given_t) :: points_t
+      integer(int64) :: rows = 0                         !! Rows of the list; some may be of others
+      real(wp), allocatable, private :: position(:, :)   !! (3, particle) [m]
+      real(wp), allocatable, private :: volume(:)        !! (particle) [m3]
+      integer(int64), allocatable, private :: row(:)     !! (particle) From 1
+      integer(int64), allocatable, private :: key(:)     !! (particle) Of its tile, ascending
+   contains
+      procedure :: numbers => points_numbers             !! Numbers that its particles may have
+      procedure :: collect => points_collect             !! The particles of a tile
+      procedure :: whole_volume => points_whole_volume   !! Volume of all
+   end type points_t
+
+contains
+
+   !> The cloud of some points.
+   pure type(cloud_t) function cloud(position) result(shape)
+      real(wp), intent(in) :: position(:, :)             !! (3, point) [m]
+
+      if (size(position, 2) == 0) return
+      shape%lower = minval(position, dim=2)
+      shape%upper = maxval(position, dim=2)
+   end function cloud
+
+   !> No place belongs to a cloud.
+   pure recursive logical function cloud_contains(self, x) result(inside)
+      class(cloud_t), intent(in) :: self                 !! The cloud
+      real(wp), intent(in) :: x(3)                       !! Point [m]
+
+      ! a comparison that holds for no number, so that both arguments are used
+      inside = any(x < self%lower .and. x > self%upper .and. self%lower <= self%upper)
+   end function cloud_contains
+
+   !> A box around the cloud.
+   pure recursive subroutine cloud_bounds(self, lo, hi)
+      class(cloud_t), intent(in) :: self                 !! The cloud
+      real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
+
+      lo = self%lower
+      hi = self%upper
+   end subroutine cloud_bounds
+
+   !> Move the cloud. Its points are moved by whoever read them; decks cannot scale or turn them.
+   pure recursive subroutine cloud_transform(self, scale, rotation, translate)
+      class(cloud_t), intent(inout) :: self              !! The cloud
+      real(wp), intent(in) :: scale                      !! Factor above 0 [1]
+      real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal [1]
+      real(wp), intent(in) :: translate(3)               !! Displacement [m]
+      real(wp) :: first(3), last(3)
+
+      first = self%lower
+      last = self%upper
+      call transform_point(scale, rotation, translate, first)
+      call transform_point(scale, rotation, translate, last)
+      self%lower = min(first, last)
+      self%upper = max(first, last)
+   end subroutine cloud_transform
+
+   !> Make particles of a list.
+   pure subroutine set_points(points, grid, position, volume, row, rows)
+      type(points_t), intent(out) :: points              !! The particles
+      type(grid_t), intent(in) :: grid                   !! The grid
+      real(wp), contiguous, intent(in) :: position(:, :) !! (3, particle) In the grid [m]
+      real(wp), intent(in) :: volume(:)                  !! (particle) [m3]
+      integer(int64), intent(in) :: row(:)               !! (particle) Which row of the list
+      integer(int64), intent(in) :: rows                 !! Rows of the list
+      integer(int64), allocatable :: key(:)
+      integer, allocatable :: order(:)
+      integer :: n
+
+      points%clipped = .false.
+      points%rows = rows
+      allocate (key(size(row)))
+      do n = 1, size(row)
+         key(n) = curve_key(cell_of(grid, position(:, n))/grid%width, grid%dimensions)
+      end do
+      order = sort_order(key)
+      allocate (points%position(3, size(row)))
+      do n = 1, size(row)
+         points%position(:, n) = position(:, order(n))
+      end do
+      points%volume = volume(order)
+      points%row = row(order)
+      points%key = key(order)
+   end subroutine set_points
+
+   !> Numbers that particles may have: the rows of the list.
+   pure function points_numbers(self, grid) result(numbers)
+      class(points_t), intent(in) :: self                !! The particles
+      type(grid_t), intent(in) :: grid                   !! The grid
+      integer(int64) :: numbers(3)
+
+      numbers = merge(1_int64, 0_int64, grid%cells > 0)
+      numbers(1) = self%rows
+   end function points_numbers
+
+   !> The particles of a tile.
+   pure subroutine points_collect(self, grid, coordinate, position, volume, number)
+      class(points_t), intent(in) :: self                !! The particles
+      type(grid_t), intent(in) :: grid                   !! The grid
+      integer, intent(in) :: coordinate(3)               !! Tile, counted from 0
+      real(wp), allocatable, intent(out) :: position(:, :) !! (3, particle) [m]
+      real(wp), allocatable, intent(out) :: volume(:)    !! (particle) [m3]
+      integer(int64), allocatable, intent(out) :: number(:) !! (particle) Row of the list
+      integer(int64) :: key
+      integer :: first, last
+
+      key = curve_key(coordinate, grid%dimensions)
+      first = before(self%key, key)
+      last = before(self%key, key + 1)
+      position = self%position(:, first + 1:last)
+      volume = self%volume(first + 1:last)
+      number = self%row(first + 1:last)
+   end subroutine points_collect
+
+   !> Volume of all particles [m3].
+   pure real(wp) function points_whole_volume(self) result(volume)
+      class(points_t), intent(in) :: self                !! The particles
+
+      volume = sum(self%volume)
+   end function points_whole_volume
+
+   !> How many ascending keys are below a bound.
+   pure integer function before(key, bound) result(number)
+      integer(int64), intent(in) :: key(:)               !! Ascending
+      integer(int64), intent(in) :: bound                !! The bound
+      integer :: above, middle
+
+      number = 0
+      above = size(key) + 1
+      do while (above - number > 1)
+         middle = number + (above - number)/2
+         if (key(middle) < bound) then
+            number = middle
+         else
+            above = middle
+         end if
+      end do
+   end function before
+end module particle_points

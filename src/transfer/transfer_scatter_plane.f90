@@ -1,0 +1,324 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Particles to nodes with the linear functions of the cell, in one and two dimensions.
+!!
+!! The four nodes of a cell in the plane of x and z are the lanes, of which a line along x carries
+!! two. The particles of a cell are added one by one in their order to sums that stay in registers,
+!! and the cell is added to the patch of the tile once. All stress along y stays on the cell, whose
+!! functions do not change along it, so nothing is added for it.
+!!
+!! Where particles are added there are two loops over the lanes: were they one, the compiler would
+!! take two particles at a time (unroll and jam), and keep the sums in memory.
+module transfer_scatter_plane
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   implicit none
+   private
+
+   public :: plane_affine, plane_dual_force, plane_force, plane_motion, plane_turning, &
+      plane_values
+
+   integer, parameter :: corners = 4                 !! Lanes that carry weight
+
+contains
+
+   !> Add mass and momentum to columns 1 to 4 of a patch.
+   pure subroutine plane_motion(grid, start, first, local, mass, velocity, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: momentum(start(grid%tile_cells), 3)
+      integer :: p, q, k
+
+      do k = 1, 3
+         do p = 1, start(grid%tile_cells)
+            q = first - 1 + p
+            momentum(p, k) = mass(q)*velocity(q, k)
+         end do
+      end do
+      call add_columns(grid, start, local, mass(first:), &
+         momentum(:, 1), momentum(:, 2), momentum(:, 3), 4, 0, patch)
+   end subroutine plane_motion
+
+   !> Add sum S_i value to columns of a patch.
+   pure subroutine plane_values(grid, start, local, count, values, before, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      integer, intent(in) :: count                           !! Number of columns
+      real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      integer :: skip, at(4)
+
+      do skip = 0, count - 1, 4
+         ! in place of columns that are not there stands the last one; it is not added again
+         at = min(skip + [1, 2, 3, 4], count)
+         call add_columns(grid, start, local, values(:, at(1)), values(:, at(2)), &
+            values(:, at(3)), values(:, at(4)), min(count - skip, 4), before + skip, patch)
+      end do
+   end subroutine plane_values
+
+   !> Add sum S_i value of up to four columns to columns of a patch.
+   ! gate: long kernel because columns in registers are arrays of their own
+   pure subroutine add_columns(grid, start, local, c1, c2, c3, c4, number, &
+      before, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: c1(:)              !! (particle of the tile) First column
+      real(wp), contiguous, intent(in) :: c2(:)              !! Second one
+      real(wp), contiguous, intent(in) :: c3(:)              !! Third one
+      real(wp), contiguous, intent(in) :: c4(:)              !! Fourth one
+      integer, intent(in) :: number                          !! How many of them are added
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: a(corners, 3), b(corners, 3), weight(corners), sums(corners, 4)
+      integer :: cell, p, n, c, node
+
+      a = grid%lane_constant(:corners, :)
+      b = grid%lane_slope(:corners, :)
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            !$omp simd
+            do n = 1, corners
+               weight(n) = (a(n, 1) + b(n, 1)*local(p, 1))*(a(n, 3) + b(n, 3)*local(p, 3))
+            end do
+            !$omp simd
+            do n = 1, corners
+               sums(n, 1) = sums(n, 1) + weight(n)*c1(p)
+               sums(n, 2) = sums(n, 2) + weight(n)*c2(p)
+               sums(n, 3) = sums(n, 3) + weight(n)*c3(p)
+               sums(n, 4) = sums(n, 4) + weight(n)*c4(p)
+            end do
+         end do
+         do n = 1, corners
+            node = grid%first_node(cell) + grid%lane_offset(n)
+            do c = 1, number
+               patch(before + c, node) = patch(before + c, node) + sums(n, c)
+            end do
+         end do
+      end do
+   end subroutine add_columns
+
+   !> Add mass and momentum of linear velocity fields to columns 1 to 4 of a patch.
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine plane_affine(grid, start, first, local, mass, velocity, affine, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)             !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: a(corners, 3), b(corners, 3), sums(corners, 4), x(corners), z(corners)
+      real(wp) :: weight(corners), away_x(corners), away_z(corners), h
+      integer :: cell, p, q, n, c, node
+
+      a = grid%lane_constant(:corners, :)
+      b = grid%lane_slope(:corners, :)
+      ! the constant of a lane is 1 on the lower node, and the slope 0 without a direction
+      h = grid%spacing
+      x = h*b(:, 1)**2
+      z = h*b(:, 3)**2
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            q = first + p - 1
+            !$omp simd
+            do n = 1, corners
+               weight(n) = (a(n, 1) + b(n, 1)*local(p, 1))*(a(n, 3) + b(n, 3)*local(p, 3))*mass(q)
+               away_x(n) = x(n)*(1.0_wp - a(n, 1) - local(p, 1))
+               away_z(n) = z(n)*(1.0_wp - a(n, 3) - local(p, 3))
+            end do
+            !$omp simd
+            do n = 1, corners
+               sums(n, 1) = sums(n, 1) + weight(n)
+               sums(n, 2) = sums(n, 2) + weight(n)*(velocity(q, 1) + affine(q, 1)*away_x(n) &
+                  + affine(q, 7)*away_z(n))
+               sums(n, 3) = sums(n, 3) + weight(n)*(velocity(q, 2) + affine(q, 2)*away_x(n) &
+                  + affine(q, 8)*away_z(n))
+               sums(n, 4) = sums(n, 4) + weight(n)*(velocity(q, 3) + affine(q, 3)*away_x(n) &
+                  + affine(q, 9)*away_z(n))
+            end do
+         end do
+         do n = 1, corners
+            node = grid%first_node(cell) + grid%lane_offset(n)
+            do c = 1, 4
+               patch(c, node) = patch(c, node) + sums(n, c)
+            end do
+         end do
+      end do
+   end subroutine plane_affine
+
+   !> Add mass and momentum of particles that turn to columns 1 to 4 of a patch.
+   pure subroutine plane_turning(grid, start, first, local, mass, velocity, spin, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: a(corners, 3), b(corners, 3), sums(corners, 4), x(corners), z(corners)
+      real(wp) :: weight(corners), away_x(corners), away_z(corners)
+      integer :: cell, p, q, n, c, node
+
+      a = grid%lane_constant(:corners, :)
+      b = grid%lane_slope(:corners, :)
+      ! the constant of a lane is 1 on the lower node, and the slope 0 without a direction
+      x = grid%spacing*b(:, 1)**2
+      z = grid%spacing*b(:, 3)**2
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            q = first + p - 1
+            !$omp simd
+            do n = 1, corners
+               weight(n) = (a(n, 1) + b(n, 1)*local(p, 1))*(a(n, 3) + b(n, 3)*local(p, 3))*mass(q)
+               away_x(n) = x(n)*(1.0_wp - a(n, 1) - local(p, 1))
+               away_z(n) = z(n)*(1.0_wp - a(n, 3) - local(p, 3))
+            end do
+            !$omp simd
+            do n = 1, corners
+               sums(n, 1) = sums(n, 1) + weight(n)
+               sums(n, 2) = sums(n, 2) + weight(n)*(velocity(q, 1) + spin(q, 2)*away_z(n))
+               sums(n, 3) = sums(n, 3) + weight(n)*(velocity(q, 2) + (spin(q, 3)*away_x(n) &
+                  - spin(q, 1)*away_z(n)))
+               sums(n, 4) = sums(n, 4) + weight(n)*(velocity(q, 3) - spin(q, 2)*away_x(n))
+            end do
+         end do
+         do n = 1, corners
+            node = grid%first_node(cell) + grid%lane_offset(n)
+            do c = 1, 4
+               patch(c, node) = patch(c, node) + sums(n, c)
+            end do
+         end do
+      end do
+   end subroutine plane_turning
+
+   !> Add the internal force of the plain method, - sum v sigma . grad S, to columns 5 to 7.
+   pure subroutine plane_force(grid, start, first, local, volume, stress, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp), dimension(corners, 3) :: c, d
+      real(wp) :: sums(corners, 3), x(corners), z(corners)
+      integer :: cell, p, q, n, k, node
+
+      call signed_lanes(grid, c, d)
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            q = first + p - 1
+            !$omp simd
+            do n = 1, corners
+               x(n) = (c(n, 3) + d(n, 3)*local(p, 3))*volume(q)
+               z(n) = (c(n, 1) + d(n, 1)*local(p, 1))*volume(q)
+            end do
+            !$omp simd
+            do n = 1, corners
+               sums(n, 1) = sums(n, 1) - (x(n)*stress(q, 1) + z(n)*stress(q, 6))
+               sums(n, 2) = sums(n, 2) - (x(n)*stress(q, 4) + z(n)*stress(q, 5))
+               sums(n, 3) = sums(n, 3) - (x(n)*stress(q, 6) + z(n)*stress(q, 3))
+            end do
+         end do
+         do n = 1, corners
+            node = grid%first_node(cell) + grid%lane_offset(n)
+            do k = 1, 3
+               patch(4 + k, node) = patch(4 + k, node) + sums(n, k)
+            end do
+         end do
+      end do
+   end subroutine plane_force
+
+   !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
+   !! column 8, and the stress handed to the nodes, sum v (1 - alpha_l) sigma_kl S, to column
+   !! 8 + k + 3 (l - 1).
+   ! gate: long kernel because a tile is told by its grid, range and places
+   pure subroutine plane_dual_force(grid, start, first, local, alpha, volume, stress, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      integer, parameter :: columns(10) = [5, 6, 7, 8, 9, 10, 11, 15, 16, 17]
+      real(wp), dimension(corners, 3) :: a, b, c, d
+      real(wp) :: sums(corners, 10), x(corners), z(corners), rest_x(corners), rest_z(corners)
+      real(wp) :: part(corners)
+      integer :: cell, p, q, n, k, node
+
+      a = grid%lane_constant(:corners, :)
+      b = grid%lane_slope(:corners, :)
+      call signed_lanes(grid, c, d)
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         sums = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            q = first + p - 1
+            !$omp simd
+            do n = 1, corners
+               part(n) = (a(n, 1) + b(n, 1)*local(p, 1))*(a(n, 3) + b(n, 3)*local(p, 3))*volume(q)
+               rest_x(n) = part(n)*(1.0_wp - alpha(p, 1))
+               rest_z(n) = part(n)*(1.0_wp - alpha(p, 3))
+               x(n) = (c(n, 3) + d(n, 3)*local(p, 3))*(volume(q)*alpha(p, 1))
+               z(n) = (c(n, 1) + d(n, 1)*local(p, 1))*(volume(q)*alpha(p, 3))
+            end do
+            !$omp simd
+            do n = 1, corners
+               sums(n, 1) = sums(n, 1) - (x(n)*stress(q, 1) + z(n)*stress(q, 6))
+               sums(n, 2) = sums(n, 2) - (x(n)*stress(q, 4) + z(n)*stress(q, 5))
+               sums(n, 3) = sums(n, 3) - (x(n)*stress(q, 6) + z(n)*stress(q, 3))
+               sums(n, 4) = sums(n, 4) + part(n)
+               sums(n, 5) = sums(n, 5) + rest_x(n)*stress(q, 1)
+               sums(n, 6) = sums(n, 6) + rest_x(n)*stress(q, 4)
+               sums(n, 7) = sums(n, 7) + rest_x(n)*stress(q, 6)
+               sums(n, 8) = sums(n, 8) + rest_z(n)*stress(q, 6)
+               sums(n, 9) = sums(n, 9) + rest_z(n)*stress(q, 5)
+               sums(n, 10) = sums(n, 10) + rest_z(n)*stress(q, 3)
+            end do
+         end do
+         do n = 1, corners
+            node = grid%first_node(cell) + grid%lane_offset(n)
+            do k = 1, 10
+               patch(columns(k), node) = patch(columns(k), node) + sums(n, k)
+            end do
+         end do
+      end do
+   end subroutine plane_dual_force
+
+   !> Constants and slopes of the lanes along one direction, times the slope of the lane along the
+   !! other: together the slope along the other.
+   pure subroutine signed_lanes(grid, constant, slope)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      real(wp), intent(out) :: constant(corners, 3)          !! (lane, direction) [1/m]
+      real(wp), intent(out) :: slope(corners, 3)             !! (lane, direction) [1/m]
+      integer :: n
+
+      constant = 0.0_wp
+      slope = 0.0_wp
+      do n = 1, corners
+         constant(n, 1) = grid%lane_constant(n, 1)*grid%lane_slope(n, 3)/grid%spacing
+         constant(n, 3) = grid%lane_constant(n, 3)*grid%lane_slope(n, 1)/grid%spacing
+         slope(n, 1) = grid%lane_slope(n, 1)*grid%lane_slope(n, 3)/grid%spacing
+         slope(n, 3) = grid%lane_slope(n, 3)*grid%lane_slope(n, 1)/grid%spacing
+      end do
+   end subroutine signed_lanes
+end module transfer_scatter_plane

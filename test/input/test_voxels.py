@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Regions of voxels: what they hold, from HDF5 and from MetaImage, moved and turned, and files that are broken.
+
+Would catch axes or edges of voxels in the wrong order, an origin that is taken for the middle of a voxel, numbers read
+with the wrong sign, width or order of bytes, bits of the mask that are packed and asked for differently, ranks that see
+another solid, and a broken file that is taken for a whole one.
+"""
+
+import struct
+import unittest
+
+import h5py
+import numpy as np
+
+import case
+
+OPTIONS = case.arguments(__doc__)
+DECK = """&run dimension = '{dimension}' /
+&units system = '{system}' /
+&grid lo = 0 0 0  hi = {size} {size} {size}  dx = {dx} /
+&time t_end = 1  max_steps = 0 /
+&material name = 'metal'  density = 1  bulk = 1  shear = 1 /
+&region name = 'solid'  {shape} /
+&body name = 'one'  region = 'solid'  material = 'metal' /
+"""
+TYPES = {"i1": "MET_CHAR", "u1": "MET_UCHAR", "i2": "MET_SHORT", "u2": "MET_USHORT", "i4": "MET_INT", "u4": "MET_UINT",
+         "f4": "MET_FLOAT", "f8": "MET_DOUBLE"}
+
+
+def image(voxels, edge, corner, order="<", name="LOCAL", more=""):
+    """A MetaImage, voxels[z, y, x]; its Offset is the middle of the first voxel."""
+    n = voxels.ndim
+    texts = {key: " ".join(repr(float(x)) for x in value)
+             for key, value in (("ElementSpacing", edge), ("Offset", np.add(corner, np.multiply(0.5, edge))))}
+    head = [f"ObjectType = Image\r\nNDims = {n}", "BinaryData = True", f"BinaryDataByteOrderMSB = {order == '>'}",
+            "CompressedData = False", *(f"{key} = {value}" for key, value in texts.items()),
+            "DimSize = " + " ".join(str(k) for k in voxels.shape[::-1]),
+            f"ElementType = {TYPES[voxels.dtype.newbyteorder('=').str[1:]]}", *([more] if more else []),
+            f"ElementDataFile = {name}", ""]
+    data = voxels.astype(voxels.dtype.newbyteorder(order)).tobytes()
+    return "\n".join(head).encode(), data
+
+
+class Voxels(unittest.TestCase):
+    """Particles of the first state."""
+
+    def run_of(self, name, files, more="", ranks=1, options=("--quiet",), expect=0, file=None, **scene):
+        """A run of no steps. `files` are bytes, or data sets with their attributes, by name."""
+        scene = {"dimension": "3d", "system": "si", "size": 1, "dx": 0.0625, **scene}
+        shape = f"shape = 'voxel'  file = '{file or next(iter(files))}'  {more}"
+        run = case.Case(OPTIONS, name, DECK.format(shape=shape, **scene), ranks)
+        for path, content in files.items():
+            if isinstance(content, bytes):
+                (run.folder / path).write_bytes(content)
+                continue
+            with h5py.File(run.folder / path, "w") as target:
+                for key, (voxels, attributes) in content.items():
+                    target.create_dataset(key, data=voxels, compression="gzip").attrs.update(attributes)
+        return run.run(*options, expect=expect)
+
+    def points(self, run):
+        """Positions, sorted."""
+        points = run.snapshots()[-1][1].points
+        return points[np.lexsort(points.T)]
+
+    def box_of(self, lo, hi, **scene):
+        """Points of a box, sorted."""
+        scene = {"dimension": "3d", "system": "si", "size": 1, "dx": 0.0625, **scene}
+        shape = "shape = 'box'  lo = {} {} {}  hi = {} {} {}".format(*lo, *hi)
+        return self.points(case.Case(OPTIONS, "box", DECK.format(shape=shape, **scene)).run("--quiet"))
+
+    def block(self):
+        """Voxels of other numbers along each axis; a block of twos in ones in threes: [z, y, x]."""
+        voxels = np.full((5, 7, 9), 3, dtype="u2")
+        voxels[1:4, 1:6, 1:8] = 1
+        voxels[2:4, 1:3, 4:7] = 2
+        return voxels
+
+    def test_a_block_is_exact(self):
+        """Values apart, edges that differ, an origin: the points of a box, whatever the type and the format."""
+        wanted = self.box_of((0.0625 + 4 * 0.125, 0.125 + 0.0625, 2 * 0.1875), (0.0625 + 7 * 0.125, 0.3125, 0.75))
+        where = {"spacing": [0.125, 0.0625, 0.1875], "origin": [0.0625, 0.125, 0.0]}
+        more = "voxel_value = 2"
+        first = self.run_of("block", {"block.h5": {"voxels": (self.block(), where)}}, more)
+        self.assertGreater(len(wanted), 200)
+        self.assertTrue(np.array_equal(self.points(first), wanted))
+        for kind in TYPES:
+            for order in "<>":
+                head, data = image(self.block().astype(kind), *where.values(), order)
+                files = {"block.mha": head + data}
+                if order == ">":
+                    files = {"block.mhd": head.replace(b"LOCAL", b"block.raw"), "block.raw": data}
+                with self.subTest(kind, order=order):
+                    run = self.run_of("image", files, more)
+                    self.assertEqual(run.summary["digest"], first.summary["digest"])
+        signed = np.where(self.block() == 2, -2, 3).astype("i2")
+        for name, files in [("signed", {"a.h5": {"/deep/er": (signed.astype("f4"), where)}}),
+                            ("minus", {"a.mha": b"".join(image(signed, *where.values(), ">"))})]:
+            run = self.run_of(name, files, "voxel_value = -2  dataset = '/deep/er'")
+            self.assertEqual(run.summary["digest"], first.summary["digest"])
+        skipped = image(self.block(), *where.values(), name="skip.raw", more="HeaderSize = 11")
+        run = self.run_of("skip", {"skip.mhd": skipped[0], "skip.raw": bytes(11) + skipped[1] + bytes(5)}, more)
+        self.assertEqual(run.summary["digest"], first.summary["digest"])
+        for ranks in (2, 3):
+            run = self.run_of("ranks", {"block.h5": {"voxels": (self.block(), where)}}, more, ranks)
+            self.assertEqual(run.summary["digest"], first.summary["digest"])
+
+    def test_parts_share_no_point(self):
+        """A body a value: together they have every point of the box of voxels once, also when turned."""
+        for turn in ("", "rotate = 0 0 30"):
+            counts = []
+            for value in (1, 2, 3):
+                where = {"spacing": 0.09, "origin": [0.01, -0.33, 0.03]}
+                run = self.run_of("part", {"block.h5": {"voxels": (self.block(), where)}},
+                                  f"voxel_value = {value}  {turn}  translate = 0.1 0.4 0.1")
+                counts.append({tuple(point) for point in self.points(run)})
+            whole = self.run_of("whole", {"block.h5": {"voxels": (np.ones((5, 7, 9), "u1"), where)}},
+                                f"{turn}  translate = 0.1 0.4 0.1")
+            self.assertGreater(min(len(part) for part in counts), 20)
+            self.assertEqual(sum(len(part) for part in counts), len(self.points(whole)))
+            self.assertEqual(len(set.union(*counts)), len(self.points(whole)))
+
+    def test_transformations(self):
+        """Scale, then turn, then move; lengths of the file are in the unit of the deck; without attributes
+        voxels are cubes of one unit at the origin."""
+        wanted = self.box_of((0.25, 0.375, 0.25), (0.5, 0.75, 0.625))
+        voxels = np.zeros((5, 4, 3), dtype="u1")            # turned by -90 degrees about z it is y, -x, z
+        voxels[2:5, 2:4, 0:3] = 1
+        run = self.run_of("moved", {"a.h5": {"voxels": (voxels, {})}},
+                          "scale = 0.125  rotate = 0 0 -90  translate = 0 0.75 0")
+        self.assertTrue(np.array_equal(self.points(run), wanted))
+        run = self.run_of("cgs", {"a.h5": {"voxels": (voxels, {"spacing": [1, 1, 1]})}},
+                          "scale = 12.5  rotate = 0 0 -90  translate = 0 75 0", system="cgs", size=100, dx=6.25)
+        self.assertTrue(np.allclose(self.points(run), wanted))
+
+    def test_a_sphere_converges(self):
+        """The mass of a sphere of voxels goes to that of a sphere with the voxels, and fills theirs."""
+        off = []
+        for n in (8, 16, 32, 64):
+            line = (np.arange(n) + 0.5) / n - 0.5
+            z, y, x = np.meshgrid(line, line, line, indexing="ij")
+            voxels = (x**2 + y**2 + z**2 < 0.16).astype("u1")
+            run = self.run_of("sphere", {"a.h5": {"voxels": (voxels, {"spacing": 1 / n})}}, dx=0.03125)
+            mass = len(self.points(run)) / 64**3
+            self.assertAlmostEqual(mass, voxels.sum() / n**3, 9)
+            off.append(abs(mass / (4 / 3 * np.pi * 0.064) - 1))
+        self.assertLess(off[-1], 0.003)
+        self.assertLess(off[-1], 0.3 * off[0])
+
+    def test_plane(self):
+        """Data of two directions lie in the plane of x and z; three directions need one layer along y."""
+        wanted = self.box_of((0.25, 0, 0.5), (0.5, 1, 0.625), dimension="plane_strain")
+        plane = np.zeros((8, 8), dtype="i4")
+        plane[4:5, 2:4] = 1
+        scene = {"dimension": "plane_strain"}
+        run = self.run_of("plane", {"a.h5": {"voxels": (plane, {"spacing": [0.125, 0.125]})}}, **scene)
+        self.assertTrue(np.array_equal(self.points(run), wanted))
+        run = self.run_of("layer", {"a.h5": {"voxels": (plane[:, None, :], {"spacing": 0.125})}}, **scene)
+        self.assertTrue(np.array_equal(self.points(run), wanted))
+        files = {"a.mha": b"".join(image(plane, [0.125, 0.125], [0, 0]))}
+        run = self.run_of("flat", files, **scene)
+        self.assertTrue(np.array_equal(self.points(run), wanted))
+        said = self.run_of("deep", {"a.h5": {"voxels": (np.ones((4, 4, 4)), {})}}, expect=2, options=("--check",),
+                           **scene).output
+        self.assertIn("the scene has no direction y, but there are 4 voxels along it; write one layer", said)
+        said = self.run_of("thin", {"a.h5": {"voxels": (plane, {})}}, expect=2, options=("--check",)).output
+        self.assertIn("the voxels have 2 directions, the scene 3", said)
+
+    def test_check_tells_volumes(self):
+        """Voxels, their volume and that of the particles."""
+        said = self.run_of("told", {"a.h5": {"voxels": (self.block(), {"spacing": 0.0625})}}, "voxel_value = 2",
+                           options=("--check",)).output
+        self.assertIn("voxels     one: 12 have 0.00292969 m3, its particles hold 0.00292969 m3 (0 %)", said)
+
+    def test_broken_files(self):
+        """Each is refused with what is wrong and where; nothing crashes."""
+        voxels = self.block()
+        head, data = image(voxels, [0.1] * 3, [0] * 3)
+        for name, files, more, message in [
+                ("value", {"a.h5": {"voxels": (voxels, {})}}, "voxel_value = 7",
+                 "no voxel has the value 7; there are 3, 1, 2"),
+                ("dataset", {"a.h5": {"other": (voxels, {})}}, "", "has no data set '/voxels'"),
+                ("spacing", {"a.h5": {"voxels": (voxels, {"spacing": [1, 2]})}}, "",
+                 "must have one number or one a direction"),
+                ("edge", {"a.h5": {"voxels": (voxels, {"spacing": [1.0, 0.0, 1.0]})}}, "",
+                 "the edges of a voxel must be above 0"),
+                ("nan", {"a.h5": {"voxels": (voxels, {"origin": [1.0, float("nan"), 1.0]})}}, "",
+                 "its origin is not a number"),
+                ("numbers", {"a.h5": {"voxels": (np.full((2, 2, 2), np.nan), {})}}, "",
+                 "no voxel has the value 1; there are none but what is not a number"),
+                ("four", {"a.h5": {"voxels": (np.ones((2, 2, 2, 2)), {})}}, "", "must have one to three dimensions"),
+                ("text", {"a.h5": b"not at all"}, "", "not an HDF5 file, or cut short"),
+                ("short", {"a.mha": head + data[:-3]}, "", "its voxels need 630 bytes, but there are"),
+                ("tail", {"a.mhd": head.replace(b"LOCAL", b"a.raw"), "a.raw": data[:-3]}, "",
+                 "its voxels need 630 bytes, but there are 627; it is cut short"),
+                ("zip", {"a.mha": head.replace(b"CompressedData = False", b"CompressedData = True") + data}, "",
+                 "line 5: cannot use 'CompressedData = True'"),
+                ("turned", {"a.mha": head.replace(b"DimSize", b"TransformMatrix = 0 1 0 1 0 0 0 0 1\nDimSize")}, "",
+                 "line 8: cannot use 'TransformMatrix"),
+                ("type", {"a.mha": head.replace(b"USHORT", b"OTHER") + data}, "", "line 9: cannot use 'ElementType"),
+                ("size", {"a.mha": head.replace(b"DimSize = 9 7 5", b"DimSize = 9 7") + data}, "",
+                 "line 8: cannot use 'DimSize = 9 7'"),
+                ("lacks", {"a.mha": b"NDims = 3\n"}, "", "it lacks one of NDims, DimSize"),
+                ("noise", {"a.mha": bytes(range(256))}, "", "cannot read the voxels of"),
+                ("empty", {"a.mha": b""}, "", "it lacks one of NDims"),
+                ("gone", {"b.h5": b""}, "", "a.h5': No such file")]:
+            with self.subTest(name):
+                file = "a.h5" if name == "gone" else None
+                said = self.run_of(name, files, more, options=("--check",), expect=2, file=file).output
+                self.assertIn(message, said)
+                self.assertIn(".nml:6: error", said)
+
+
+if __name__ == "__main__":
+    unittest.main()
