@@ -14,7 +14,7 @@ module driver_check
    use material_wishes, only: wishes_t
    use mesh_tiles, only: neighbors
    use particle_fill, only: body_t
-   use transfer_scatter, only: dual_columns, motion_columns
+   use transfer_scatter, only: dual_columns
    implicit none
    private
 
@@ -177,15 +177,17 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       type(survey_t), intent(in) :: survey           !! The counts
       real(wp), &
-         parameter :: room = 1.1_wp           ! ranges and arrays have some to spare
-      ! rows of the node fields of the same names
-      integer, parameter :: mass = 1, motion = 3, gradient = 9, volume = 1, force = 3
+         parameter :: room = 1.07_wp          ! ranges and arrays have some to spare
+      ! mass, velocity, acceleration, velocity of the strain of all nodes
+      integer, parameter :: whole = 10
       real(wp) :: columns
+      integer :: d
 
-      columns = real(motion_columns + mass + 3*motion, wp)
-      if (simulation%method%dual) columns = real(dual_columns + mass + 3*motion + gradient &
-         + 2*volume + force, wp)
-      if (simulation%method%dual .and. simulation%carries_energy) columns = columns + 9.0_wp
+      ! pieces hold the components along the directions of the scene
+      d = simulation%grid%dimensions
+      columns = real(whole + 1 + 2*d, wp)
+      if (simulation%method%dual) columns = columns + real(4 + d + d*d, wp)
+      if (simulation%method%dual .and. simulation%carries_energy) columns = columns + real(d*d, wp)
       if (simulation%method%controlled()) columns = columns + real(7 + 6, wp)
       if (simulation%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 + 3, wp)
       if (allocated(simulation%contact)) columns = real(contact_columns(simulation%contact), wp) &
@@ -195,7 +197,7 @@ contains
       if (simulation%repacks) columns = columns + 1.0_wp
       if (simulation%method%heat_flux > 0.0_wp) columns = columns + 5.0_wp
       bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
-         + real(size(survey%key), wp)*(17.0_wp/16.0_wp*8.0_wp*columns &
+         + real(size(survey%key), wp)*(8.0_wp*columns &
          *real(simulation%grid%tile_nodes, wp) &
          + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
    end function memory

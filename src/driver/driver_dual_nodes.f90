@@ -4,7 +4,7 @@
 module driver_dual_nodes
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
-   use driver_light_nodes, only: calm_light_nodes
+   use driver_light_nodes, only: calm_light_nodes, light_may_gain
    use driver_method, only: stress_after
    use driver_node_sums, only: divide, ensure_sums, keep_sums, slots
    use driver_scatter, only: nodes_seen, tensor_rows, vector_rows
@@ -165,6 +165,8 @@ contains
 
       if (.not. (simulation%method%dual .and. simulation%method%stress == stress_after)) return
       associate (nodes => simulation%nodes)
+         if (.not. light_may_gain(simulation%grid, dt, nodes%acceleration(:, :, slot))) return
+         if (nodes%lean) call find_volumes(simulation, tile, slot)
          call calm_light_nodes(simulation%grid, simulation%tiles%coordinate(:, tile), &
             nodes%volume(1, :, slot), dt, nodes%velocity(:, :, slot), &
             nodes%acceleration(:, :, slot), nodes%strain(:, :, slot))

@@ -6,9 +6,21 @@ module driver_light_nodes
    implicit none
    private
 
-   public :: calm_light_nodes
+   public :: calm_light_nodes, light_may_gain
+
+   real(wp), parameter :: small = 3.0e-3_wp          !! Share of a cell that is let pass
 
 contains
+
+   !> Does any node gain so much that its volume matters? Most tiles have none and need no volumes.
+   pure logical function light_may_gain(grid, dt, acceleration) result(may)
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
+
+      may = dt**2*sqrt(maxval(acceleration(1, :)**2 + acceleration(2, :)**2 &
+         + acceleration(3, :)**2)) > small*grid%spacing
+   end function light_may_gain
 
    !> Bound what a light node gains in the step in the velocity that strains: its force over its
    !! mass has no bound, while particles near it gain only their share of the force.
@@ -23,13 +35,10 @@ contains
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), contiguous, intent(inout) :: strain(:, :) !! (3, node) Velocity that strains [m/s]
       real(wp), parameter :: light = 0.125_wp        !! Below this share of the volume around
-      real(wp), parameter :: small = 3.0e-3_wp       !! Share of a cell that is let pass
       real(wp) :: around(size(volume)), share, gain
       integer :: node
 
-      ! most tiles have no node that gains so much, and need no volumes
-      if (.not. dt**2*sqrt(maxval(acceleration(1, :)**2 + acceleration(2, :)**2 &
-         + acceleration(3, :)**2)) > small*grid%spacing) return
+      if (.not. light_may_gain(grid, dt, acceleration)) return
       call grid%node_volume(coordinate, around)
       do node = 1, size(volume)
          if (.not. volume(node) < light*around(node)) cycle

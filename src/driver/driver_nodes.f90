@@ -6,7 +6,6 @@ module driver_nodes
    use driver_cost, only: book_cost, cost_clock
    use driver_dual_nodes, only: calm_tile, find_volumes, put_gradient
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
-   use driver_method, only: stress_after
    use driver_node_sums, only: divide, ensure_sums, find_sums, slots
    use driver_reach, only: look_at_tile, worse
    use driver_scatter, only: vector_rows
@@ -217,8 +216,6 @@ contains
 
       if (.not. simulation%method%dual) return
       slot = simulation%nodes%slot(tile)
-      if (simulation%nodes%lean .and. simulation%method%stress == stress_after) &
-         call find_volumes(simulation, tile, slot)
       call calm_tile(simulation, tile, slot, dt)
       associate (nodes => simulation%nodes)
          call put_gradient(simulation, tile, nodes%strain(:, :, slot), nodes%gradient)

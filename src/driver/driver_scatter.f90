@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Particles to patches, tile by tile.
 module driver_scatter
-   use base_kinds, only: wp
+   use base_kinds, only: int64, wp
    use driver_cost, only: book_cost, cost_clock
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_motion
    use driver_method, only: stress_remapped
@@ -20,7 +20,6 @@ module driver_scatter
    public :: find_places, nodes_seen, scatter_particles, tensor_rows, vector_rows
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
-   real(wp), parameter :: lean_share = 0.6_wp !! Of nodes touched, below which fields are not kept
 
 contains
 
@@ -50,8 +49,8 @@ contains
       call simulation%timer%stop(simulation%phase%scatter)
    end subroutine scatter_particles
 
-   !> Nodes that the particles of own tiles touch. Where these are few, node fields are kept for
-   !! them alone.
+   !> Nodes that the particles of own tiles touch. Where particles are few, node fields are kept for
+   !! these alone.
    subroutine find_boxes(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       logical :: used(simulation%grid%tile_cells)
@@ -75,10 +74,22 @@ contains
          end do
          !$omp end parallel do
          call touched%line_up(grid, simulation%tiles)
-         simulation%nodes%lean = may_be_lean(simulation) .and. real(touched%nodes(), wp) < &
-            lean_share*real(own, wp)*real(grid%tile_nodes, wp)
+         simulation%nodes%lean = may_be_lean(simulation) .and. &
+            int(own, int64)*grid%tile_nodes > count_own(simulation)
       end associate
    end subroutine find_boxes
+
+   !> Particles of this rank. Where its tiles have more nodes, their fields would be most of what is
+   !! in memory.
+   pure integer(int64) function count_own(simulation) result(particles)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer :: index
+
+      particles = 0
+      do index = 1, size(simulation%stores)
+         particles = particles + sum(simulation%stores(index)%count)
+      end do
+   end function count_own
 
    !> Does nobody but the plain step ask for the fields of all nodes?
    pure logical function may_be_lean(simulation) result(lean)

@@ -170,25 +170,77 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       integer, intent(in) :: first                   !! Row of the patch with which these begin
       real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node) Whole
-      integer :: x, y, z, node, at, k, margin(3)
+      integer :: y, z, node, at, nodes, low(3), high(3), margin(3)
 
       margin = merge(grid%margin, 0, grid%active)
+      low = boxes%box(:, 1, tile)
+      high = boxes%box(:, 2, tile)
+      nodes = high(1) - low(1) + 1
       at = boxes%before(tile)*size(self%row)
-      associate (low => boxes%box(:, 1, tile), high => boxes%box(:, 2, tile))
-         do z = low(3), high(3)
-            do y = low(2), high(2)
-               node = 1 + dot_product([low(1), y, z] + margin, grid%stride)
-               do x = low(1), high(1)
-                  do k = 1, size(self%row)
-                     self%values(at + k) = patch(first - 1 + self%row(k), node)
-                  end do
-                  at = at + size(self%row)
-                  node = node + 1
-               end do
-            end do
+      do z = low(3), high(3)
+         do y = low(2), high(2)
+            node = (low(1) + margin(1))*grid%stride(1) + (y + margin(2))*grid%stride(2) &
+               + (z + margin(3))*grid%stride(3)
+            if (size(self%row) < self%rows) then
+               call copy_some(self%row, first - 1, nodes, patch(:, node + 1:node + nodes), &
+                  self%values(at + 1:at + nodes*size(self%row)))
+            else
+               call copy_line(self%rows, first - 1, size(patch, 1), nodes, &
+                  patch(:, node + 1:node + nodes), self%values(at + 1:at + nodes*self%rows))
+            end if
+            at = at + nodes*size(self%row)
          end do
-      end associate
+      end do
    end subroutine pieces_put
+
+   !> Some rows of the nodes of a line.
+   pure subroutine copy_some(row, before, nodes, patch, values)
+      integer, contiguous, intent(in) :: row(:)      !! Which
+      integer, intent(in) :: before                  !! Rows of the patch before them
+      integer, intent(in) :: nodes                   !! Nodes of the line
+      real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node)
+      real(wp), intent(inout) :: values(size(row), nodes) !! (row kept, node)
+      integer :: node, k
+
+      do node = 1, nodes
+         do k = 1, size(row)
+            values(k, node) = patch(before + row(k), node)
+         end do
+      end do
+   end subroutine copy_some
+
+   !> All rows of the nodes of a line. Numbers that the compiler knows make them one vector.
+   pure subroutine copy_line(rows, before, all_rows, nodes, patch, values)
+      integer, intent(in) :: rows                    !! How many
+      integer, intent(in) :: before                  !! Rows of the patch before them
+      integer, intent(in) :: all_rows                !! Rows of the patch
+      integer, intent(in) :: nodes                   !! Nodes of the line
+      real(wp), intent(in) :: patch(all_rows*nodes)  !! (row, node) Flat
+      real(wp), intent(inout) :: values(rows*nodes)  !! (row, node) Flat
+      integer :: node
+
+      if (rows == all_rows) then
+         values = patch
+         return
+      end if
+      select case (rows)
+      case (8)
+         do node = 0, nodes - 1
+            values(8*node + 1:8*node + 8) = patch(all_rows*node + before + 1:all_rows*node &
+               + before + 8)
+         end do
+      case (9)
+         do node = 0, nodes - 1
+            values(9*node + 1:9*node + 9) = patch(all_rows*node + before + 1:all_rows*node &
+               + before + 9)
+         end do
+      case default
+         do node = 0, nodes - 1
+            values(rows*node + 1:rows*node + rows) = patch(all_rows*node + before + 1: &
+               all_rows*node + before + rows)
+         end do
+      end select
+   end subroutine copy_line
 
    !> Make a whole patch of what is kept of a tile.
    pure subroutine pieces_get(self, grid, boxes, tile, patch)
@@ -227,38 +279,25 @@ contains
       type(boxes_t), intent(in) :: boxes             !! Their boxes
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
-      real(wp) :: sums(size(self%row)*grid%tile_nodes)
-      integer :: node, k, n
 
       call clear_patch(total)
-      if (size(self%row) == size(total, 1)) then
-         call sum_places(self, grid, tiles, boxes, tile, size(total), total)
-         return
-      end if
-      sums = 0.0_wp
-      call sum_places(self, grid, tiles, boxes, tile, size(sums), sums)
-      n = 0
-      do node = 1, grid%tile_nodes
-         do k = 1, size(self%row)
-            total(self%row(k), node) = sums(n + k)
-         end do
-         n = n + size(self%row)
-      end do
+      call sum_places(self, grid, tiles, boxes, tile, total)
    end subroutine pieces_assemble
 
    !> Add the pieces of the tiles around.
-   pure subroutine sum_places(self, grid, tiles, boxes, tile, numbers, sums)
+   pure subroutine sum_places(self, grid, tiles, boxes, tile, total)
       class(pieces_t), intent(in) :: self            !! The pieces
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       type(boxes_t), intent(in) :: boxes             !! Their boxes
       integer, intent(in) :: tile                    !! Whose nodes
-      integer, intent(in) :: numbers                 !! Of the sums
-      real(wp), intent(inout) :: sums(numbers)       !! (row kept, node) Flat
-      integer :: place, other, shift(3), extent(3), theirs(3), origin(3), margin(3), low(3), high(3)
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
+      integer :: place, other, shift(3), extent(3), theirs(3), origin(3), margin(3), low(3), &
+         high(3), first(3), last(3), rows
 
       margin = merge(grid%margin, 0, grid%active)
       extent = extent_of(grid, tiles, tile)
+      rows = size(self%row)
       do place = 1, neighbors
          other = tiles%neighbor(place, tile)
          if (other == 0) cycle
@@ -268,19 +307,26 @@ contains
          theirs = extent_of(grid, tiles, other)
          ! lower corner of the other tile seen from this one, and what its piece and this one share
          origin = merge(extent, merge(-theirs, 0, shift == -1), shift == 1)
-         low = max(-margin, origin + boxes%box(:, 1, other))
-         high = min(extent + margin, origin + boxes%box(:, 2, other))
+         first = origin + boxes%box(:, 1, other)
+         last = origin + boxes%box(:, 2, other)
+         low = max(-margin, first)
+         high = min(extent + margin, last)
          if (any(high < low)) cycle
-         call add_piece(size(self%row), low, high, margin, grid%stride, &
-            origin + boxes%box(:, 1, other), boxes%box(:, 2, other) - boxes%box(:, 1, other) + 1, &
-            self%values(boxes%before(other)*size(self%row) + 1:boxes%before(other + 1) &
-            *size(self%row)), sums)
+         last = last - first + 1
+         associate (piece => self%values(boxes%before(other)*rows + 1:boxes%before(other + 1)*rows))
+            if (rows == size(total, 1)) then
+               call add_piece(rows, low, high, margin, grid%stride, first, last, piece, &
+                  size(total), total)
+            else
+               call add_rows(self%row, low, high, margin, grid%stride, first, last, piece, total)
+            end if
+         end associate
       end do
    end subroutine sum_places
 
    !> Add a box of nodes of a piece to sums. A line along x is one piece of memory in both.
    ! gate: long kernel because a box in a box is told by its corners and lengths
-   pure subroutine add_piece(rows, low, high, margin, stride, corner, length, piece, sums)
+   pure subroutine add_piece(rows, low, high, margin, stride, corner, length, piece, numbers, sums)
       integer, intent(in) :: rows                    !! Numbers a node
       integer, intent(in) :: low(3), high(3)         !! Lowest and highest node that both have
       integer, intent(in) :: margin(3)               !! Layers before node 0
@@ -288,7 +334,8 @@ contains
       integer, intent(in) :: corner(3)               !! Lowest node of the piece
       integer, intent(in) :: length(3)               !! Its nodes along each direction
       real(wp), contiguous, intent(in) :: piece(:)   !! (row, node) Flat
-      real(wp), contiguous, intent(inout) :: sums(:) !! (row, node) Flat
+      integer, intent(in) :: numbers                 !! Of the sums
+      real(wp), intent(inout) :: sums(numbers)       !! (row, node) Flat
       integer :: n, y, z, here, there, line
 
       line = rows*(high(1) - low(1) + 1)
@@ -303,4 +350,33 @@ contains
          end do
       end do
    end subroutine add_piece
+
+   !> The same where only some rows are kept.
+   ! gate: long kernel because a box in a box is told by its corners and lengths
+   pure subroutine add_rows(row, low, high, margin, stride, corner, length, piece, total)
+      integer, contiguous, intent(in) :: row(:)      !! Rows that are kept
+      integer, intent(in) :: low(3), high(3)         !! Lowest and highest node that both have
+      integer, intent(in) :: margin(3)               !! Layers before node 0
+      integer, intent(in) :: stride(3)               !! Steps in the node index of the sums
+      integer, intent(in) :: corner(3)               !! Lowest node of the piece
+      integer, intent(in) :: length(3)               !! Its nodes along each direction
+      real(wp), contiguous, intent(in) :: piece(:)   !! (row kept, node) Flat
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
+      integer :: k, y, z, node, last, there
+
+      do z = low(3), high(3)
+         do y = low(2), high(2)
+            last = 1 + (high(1) + margin(1))*stride(1) + (y + margin(2))*stride(2) &
+               + (z + margin(3))*stride(3)
+            there = size(row)*(low(1) - corner(1) + length(1)*(y - corner(2) &
+               + length(2)*(z - corner(3))))
+            do node = last - (high(1) - low(1)), last
+               do k = 1, size(row)
+                  total(row(k), node) = total(row(k), node) + piece(there + k)
+               end do
+               there = there + size(row)
+            end do
+         end do
+      end do
+   end subroutine add_rows
 end module mesh_pieces
