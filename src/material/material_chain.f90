@@ -172,7 +172,7 @@ contains
          else
             call assemble_isotropic(first, last, deformation%pressure, matter%stress)
          end if
-      case (13)
+      case default
          call leave_nothing(self, matter, deformation, first, last)
       end select
    end subroutine chain_advance
