@@ -146,7 +146,7 @@ contains
       type(group_t), intent(in) :: boundary              !! One boundary
       character(len=*), intent(in) :: face               !! Its face, may be empty
       character(len=*), intent(in) :: kind               !! Its type
-      real(wp) :: begin, end
+      real(wp) :: begin, end, velocity(3)
 
       if (.not. (boundary%given("face") .or. boundary%given("region"))) then
          call deck%complain(boundary, "face or region must be given (a face of the grid, or a "// &
@@ -158,7 +158,10 @@ contains
             "use stick, slip, friction or velocity         ", boundary%given("face"))), "type")
       end if
       if (boundary%given("face") .and. kind /= "velocity" .and. kind /= "") then
-         if (boundary%given("velocity")) call deck%complain(boundary, "a face moves only with "// &
+         ! an echo of the deck names the default, a velocity of zero
+         velocity = 0.0_wp
+         if (boundary%given("velocity")) call boundary%get("velocity", velocity)
+         if (any(abs(velocity) > 0.0_wp)) call deck%complain(boundary, "a face moves only with "// &
             "type = 'velocity'; remove velocity, or use a region", "velocity")
          if (boundary%given("table")) call deck%complain(boundary, "a face moves only with "// &
             "type = 'velocity'; remove table, or use a region", "table")

@@ -59,8 +59,8 @@ HOT = """
 def hot_gas(options, sheet):
     """Gas beside steel, of 4e10 Pa and a density of 100 kg/m3: its steps are done again, the books stay closed.
 
-    With 1000 kg/m3 such a gas is at the limit of what `usl` bears at a free surface: of twelve runs whose energies differ
-    by 1e-5 nine end with another try and seven without, so a single one says nothing.
+    With 1000 kg/m3 such a gas is at the limit of what `usl` bears at a free surface: of twelve runs whose energies
+    differ by 1e-5 nine end with another try and seven without, so a single one says nothing.
     """
     good = case.Case(options, "hot_with", HOT.format(
         method="ddmp", light=100, energy=1.0e9, speed=0, end=2.2e-3, time="")).run("-q")
