@@ -183,8 +183,7 @@ contains
       nodes = high(1) - low(1) + 1
       do z = low(3), high(3)
          do y = low(2), high(2)
-            node = (low(1) + margin(1))*grid%stride(1) + (y + margin(2))*grid%stride(2) &
-               + (z + margin(3))*grid%stride(3)
+            node = dot_product([low(1), y, z] + margin, grid%stride)
             call put_line(self, first - 1, at, node, nodes, patch)
             at = at + nodes
          end do
@@ -206,39 +205,34 @@ contains
       if (kept == self%rows) then
          call copy_line(kept, before, size(patch, 1), nodes, patch(:, node + 1:node + nodes), &
             self%values(begin + 1:begin + nodes*kept))
-         return
+      else
+         select case (kept)
+         case (2)
+            call copy_some(2, self%row, before, node, nodes, patch, self%values(begin + 1))
+         case (4)
+            call copy_some(4, self%row, before, node, nodes, patch, self%values(begin + 1))
+         case (6)
+            call copy_some(6, self%row, before, node, nodes, patch, self%values(begin + 1))
+         case default
+            call copy_some(kept, self%row, before, node, nodes, patch, self%values(begin + 1))
+         end select
       end if
-      ! numbers that the compiler knows leave no loop over the rows: those of planes
-      select case (kept)
-      case (2)
-         call copy_some(2, self%row, before, size(patch, 1), nodes, &
-            patch(:, node + 1:node + nodes), self%values(begin + 1:begin + nodes*2))
-      case (4)
-         call copy_some(4, self%row, before, size(patch, 1), nodes, &
-            patch(:, node + 1:node + nodes), self%values(begin + 1:begin + nodes*4))
-      case (6)
-         call copy_some(6, self%row, before, size(patch, 1), nodes, &
-            patch(:, node + 1:node + nodes), self%values(begin + 1:begin + nodes*6))
-      case default
-         call copy_some(kept, self%row, before, size(patch, 1), nodes, &
-            patch(:, node + 1:node + nodes), self%values(begin + 1:begin + nodes*kept))
-      end select
    end subroutine put_line
 
-   !> Some rows of the nodes of a line.
-   pure subroutine copy_some(kept, row, before, all_rows, nodes, patch, values)
+   !> Some rows of the nodes of a line. A number that the compiler knows leaves no loop over them.
+   pure subroutine copy_some(kept, row, before, first, nodes, patch, values)
       integer, intent(in) :: kept                    !! How many rows
       integer, intent(in) :: row(kept)               !! Which
       integer, intent(in) :: before                  !! Rows of the patch before them
-      integer, intent(in) :: all_rows                !! Rows of the patch
+      integer, intent(in) :: first                   !! Nodes of the patch before the line
       integer, intent(in) :: nodes                   !! Nodes of the line
-      real(wp), intent(in) :: patch(all_rows, nodes) !! (row, node)
+      real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node) Whole
       real(wp), intent(inout) :: values(kept, nodes) !! (row kept, node)
       integer :: node, k
 
       do node = 1, nodes
          do k = 1, kept
-            values(k, node) = patch(before + row(k), node)
+            values(k, node) = patch(before + row(k), first + node)
          end do
       end do
    end subroutine copy_some
@@ -348,7 +342,7 @@ contains
       end select
    end subroutine assemble_kept
 
-   !> Bring rows that are kept to their places.
+   !> Bring rows that are kept to their places, without a loop over them as above.
    pure subroutine spread_some(kept, row, all_rows, nodes, sums, total)
       integer, intent(in) :: kept                    !! How many rows
       integer, intent(in) :: row(kept)               !! Which
@@ -373,33 +367,27 @@ contains
       type(boxes_t), intent(in) :: boxes             !! Their boxes
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all or kept rows
-      integer :: place, other, direction, shift(3), extent(3), origin, margin(3), low(3), &
+      integer :: place, other, direction, shift(3), extent(3), origin(3, -1:1), margin(3), low(3), &
          high(3), first(3), last(3), rows
       logical :: apart
 
       margin = merge(grid%margin, 0, grid%active)
       extent = extent_of(grid, tiles, tile)
+      ! lower corners of the tiles around seen from this one; before the first tile lies the last
+      origin(:, -1) = -merge(merge(grid%cells - (grid%tiles - 1)*grid%width, grid%width, &
+         tiles%coordinate(:, tile) == 0), 0, grid%active)
+      origin(:, 0) = 0
+      origin(:, 1) = extent
       rows = size(self%row)
       do place = 1, neighbors
          other = tiles%neighbor(place, tile)
          if (other == 0) cycle
+         shift = [mod(place - 1, 3), mod((place - 1)/3, 3), (place - 1)/9] - 1
          apart = .false.
-         shift(1) = mod(place - 1, 3) - 1
-         shift(2) = mod((place - 1)/3, 3) - 1
-         shift(3) = (place - 1)/9 - 1
          do direction = 1, 3
-            ! lower corner of the other tile seen from this one, and what its piece and this share
-            select case (shift(direction))
-            case (1)
-               origin = extent(direction)
-            case (-1)
-               origin = -min(grid%width(direction), grid%cells(direction) &
-                  - tiles%coordinate(direction, other)*grid%width(direction))
-            case default
-               origin = 0
-            end select
-            first(direction) = origin + boxes%box(direction, 1, other)
-            last(direction) = origin + boxes%box(direction, 2, other)
+            ! the piece, and what it and this tile share
+            first(direction) = origin(direction, shift(direction)) + boxes%box(direction, 1, other)
+            last(direction) = origin(direction, shift(direction)) + boxes%box(direction, 2, other)
             low(direction) = max(-margin(direction), first(direction))
             high(direction) = min(extent(direction) + margin(direction), last(direction))
             apart = apart .or. high(direction) < low(direction)
@@ -430,7 +418,7 @@ contains
       real(wp), contiguous, intent(in) :: piece(:)   !! (row, node) Flat
       integer, intent(in) :: numbers                 !! Of the sums
       real(wp), intent(inout) :: sums(numbers)       !! (row, node) Flat
-      integer :: n, y, z, here, there, line, top(2)
+      integer :: y, z, here, there, line, top(2)
 
       line = high(1) - low(1) + 1
       top = high(2:3)
@@ -449,12 +437,36 @@ contains
                + (z + margin(3))*stride(3))
             there = rows*(low(1) - corner(1) + length(1)*(y - corner(2) &
                + length(2)*(z - corner(3))))
-            do n = 1, line
-               sums(here + n) = sums(here + n) + piece(there + n)
-            end do
+            ! lengths that the compiler knows: one node with the rows of planes and of space
+            select case (line)
+            case (2)
+               call add_line(2, piece(there + 1:there + 2), sums(here + 1:here + 2))
+            case (4)
+               call add_line(4, piece(there + 1:there + 4), sums(here + 1:here + 4))
+            case (6)
+               call add_line(6, piece(there + 1:there + 6), sums(here + 1:here + 6))
+            case (8)
+               call add_line(8, piece(there + 1:there + 8), sums(here + 1:here + 8))
+            case (9)
+               call add_line(9, piece(there + 1:there + 9), sums(here + 1:here + 9))
+            case default
+               call add_line(line, piece(there + 1:there + line), sums(here + 1:here + line))
+            end select
          end do
       end do
    end subroutine add_piece
+
+   !> Add a line of numbers to sums.
+   pure subroutine add_line(numbers, piece, sums)
+      integer, intent(in) :: numbers                 !! How many
+      real(wp), intent(in) :: piece(numbers)         !! Flat
+      real(wp), intent(inout) :: sums(numbers)       !! Flat
+      integer :: n
+
+      do n = 1, numbers
+         sums(n) = sums(n) + piece(n)
+      end do
+   end subroutine add_line
 
    !> The same where only some rows are kept.
    ! gate: long kernel because a box in a box is told by its corners and lengths
