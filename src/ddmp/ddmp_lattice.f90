@@ -111,13 +111,24 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
-      real(wp) :: row(self%numbers), field(self%numbers + 1), sums(1 - sum(self%shift):self%numbers)
-      integer :: low, high, l, one, other, last
 
       if (grid%dimensions < 3) then
          call force_plane(self, grid, tile, weight, stress, patch)
-         return
+      else
+         call force_space(self, grid, weight, stress, patch)
       end if
+   end subroutine spread_force
+
+   !> The same in space.
+   pure subroutine force_space(self, grid, weight, stress, patch)
+      type(lattice_t), intent(in) :: self            !! The functions
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
+      real(wp) :: row(self%numbers), field(self%numbers + 1), sums(1 - sum(self%shift):self%numbers)
+      integer :: low, high, l, one, other, last
+
       call lay_weights(grid, parts, weight, row, low, high)
       if (high < low) return
       last = high + sum(self%shift)
@@ -131,7 +142,7 @@ contains
             self%shift(other), self%shift(l), row, field, sums)
          call add_change(self%numbers, sum(self%shift), low, last, self%shift(l), sums, patch)
       end do
-   end subroutine spread_force
+   end subroutine force_space
 
    !> Add sum_i u_i D_ji of the cells of a tile.
    pure subroutine spread_gradient(self, grid, tile, weight, velocity, patch)
@@ -141,13 +152,24 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
-      real(wp) :: row(self%numbers), field(self%numbers + 1), sums(1 - sum(self%shift):self%numbers)
-      integer :: low, high, l, one, other, last, node, k, n
 
       if (grid%dimensions < 3) then
          call gradient_plane(self, grid, tile, weight, velocity, patch)
-         return
+      else
+         call gradient_space(self, grid, weight, velocity, patch)
       end if
+   end subroutine spread_gradient
+
+   !> The same in space.
+   pure subroutine gradient_space(self, grid, weight, velocity, patch)
+      type(lattice_t), intent(in) :: self            !! The functions
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
+      real(wp) :: row(self%numbers), field(self%numbers + 1), sums(1 - sum(self%shift):self%numbers)
+      integer :: low, high, l, one, other, last, node, k, n
+
       call lay_weights(grid, parts, weight, row, low, high)
       if (high < low) return
       last = high + sum(self%shift)
@@ -166,7 +188,7 @@ contains
             end do
          end do
       end do
-   end subroutine spread_gradient
+   end subroutine gradient_space
 
    !> Three components of the tensors of some nodes as a row of numbers. Four are copied at a time,
    !! because the fourth is written over by the next node.

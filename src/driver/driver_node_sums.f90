@@ -72,22 +72,27 @@ contains
       real(wp), contiguous, intent(in) :: by(:, :)         !! (component, node)
       integer, intent(in) :: row                           !! Component that divides
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (component, node)
-      real(wp) :: inverse(size(by, 2))
-      integer :: node
+      integer, parameter :: most = 64                      ! nodes at a time: no memory is asked for
+      real(wp) :: inverse(most)
+      integer :: node, before, nodes
 
-      do node = 1, size(by, 2)
-         inverse(node) = merge(1.0_wp/max(by(row, node), empty_mass), 0.0_wp, &
-            by(row, node) > empty_mass)
+      do before = 0, size(by, 2) - 1, most
+         nodes = min(most, size(by, 2) - before)
+         do node = 1, nodes
+            inverse(node) = merge(1.0_wp/max(by(row, before + node), empty_mass), 0.0_wp, &
+               by(row, before + node) > empty_mass)
+         end do
+         ! numbers that the compiler knows make the components one vector
+         select case (size(values, 1))
+         case (3)
+            call multiply_nodes(3, nodes, inverse, values(:, before + 1:before + nodes))
+         case (9)
+            call multiply_nodes(9, nodes, inverse, values(:, before + 1:before + nodes))
+         case default
+            call multiply_nodes(size(values, 1), nodes, inverse, &
+               values(:, before + 1:before + nodes))
+         end select
       end do
-      ! numbers that the compiler knows make the components one vector
-      select case (size(values, 1))
-      case (3)
-         call multiply_nodes(3, size(by, 2), inverse, values)
-      case (9)
-         call multiply_nodes(9, size(by, 2), inverse, values)
-      case default
-         call multiply_nodes(size(values, 1), size(by, 2), inverse, values)
-      end select
    end subroutine divide
 
    !> Multiply the components of nodes by a number of each node.

@@ -162,7 +162,7 @@ contains
       if (allocated(from%values)) call move_alloc(from%values, to%values)
    end subroutine move_pieces
 
-   !> Keep what is in the box of a tile.
+   !> Keep what is in the box of a tile. A box that is the whole tile is one line.
    pure subroutine pieces_put(self, grid, boxes, tile, first, patch)
       class(pieces_t), intent(inout) :: self         !! The pieces
       type(grid_t), intent(in) :: grid               !! The grid
@@ -172,39 +172,67 @@ contains
       real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node) Whole
       integer :: y, z, node, at, nodes, low(3), high(3), margin(3)
 
+      at = boxes%before(tile)
+      if (boxes%before(tile + 1) - at == size(patch, 2)) then
+         call put_line(self, first - 1, at, 0, size(patch, 2), patch)
+         return
+      end if
       margin = merge(grid%margin, 0, grid%active)
       low = boxes%box(:, 1, tile)
       high = boxes%box(:, 2, tile)
       nodes = high(1) - low(1) + 1
-      at = boxes%before(tile)*size(self%row)
       do z = low(3), high(3)
          do y = low(2), high(2)
-            node = (low(1) + margin(1))*grid%stride(1) + (y + margin(2))*grid%stride(2) &
-               + (z + margin(3))*grid%stride(3)
-            if (size(self%row) < self%rows) then
-               call copy_some(self%row, first - 1, nodes, patch(:, node + 1:node + nodes), &
-                  self%values(at + 1:at + nodes*size(self%row)))
-            else
-               call copy_line(self%rows, first - 1, size(patch, 1), nodes, &
-                  patch(:, node + 1:node + nodes), self%values(at + 1:at + nodes*self%rows))
-            end if
-            at = at + nodes*size(self%row)
+            node = dot_product([low(1), y, z] + margin, grid%stride)
+            call put_line(self, first - 1, at, node, nodes, patch)
+            at = at + nodes
          end do
       end do
    end subroutine pieces_put
 
-   !> Some rows of the nodes of a line.
-   pure subroutine copy_some(row, before, nodes, patch, values)
-      integer, contiguous, intent(in) :: row(:)      !! Which
-      integer, intent(in) :: before                  !! Rows of the patch before them
+   !> Keep the rows of the nodes of a line.
+   pure subroutine put_line(self, before, at, node, nodes, patch)
+      class(pieces_t), intent(inout) :: self         !! The pieces
+      integer, intent(in) :: before                  !! Rows of the patch before those of the pieces
+      integer, intent(in) :: at                      !! Nodes of the pieces before the line
+      integer, intent(in) :: node                    !! Nodes of the patch before the line
       integer, intent(in) :: nodes                   !! Nodes of the line
-      real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node)
-      real(wp), intent(inout) :: values(size(row), nodes) !! (row kept, node)
+      real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node) Whole
+      integer :: kept, begin
+
+      kept = size(self%row)
+      begin = at*kept
+      if (kept == self%rows) then
+         call copy_line(kept, before, size(patch, 1), nodes, patch(:, node + 1:node + nodes), &
+            self%values(begin + 1:begin + nodes*kept))
+      else
+         select case (kept)
+         case (2)
+            call copy_some(2, self%row, before, node, nodes, patch, self%values(begin + 1))
+         case (4)
+            call copy_some(4, self%row, before, node, nodes, patch, self%values(begin + 1))
+         case (6)
+            call copy_some(6, self%row, before, node, nodes, patch, self%values(begin + 1))
+         case default
+            call copy_some(kept, self%row, before, node, nodes, patch, self%values(begin + 1))
+         end select
+      end if
+   end subroutine put_line
+
+   !> Some rows of the nodes of a line. A number that the compiler knows leaves no loop over them.
+   pure subroutine copy_some(kept, row, before, first, nodes, patch, values)
+      integer, intent(in) :: kept                    !! How many rows
+      integer, intent(in) :: row(kept)               !! Which
+      integer, intent(in) :: before                  !! Rows of the patch before them
+      integer, intent(in) :: first                   !! Nodes of the patch before the line
+      integer, intent(in) :: nodes                   !! Nodes of the line
+      real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node) Whole
+      real(wp), intent(inout) :: values(kept, nodes) !! (row kept, node)
       integer :: node, k
 
       do node = 1, nodes
-         do k = 1, size(row)
-            values(k, node) = patch(before + row(k), node)
+         do k = 1, kept
+            values(k, node) = patch(before + row(k), first + node)
          end do
       end do
    end subroutine copy_some
@@ -271,7 +299,8 @@ contains
    end subroutine pieces_get
 
    !> Sum the pieces that touch the nodes of one tile, its margin included, in the order of the
-   !! places of the tiles.
+   !! places of the tiles. Where some rows are missing and most nodes are touched, sums of the kept
+   !! rows are found first, because lines of them are added as vectors.
    pure subroutine pieces_assemble(self, grid, tiles, boxes, tile, total)
       class(pieces_t), intent(in) :: self            !! The pieces
       type(grid_t), intent(in) :: grid               !! The grid
@@ -281,8 +310,54 @@ contains
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
 
       call clear_patch(total)
-      call sum_places(self, grid, tiles, boxes, tile, total)
+      if (size(self%row) < size(total, 1) .and. &
+         2*(boxes%before(tile + 1) - boxes%before(tile)) > size(total, 2)) then
+         call assemble_kept(self, grid, tiles, boxes, tile, total)
+      else
+         call sum_places(self, grid, tiles, boxes, tile, total)
+      end if
    end subroutine pieces_assemble
+
+   !> Sum the rows that are kept and bring them to their places.
+   pure subroutine assemble_kept(self, grid, tiles, boxes, tile, total)
+      class(pieces_t), intent(in) :: self            !! The pieces
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(boxes_t), intent(in) :: boxes             !! Their boxes
+      integer, intent(in) :: tile                    !! Whose nodes
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Zero in rows not kept
+      real(wp) :: sums(size(self%row), size(total, 2))
+
+      call clear_patch(sums)
+      call sum_places(self, grid, tiles, boxes, tile, sums)
+      select case (size(self%row))
+      case (2)
+         call spread_some(2, self%row, size(total, 1), size(total, 2), sums, total)
+      case (4)
+         call spread_some(4, self%row, size(total, 1), size(total, 2), sums, total)
+      case (6)
+         call spread_some(6, self%row, size(total, 1), size(total, 2), sums, total)
+      case default
+         call spread_some(size(self%row), self%row, size(total, 1), size(total, 2), sums, total)
+      end select
+   end subroutine assemble_kept
+
+   !> Bring rows that are kept to their places, without a loop over them as above.
+   pure subroutine spread_some(kept, row, all_rows, nodes, sums, total)
+      integer, intent(in) :: kept                    !! How many rows
+      integer, intent(in) :: row(kept)               !! Which
+      integer, intent(in) :: all_rows                !! Rows of the whole
+      integer, intent(in) :: nodes                   !! Nodes of the tile
+      real(wp), intent(in) :: sums(kept, nodes)      !! (row kept, node)
+      real(wp), intent(inout) :: total(all_rows, nodes) !! (row, node)
+      integer :: node, k
+
+      do node = 1, nodes
+         do k = 1, kept
+            total(row(k), node) = sums(k, node)
+         end do
+      end do
+   end subroutine spread_some
 
    !> Add the pieces of the tiles around.
    pure subroutine sum_places(self, grid, tiles, boxes, tile, total)
@@ -291,28 +366,34 @@ contains
       type(tiles_t), intent(in) :: tiles             !! The tiles
       type(boxes_t), intent(in) :: boxes             !! Their boxes
       integer, intent(in) :: tile                    !! Whose nodes
-      real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
-      integer :: place, other, shift(3), extent(3), theirs(3), origin(3), margin(3), low(3), &
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all or kept rows
+      integer :: place, other, direction, shift(3), extent(3), origin(3, -1:1), margin(3), low(3), &
          high(3), first(3), last(3), rows
+      logical :: apart
 
       margin = merge(grid%margin, 0, grid%active)
       extent = extent_of(grid, tiles, tile)
+      ! lower corners of the tiles around seen from this one; before the first tile lies the last
+      origin(:, -1) = -merge(merge(grid%cells - (grid%tiles - 1)*grid%width, grid%width, &
+         tiles%coordinate(:, tile) == 0), 0, grid%active)
+      origin(:, 0) = 0
+      origin(:, 1) = extent
       rows = size(self%row)
       do place = 1, neighbors
          other = tiles%neighbor(place, tile)
          if (other == 0) cycle
-         shift(1) = mod(place - 1, 3) - 1
-         shift(2) = mod((place - 1)/3, 3) - 1
-         shift(3) = (place - 1)/9 - 1
-         theirs = extent_of(grid, tiles, other)
-         ! lower corner of the other tile seen from this one, and what its piece and this one share
-         origin = merge(extent, merge(-theirs, 0, shift == -1), shift == 1)
-         first = origin + boxes%box(:, 1, other)
-         last = origin + boxes%box(:, 2, other)
-         low = max(-margin, first)
-         high = min(extent + margin, last)
-         if (any(high < low)) cycle
-         last = last - first + 1
+         shift = [mod(place - 1, 3), mod((place - 1)/3, 3), (place - 1)/9] - 1
+         apart = .false.
+         do direction = 1, 3
+            ! the piece, and what it and this tile share
+            first(direction) = origin(direction, shift(direction)) + boxes%box(direction, 1, other)
+            last(direction) = origin(direction, shift(direction)) + boxes%box(direction, 2, other)
+            low(direction) = max(-margin(direction), first(direction))
+            high(direction) = min(extent(direction) + margin(direction), last(direction))
+            apart = apart .or. high(direction) < low(direction)
+            last(direction) = last(direction) - first(direction) + 1
+         end do
+         if (apart) cycle
          associate (piece => self%values(boxes%before(other)*rows + 1:boxes%before(other + 1)*rows))
             if (rows == size(total, 1)) then
                call add_piece(rows, low, high, margin, grid%stride, first, last, piece, &
@@ -324,7 +405,8 @@ contains
       end do
    end subroutine sum_places
 
-   !> Add a box of nodes of a piece to sums. A line along x is one piece of memory in both.
+   !> Add a box of nodes of a piece to sums. A line along x is one piece of memory in both, and so
+   !! are lines that follow one another in both.
    ! gate: long kernel because a box in a box is told by its corners and lengths
    pure subroutine add_piece(rows, low, high, margin, stride, corner, length, piece, numbers, sums)
       integer, intent(in) :: rows                    !! Numbers a node
@@ -336,20 +418,55 @@ contains
       real(wp), contiguous, intent(in) :: piece(:)   !! (row, node) Flat
       integer, intent(in) :: numbers                 !! Of the sums
       real(wp), intent(inout) :: sums(numbers)       !! (row, node) Flat
-      integer :: n, y, z, here, there, line
+      integer :: y, z, here, there, line, top(2)
 
-      line = rows*(high(1) - low(1) + 1)
-      do z = low(3), high(3)
-         do y = low(2), high(2)
-            here = rows*dot_product([low(1), y, z] + margin, stride)
+      line = high(1) - low(1) + 1
+      top = high(2:3)
+      if (line == length(1) .and. line == stride(2)) then
+         line = line*(top(1) - low(2) + 1)
+         top(1) = low(2)
+      end if
+      if (line == length(1)*length(2) .and. line == stride(3)) then
+         line = line*(top(2) - low(3) + 1)
+         top(2) = low(3)
+      end if
+      line = rows*line
+      do z = low(3), top(2)
+         do y = low(2), top(1)
+            here = rows*((low(1) + margin(1))*stride(1) + (y + margin(2))*stride(2) &
+               + (z + margin(3))*stride(3))
             there = rows*(low(1) - corner(1) + length(1)*(y - corner(2) &
                + length(2)*(z - corner(3))))
-            do n = 1, line
-               sums(here + n) = sums(here + n) + piece(there + n)
-            end do
+            ! lengths that the compiler knows: one node with the rows of planes and of space
+            select case (line)
+            case (2)
+               call add_line(2, piece(there + 1:there + 2), sums(here + 1:here + 2))
+            case (4)
+               call add_line(4, piece(there + 1:there + 4), sums(here + 1:here + 4))
+            case (6)
+               call add_line(6, piece(there + 1:there + 6), sums(here + 1:here + 6))
+            case (8)
+               call add_line(8, piece(there + 1:there + 8), sums(here + 1:here + 8))
+            case (9)
+               call add_line(9, piece(there + 1:there + 9), sums(here + 1:here + 9))
+            case default
+               call add_line(line, piece(there + 1:there + line), sums(here + 1:here + line))
+            end select
          end do
       end do
    end subroutine add_piece
+
+   !> Add a line of numbers to sums.
+   pure subroutine add_line(numbers, piece, sums)
+      integer, intent(in) :: numbers                 !! How many
+      real(wp), intent(in) :: piece(numbers)         !! Flat
+      real(wp), intent(inout) :: sums(numbers)       !! Flat
+      integer :: n
+
+      do n = 1, numbers
+         sums(n) = sums(n) + piece(n)
+      end do
+   end subroutine add_line
 
    !> The same where only some rows are kept.
    ! gate: long kernel because a box in a box is told by its corners and lengths
