@@ -1,13 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Patches of tiles of which only what is not zero is kept.
 !!
-!! The particles of a tile that holds few of them touch a small box of its nodes, and in one or two
-!! dimensions the components along missing directions are zero. The pieces of all tiles, each a box
-!! of nodes with the rows that can be other than zero, lie one after another. Sums of pieces are
-!! those of whole patches to the last bit, because a sum that begins with zero is the same without
-!! further zeros.
+!! The particles of a sparse tile touch a small box of its nodes, and in one or two dimensions the
+!! components along missing directions are zero. The pieces of all tiles, each a box of nodes with
+!! the rows that can be other than zero, lie one after another. Sums of pieces are those of whole
+!! patches to the last bit, because further zeros change no sum that begins with zero.
 module mesh_pieces
-   use base_kinds, only: wp
+   use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
    use mesh_patch, only: clear_patch, extent_of
    use mesh_tiles, only: neighbors, tiles_t
@@ -112,11 +111,11 @@ contains
    pure subroutine pieces_ensure(self, nodes)
       class(pieces_t), intent(inout) :: self         !! The pieces
       integer, intent(in) :: nodes                   !! Nodes of all tiles
-      integer :: needed
+      integer(int64) :: needed
 
-      needed = size(self%row)*nodes
+      needed = size(self%row, kind=int64)*nodes
       if (allocated(self%values)) then
-         if (size(self%values) >= needed .and. size(self%values) <= 2*needed + 1000) return
+         if (self%length() >= needed .and. self%length() <= 2*needed + 1000) return
          deallocate (self%values)
       end if
       allocate (self%values(needed + needed/128))
@@ -127,12 +126,12 @@ contains
       class(pieces_t), intent(inout) :: self         !! The pieces
       integer, intent(in) :: nodes                   !! Nodes of all tiles
       real(wp), allocatable :: values(:)
-      integer :: needed
+      integer(int64) :: needed
 
-      needed = size(self%row)*nodes
-      if (size(self%values) >= needed) return
+      needed = size(self%row, kind=int64)*nodes
+      if (self%length() >= needed) return
       allocate (values(needed + needed/128))
-      values(:size(self%values)) = self%values
+      values(:self%length()) = self%values
       call move_alloc(values, self%values)
    end subroutine pieces_grow
 
@@ -147,11 +146,11 @@ contains
    end subroutine pieces_move_to
 
    !> Numbers that there is room for.
-   elemental integer function pieces_length(self) result(numbers)
+   elemental integer(int64) function pieces_length(self) result(numbers)
       class(pieces_t), intent(in) :: self            !! The pieces
 
       numbers = 0
-      if (allocated(self%values)) numbers = size(self%values)
+      if (allocated(self%values)) numbers = size(self%values, kind=int64)
    end function pieces_length
 
    !> Hand over memory, whatever it holds, to pieces that are needed only afterwards.
@@ -198,10 +197,11 @@ contains
       integer, intent(in) :: node                    !! Nodes of the patch before the line
       integer, intent(in) :: nodes                   !! Nodes of the line
       real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node) Whole
-      integer :: kept, begin
+      integer(int64) :: begin
+      integer :: kept
 
       kept = size(self%row)
-      begin = at*kept
+      begin = int(at, int64)*kept
       if (kept == self%rows) then
          call copy_line(kept, before, size(patch, 1), nodes, patch(:, node + 1:node + nodes), &
             self%values(begin + 1:begin + nodes*kept))
@@ -277,11 +277,12 @@ contains
       type(boxes_t), intent(in) :: boxes             !! Boxes of the tiles
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
-      integer :: x, y, z, node, at, k, margin(3)
+      integer(int64) :: at
+      integer :: x, y, z, node, k, margin(3)
 
       call clear_patch(patch)
       margin = merge(grid%margin, 0, grid%active)
-      at = boxes%before(tile)*size(self%row)
+      at = size(self%row, kind=int64)*boxes%before(tile)
       associate (low => boxes%box(:, 1, tile), high => boxes%box(:, 2, tile))
          do z = low(3), high(3)
             do y = low(2), high(2)
@@ -394,7 +395,8 @@ contains
             last(direction) = last(direction) - first(direction) + 1
          end do
          if (apart) cycle
-         associate (piece => self%values(boxes%before(other)*rows + 1:boxes%before(other + 1)*rows))
+         associate (piece => self%values(int(rows, int64)*boxes%before(other) + 1: &
+            int(rows, int64)*boxes%before(other + 1)))
             if (rows == size(total, 1)) then
                call add_piece(rows, low, high, margin, grid%stride, first, last, piece, &
                   size(total), total)
@@ -461,11 +463,8 @@ contains
       integer, intent(in) :: numbers                 !! How many
       real(wp), intent(in) :: piece(numbers)         !! Flat
       real(wp), intent(inout) :: sums(numbers)       !! Flat
-      integer :: n
 
-      do n = 1, numbers
-         sums(n) = sums(n) + piece(n)
-      end do
+      sums = sums + piece
    end subroutine add_line
 
    !> The same where only some rows are kept.
