@@ -77,7 +77,7 @@ contains
       integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: a(corners, 3), b(corners, 3), weight(corners), sums(corners, 4)
-      integer :: cell, p, n, c, node
+      integer :: cell, p, n
 
       a = grid%lane_constant(:corners, :)
       b = grid%lane_slope(:corners, :)
@@ -97,12 +97,7 @@ contains
                sums(n, 4) = sums(n, 4) + weight(n)*c4(p)
             end do
          end do
-         do n = 1, corners
-            node = grid%first_node(cell) + grid%lane_offset(n)
-            do c = 1, number
-               patch(before + c, node) = patch(before + c, node) + sums(n, c)
-            end do
-         end do
+         call add_corners(grid, cell, number, before, sums, patch)
       end do
    end subroutine add_columns
 
@@ -119,7 +114,7 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: a(corners, 3), b(corners, 3), sums(corners, 4), x(corners), z(corners)
       real(wp) :: weight(corners), away_x(corners), away_z(corners), h
-      integer :: cell, p, q, n, c, node
+      integer :: cell, p, q, n
 
       a = grid%lane_constant(:corners, :)
       b = grid%lane_slope(:corners, :)
@@ -149,12 +144,7 @@ contains
                   + affine(q, 9)*away_z(n))
             end do
          end do
-         do n = 1, corners
-            node = grid%first_node(cell) + grid%lane_offset(n)
-            do c = 1, 4
-               patch(c, node) = patch(c, node) + sums(n, c)
-            end do
-         end do
+         call add_corners(grid, cell, 4, 0, sums, patch)
       end do
    end subroutine plane_affine
 
@@ -170,7 +160,7 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: a(corners, 3), b(corners, 3), sums(corners, 4), x(corners), z(corners)
       real(wp) :: weight(corners), away_x(corners), away_z(corners)
-      integer :: cell, p, q, n, c, node
+      integer :: cell, p, q, n
 
       a = grid%lane_constant(:corners, :)
       b = grid%lane_slope(:corners, :)
@@ -197,12 +187,7 @@ contains
                sums(n, 4) = sums(n, 4) + weight(n)*(velocity(q, 3) - spin(q, 2)*away_x(n))
             end do
          end do
-         do n = 1, corners
-            node = grid%first_node(cell) + grid%lane_offset(n)
-            do c = 1, 4
-               patch(c, node) = patch(c, node) + sums(n, c)
-            end do
-         end do
+         call add_corners(grid, cell, 4, 0, sums, patch)
       end do
    end subroutine plane_turning
 
@@ -217,7 +202,7 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp), dimension(corners, 3) :: c, d
       real(wp) :: sums(corners, 3), x(corners), z(corners)
-      integer :: cell, p, q, n, k, node
+      integer :: cell, p, q, n
 
       call signed_lanes(grid, c, d)
       do cell = 0, grid%tile_cells - 1
@@ -237,12 +222,7 @@ contains
                sums(n, 3) = sums(n, 3) - (x(n)*stress(q, 6) + z(n)*stress(q, 3))
             end do
          end do
-         do n = 1, corners
-            node = grid%first_node(cell) + grid%lane_offset(n)
-            do k = 1, 3
-               patch(4 + k, node) = patch(4 + k, node) + sums(n, k)
-            end do
-         end do
+         call add_corners(grid, cell, 3, 4, sums, patch)
       end do
    end subroutine plane_force
 
@@ -303,6 +283,24 @@ contains
          end do
       end do
    end subroutine plane_dual_force
+
+   !> Add the sums of a cell to columns of its nodes.
+   pure subroutine add_corners(grid, cell, number, before, sums, patch)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: cell                            !! Cell of the tile, from 0
+      integer, intent(in) :: number                          !! Columns
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), intent(in) :: sums(corners, number)          !! (lane, column)
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      integer :: n, c, node
+
+      do n = 1, corners
+         node = grid%first_node(cell) + grid%lane_offset(n)
+         do c = 1, number
+            patch(before + c, node) = patch(before + c, node) + sums(n, c)
+         end do
+      end do
+   end subroutine add_corners
 
    !> Constants and slopes of the lanes along one direction, times the slope of the lane along the
    !! other: together the slope along the other.
