@@ -21,6 +21,7 @@ import scree_post
 from scree_post import PostError, study
 from scree_post.written import Written
 
+LARGEST = 150000                       # bytes of a picture in the repository
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
@@ -90,6 +91,7 @@ class Study:
             if figure:
                 picture = (self.folder if options.write else options.out) / name
                 scree_post.save(figure, str(picture), 85)
+                make_small(picture)
                 print(picture)
         for path, (_, now) in documents.items():
             path.write_text(now, encoding="utf-8")
@@ -164,7 +166,7 @@ class Study:
             for line in differences(*texts, self.tolerance):
                 print(f"{path.name}: {line}")
                 number += 1
-        print(f"{number} differences" if number else "README.md tells what the runs show")
+        print(f"{number} differences" if number else "all figures are those of the runs")
         return 1 if number else 0
 
 
@@ -185,6 +187,15 @@ def with_phrase(path, text, phrase):
     numbers = iter(NUMBER.findall(phrase))
     begin, end = found[0].span()
     return text[:begin] + NUMBER.sub(lambda _: next(numbers), found[0][0]) + text[end:]
+
+
+def make_small(picture):
+    """Leave 256 colours to a picture that takes too much room with all of them."""
+    if picture.stat().st_size > LARGEST:
+        (image,) = scree_post.modules("PIL.Image")
+        with image.open(picture) as page:
+            few = page.convert("RGB").quantize(256, image.Quantize.MAXCOVERAGE)
+        few.save(picture, optimize=True)
 
 
 def two_digits(value):

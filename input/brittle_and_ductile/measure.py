@@ -76,16 +76,19 @@ def tables(runs):
 
 
 def phrases(runs):
-    """How much farther off the others are in glass than DDMP, and what half the cells take of the error."""
-    found = {(bar, name, size): off(runs, bar, name, size) for bar, (_, _, sizes) in BARS.items() for size in sizes
-             for name in METHODS}
-    farther = np.array([found["glass", name, size] / found["glass", "ddmp", size] for name in ("mpm", "gimp")
-                        for size in BARS["glass"][2]])
-    taken = {bar: 100.0 * np.array([1.0 - found[bar, name, sizes[1]] / found[bar, name, sizes[0]] for name in METHODS])
-             for bar, (_, _, sizes) in BARS.items()}
-    return [f"by a factor of {farther.min():.1f} to {farther.max():.1f}, whichever method is taken for the finest",
-            f"Half the cells take {taken['glass'].min():.0f} to {taken['glass'].max():.0f} % of the error in glass, "
-            f"and {taken['copper'].min():.0f} to {taken['copper'].max():.0f} % in copper"]
+    """How much farther off other methods are than DDMP, and what half the cells take of the error."""
+    found = {bar: np.array([[off(runs, bar, name, size) for name in METHODS] for size in sizes])
+             for bar, (_, _, sizes) in BARS.items()}         # by cells, method and what serves as the finest
+    farther = {bar: values[:, :2] / values[:, 2:] for bar, values in found.items()}
+    apart = {bar: 100.0 * np.ptp(values, axis=1) for bar, values in found.items()}
+    taken = {bar: 100.0 * (1.0 - values[1] / values[0]) for bar, values in found.items()}
+    plain = farther["copper"][:, 0]
+    return [f"the plain method is farther off by a factor of {plain.min():.1f} to {plain.max():.1f}",
+            f"no two methods are more than {apart['copper'].max():.1f} % apart",
+            f"by a factor of {farther['glass'].min():.1f} to {farther['glass'].max():.1f}, whichever method is taken "
+            f"for the finest; the methods are up to {apart['glass'].max():.1f} % apart",
+            f"Cells of half the size take {taken['glass'].min():.0f} to {taken['glass'].max():.0f} % of the error in "
+            f"glass, and {taken['copper'].min():.0f} to {taken['copper'].max():.0f} % in copper"]
 
 
 def draw(runs, plot):

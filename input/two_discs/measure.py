@@ -117,7 +117,7 @@ def draw(runs, plot):
     return figure
 
 
-CASES = {f"{name}_{update}": ("scene.nml", {**method, "method.stress_update": update, **OFTEN})
+CASES = {f"{name}_{update}": ("scene.nml", {**method, "method.stress_update": update})
          for name, (_, method) in METHODS.items() for update in UPDATES}
 CASES.update({name: ("scene.nml", {"grid.dx": size, **OFTEN}) for name, size in CELLS.items()})
 
