@@ -63,6 +63,20 @@ def phrases(sheet):
         sheet.require(refused(scree_scene.with_phrase, "README.md", told, phrase), f"phrase {words} is refused")
 
 
+def documents(sheet, folder):
+    """Old numbers in a table or a phrase make --check fail, and new ones are what --write would leave."""
+    folder.mkdir(parents=True, exist_ok=True)
+    told = "# A scene\n\nIt takes 30 steps.\n\n<!-- figures -->\n\n| a |\n| --- |\n| 1.5 |\n\n<!-- end of figures -->\n"
+    (folder / "README.md").write_text(told, encoding="utf-8")
+    for steps, value, wrong in ((30, 1.5, 0), (31, 1.5, 1), (30, 2.5, 1)):
+        scene = scree_scene.Study(folder / "measure.py", {}, None, {},
+                                  phrases={"README.md": lambda _, steps=steps: [f"It takes {steps} steps."]})
+        texts = scene.documents({}, scree_scene.Table(["a"], [[value]]).text())
+        _, now = texts[(folder / "README.md").resolve()]
+        sheet.require(scene.check(texts) == wrong and now == told.replace("30", str(steps)).replace("1.5", str(value)),
+                      f"{steps} steps and {value} in the table: {now!r}")
+
+
 def failures(sheet):
     """Which failed runs are results."""
     scene = scree_scene.Study(__file__, {}, None, {}, may_fail={"bad": 4})
@@ -87,6 +101,7 @@ def main():
     sheet = report.Report()
     comparison(sheet)
     phrases(sheet)
+    documents(sheet, options.work / "told")
     failures(sheet)
     complete(sheet)
     sheet.require(gallery.PAGE.read_text(encoding="utf-8") == gallery.page(),
