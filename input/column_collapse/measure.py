@@ -132,4 +132,5 @@ def draw_stages(runs, plot):
 
 
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, {"stages.png": draw_stages, "runout.png": draw}, phrases={"README.md": phrases}, as_it_stands="plane_2").main()
+    Study(__file__, CASES, tables, {"stages.png": draw_stages, "runout.png": draw}, phrases={"README.md": phrases},
+          as_it_stands="plane_2").main()
