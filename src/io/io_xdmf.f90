@@ -223,9 +223,9 @@ contains
       text = text//"</Grid>"//new_line("a")
    end function grid_text
 
-   !> One field in XDMF. Readers disagree on fields of more than three components: to the Xdmf2 reader
-   !! of VTK 9.2 all vectors have three, to that of VTK 9.7 a matrix of two extents is one row. As a
-   !! matrix with one row a particle every reader tried sees the components in their order.
+   !> One field in XDMF. Readers disagree on fields of more than three components: to the Xdmf2
+   !! reader of VTK 9.2 all vectors have three, to that of VTK 9.7 a matrix of two extents is one
+   !! row. As a matrix with one row a particle every reader tried sees them in their order.
    pure function attribute_text(info, file, count) result(text)
       type(data_info_t), intent(in) :: info              !! The field
       character(len=*), intent(in) :: file               !! Name of the snapshot
