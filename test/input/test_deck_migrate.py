@@ -251,6 +251,18 @@ class Migrate(unittest.TestCase):
         self.assertIn("scree-deck migrate old.nml --write", call("migrate", "--help").stdout)
         self.assertIn("migrate", call("--help").stdout)
 
+    def test_the_page_shows_what_is_said(self):
+        """The lines in doc/guide/deck.md are those that the command prints of a deck with these names in these lines."""
+        page = (case.ROOT / "doc/guide/deck.md").read_text(encoding="utf-8")
+        shown = page.split("$ build/venv/bin/scree-deck migrate old.nml\n")[1].split("```")[0]
+        self.deck("\n" * 3 + "&material packing = 'grid' /\n" + "\n" * 4 + "&grid sparse = .true. /\n")
+        here = os.getcwd()
+        os.chdir(self.folder)
+        try:
+            self.assertEqual(migrate("old.nml").stdout, shown)
+        finally:
+            os.chdir(here)
+
     def test_all_examples_stay(self):
         """Decks of today: none is touched, so the scanner takes their texts, comments and lists for what they are."""
         decks = sorted((case.ROOT / "input").rglob("*.nml"))
