@@ -252,7 +252,7 @@ class Migrate(unittest.TestCase):
         self.assertIn("migrate", call("--help").stdout)
 
     def test_the_page_shows_what_is_said(self):
-        """The lines in doc/guide/deck.md are those that the command prints of a deck with these names in these lines."""
+        """The lines in doc/guide/deck.md are those that the command prints of such a deck."""
         page = (case.ROOT / "doc/guide/deck.md").read_text(encoding="utf-8")
         shown = page.split("$ build/venv/bin/scree-deck migrate old.nml\n")[1].split("```")[0]
         self.deck("\n" * 3 + "&material packing = 'grid' /\n" + "\n" * 4 + "&grid sparse = .true. /\n")
