@@ -4,18 +4,21 @@
 Would catch a number that is given twice or left out, an equation without one, an equation that no source
 implements (or whose source was renamed away), a citation of a number that is not there any more after an equation
 went, a citation that does not say where to look, and a row of a table with a bar in its mathematics, which cuts it
-into more cells than the table has.
+into more cells than the table has; and a script that numbers anew but leaves citations behind, or changes examples
+and code.
 """
 
 import re
+import subprocess
 import sys
+import tempfile
 import unittest
+from pathlib import Path
 
 from sources import ROOT, lines_of, place, project_files
 
 THEORY = ROOT / "doc" / "theory"
 TAG = re.compile(r"\\tag\{([^}]*)\}")
-NUMBER = re.compile(r"([A-Z])\.([1-9]\d*)")
 CITED = re.compile(r"\(([A-Z])\.([1-9]\d*)\)")
 DISPLAY = re.compile(r"\$\$(.*?)\$\$", re.S)
 LINK = re.compile(r"\]\(([^)\s#]+)")
@@ -122,6 +125,26 @@ class EquationGate(unittest.TestCase):
                 elif path != HOME[letter] and HOME[letter] not in linked:
                     offences.append(f"{place(path, at)} cites ({number}) without a link to {HOME[letter].name}")
         self.none(offences)
+
+    def test_script_that_numbers(self):
+        script = [sys.executable, ROOT / "scripts" / "number_equations.py", "--root"]
+        page = "$$a\\tag{Z.1}$$ and $$b\\tag{Z.1a}$$\n$$c\\tag{Z.2}$$ (Z.1a) (Z.2) `(Z.2)`, see (B.2)\n"
+        source = 'call say("(Z.2)", 1)   ! (Z.2)\n!> Equations (Z.1), (Z.1a) and (Z.2).\n'
+        with tempfile.TemporaryDirectory() as folder:
+            theory, code = Path(folder) / "doc" / "theory", Path(folder) / "src"
+            theory.mkdir(parents=True)
+            code.mkdir()
+            (theory / "zeta.md").write_text(page, encoding="utf-8")
+            (code / "zeta.f90").write_text(source, encoding="utf-8")
+            subprocess.run([*script, folder], check=True, capture_output=True)
+            self.assertEqual((theory / "zeta.md").read_text(encoding="utf-8"),
+                             "$$a\\tag{Z.1}$$ and $$b\\tag{Z.2}$$\n$$c\\tag{Z.3}$$ (Z.2) (Z.3) `(Z.2)`, see (B.2)\n")
+            self.assertEqual((code / "zeta.f90").read_text(encoding="utf-8"),
+                             'call say("(Z.2)", 1)   ! (Z.3)\n!> Equations (Z.1), (Z.2) and (Z.3).\n')
+            (code / "zeta.f90").write_text(source.replace("Z.1a", "Z.7"), encoding="utf-8")
+            answer = subprocess.run([*script, folder], capture_output=True, text=True)
+            self.assertEqual(answer.returncode, 1)
+            self.assertIn("(Z.7) is not there", answer.stderr)
 
     def test_tables(self):
         offences = []
