@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Equations of the theory pages have numbers, and the sources that implement them cite these.
 
-Would catch a number that is given twice or left out, an equation without one, an equation that no source
-implements (or whose source was renamed away), a citation of a number that is not there any more after an equation
-went, a citation that does not say where to look, and a row of a table with a bar in its mathematics, which cuts it
-into more cells than the table has; and a script that numbers anew but leaves citations behind, or changes examples
-and code.
+Would catch a number that is given twice or left out, an equation without one, or in the middle of a paragraph,
+where its number is not shown, an equation that no source implements (or whose source was renamed away), a
+citation of a number that is not there any more after an equation went, a citation that does not say where to
+look, a row of a table with a bar in its mathematics, which cuts it into more cells than the table has, and a
+script that numbers anew but leaves citations behind, or changes examples and code.
 """
 
 import re
@@ -88,6 +88,15 @@ class EquationGate(unittest.TestCase):
     def test_one_number_a_block(self):
         self.none([f"{place(path, line)} has {len(TAG.findall(text))} numbers in an equation"
                    for path in PAGES for line, text in blocks(path) if len(TAG.findall(text)) != 1])
+
+    def test_blocks_are_paragraphs(self):
+        offences = []
+        for path in PAGES:
+            text = path.read_text(encoding="utf-8")
+            offences += [f"{place(path, text.count(chr(10), 0, found.start()) + 1)} has an equation inside of text"
+                         for found in DISPLAY.finditer(text)
+                         if text[:found.start()][-2:] != "\n\n" or text[found.end():][:2] not in ("\n\n", "\n")]
+        self.none(offences)
 
     def test_no_number_elsewhere(self):
         offences = []
