@@ -193,10 +193,10 @@ def changed(old, new):
 def excerpt(lines, first, last, told=0):
     """Lines of a deck with marks: those that differ, that of the message, and one more if there is none."""
     chosen = set(range(first, last))
-    if not any(lines[place] for place in chosen):
-        chosen = {max(first - 1, 0), min(last, len(lines) - 1)}
     if told:
         chosen.add(told - 1)
+    if not any(lines[place] for place in chosen):
+        chosen = {max(first - 1, 0), min(last, len(lines) - 1)}
     if max(chosen) - min(chosen) < FEW:
         chosen = set(range(min(chosen), max(chosen) + 1))
     shown, before = [], min(chosen) - 1
@@ -242,7 +242,7 @@ def deck_example(row, runner):
     parts = [f"Wrong, in `{DECK}`:", block("fortran", excerpt(wrong_lines, first, wrong_last, line)),
              f"What the program says{' as a warning' if code == 0 else ''}; its exit code is {code}:",
              block("console", [f"$ {CHECK}", *map(visible, said)]),
-             "Right:", block("fortran", excerpt(right_lines, first, right_last))]
+             "Right:", block("fortran", excerpt(right_lines, max(0, first - (wrong_last == first)), right_last))]
     return told, "\n\n".join(parts)
 
 
@@ -269,7 +269,8 @@ def session_example(row, runner):
     parts = [text if "shows" in session else text.rstrip(":") + "."] if text else []
     if "shows" in session:
         parts.append(block(language, session["shows"].strip("\n").split("\n")))
-    parts += [f"What the program says; its exit code is {code}:", block("console", lines)]
+    parts += [f"What the program says{' as a warning' if ' warning: ' in told else ''}; its exit code is {code}:",
+              block("console", lines)]
     better = []
     for command in session.get("then", []):
         steps = re.search(r"time\.max_steps=(\d+)", " ".join(everything))
@@ -281,7 +282,9 @@ def session_example(row, runner):
     if "right" in session:
         parts += ["Right:", block(language, session["right"].strip("\n").split("\n"))]
     if "right_files" in session:
-        runner.succeed(row, runner.place(session["right_files"]), session["commands"][-1])
+        place = runner.place({**session["files"], **session["right_files"]})
+        for command in [*session.get("before", []), session["commands"][-1]]:
+            runner.succeed(row, place, command)
     return told, "\n\n".join(parts)
 
 
@@ -392,6 +395,8 @@ def main():
     parser.add_argument("--scree", metavar="PROGRAM", default=ROOT / "build/bin/scree", help="the program")
     parser.add_argument("--check", action="store_true", help="only compare")
     arguments = parser.parse_args()
+    if not Path(arguments.scree).is_file():
+        parser.error(f"there is no program {arguments.scree}")
     texts = documents(arguments.scree)
     if arguments.check:
         wrong = out_of_date(texts)
