@@ -123,7 +123,9 @@ class Runner:
             OMP_WAIT_POLICY="passive", OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
             OMPI_MCA_btl_vader_single_copy_mechanism="none", GFORTRAN_UNBUFFERED_ALL="1")
         self.count = count()
-        self.traps = any(" Debug " in line for line in self.run(folder, "scree --version")[1])
+        self.version = "scree X.Y.Z"
+        head = self.run(folder, "scree --version")[1][0]
+        self.version, self.traps = " ".join(head.split()[:2]), " Debug " in head
 
     def place(self, files):
         """A new folder with some files."""
@@ -151,7 +153,8 @@ class Runner:
                     lines.append("...")
                     break
         code = 0 if lines and lines[-1] == "..." else process.returncode
-        return code, [line.replace(str(place), "/opt/programs") for line in lines]
+        return code, [line.replace(str(place), "/opt/programs").replace(self.version, "scree X.Y.Z")
+                      for line in lines]
 
     def succeed(self, row, place, command):
         """Run a command that must not fail."""
@@ -159,12 +162,12 @@ class Runner:
         if code not in (0, 75) or any(" 1 warnings" in line for line in said):
             raise ValueError(f"{row.name}: {command} has exit code {code}:\n" + "\n".join(said))
 
-    def is_right(self, files):
-        """Is a deck without errors and warnings?"""
+    def faults(self, files):
+        """What is said of a deck that should have neither errors nor warnings; empty if it has none."""
         key = repr(sorted(files.items()))
         if key not in self.right:
-            code, said = self.run(self.place(files), CHECK)
-            self.right[key] = code == 0 and any(" 0 errors, 0 warnings" in line for line in said)
+            said = self.run(self.place(files), CHECK)[1]
+            self.right[key] = "" if any(" 0 errors, 0 warnings" in line for line in said) else "\n".join(said)
         return self.right[key]
 
 
@@ -229,8 +232,9 @@ def deck_example(row, runner):
     wrong = text.replace(old, new, 1)
     right = text.replace(old, old if better is None else better, 1)
     files = examples.FILES.get(row.name, {})
-    if not runner.is_right({**files, DECK: right}):
-        raise ValueError(f"{row.name}: the deck that should be right is not:\n{right}")
+    faults = runner.faults({**files, DECK: right})
+    if faults:
+        raise ValueError(f"{row.name}: the deck that should be right is not:\n{right}{faults}")
     code, said = runner.run(runner.place({**files, DECK: wrong}), CHECK)
     told = next((line for line in said if row.pattern().search(line)), None)
     if told is None:
@@ -367,6 +371,7 @@ def documents(program):
     strange = set(more).union(sessions.SESSIONS, examples.DECKS, examples.FILES) - set(names)
     if strange:
         raise ValueError(f"sentences or examples of no row: {sorted(strange)}")
+    faults = []
     with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
         runner = Runner(program, folder)
 
@@ -374,11 +379,18 @@ def documents(program):
             path = PAGES / f"{row.name}.md"
             if runner.traps and sessions.SESSIONS.get(row.name, {}).get("traps"):
                 return path, path.read_text(encoding="utf-8")
-            return path, page(row, runner, more, known)
+            try:
+                return path, page(row, runner, more, known)
+            except ValueError as fault:
+                faults.append(str(fault))
+                return path, ""
 
         # most of the time goes into the start of message passing, which waits
         with ThreadPoolExecutor(4) as pool:
-            return {TABLE: table, **dict(pool.map(write, found))}
+            texts = {TABLE: table, **dict(pool.map(write, found))}
+    if faults:
+        raise ValueError("\n\n".join(faults))
+    return texts
 
 
 def out_of_date(texts):
@@ -397,7 +409,11 @@ def main():
     arguments = parser.parse_args()
     if not Path(arguments.scree).is_file():
         parser.error(f"there is no program {arguments.scree}")
-    texts = documents(arguments.scree)
+    try:
+        texts = documents(arguments.scree)
+    except ValueError as faults:
+        print(faults, file=sys.stderr)
+        return 1
     if arguments.check:
         wrong = out_of_date(texts)
         if wrong:

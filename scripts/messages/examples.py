@@ -76,10 +76,13 @@ FINE_GRID = """&run dimension = '3d' /
 &body name = 'one'  region = 'ball'  material = 'metal' /
 &output name = 'map'  kind = 'grid'  count = 1  region = 'near' /
 """
-FLAT = "x,y,z,volume\n0.2,0,0.2,1e-3\n0.2,0,0.7,1e-3\n0.6,0,0.3,1e-3\n"
+FLAT = "x,y,z,volume\n0.2,0,0.2,1e-3\n0.2,0,0.7,1e-3\n0.5,0,0.4,1e-3\n"
 FLAT_GRAINS = GRAINS.replace("3d", "plane_strain").replace(
     "'grains.csv' /", "'grains.csv'  rotate = 0 30 0 /")
 THREE = "x,y,z,volume\n0.2,0.2,0.2,1e-3\n0.5,0.5,0.5,1e-3\n0.7,0.7,0.7,1e-3\n"
+
+FLUID = BAR.replace(" /", "  method = 'mpm' /", 1) + """&material name = 'water'  density = 1000  bulk = 2.2e9  elastic = 'none' /
+""" + BODY.replace("metal", "water")
 
 
 def facets(corners, triangles):
@@ -100,6 +103,10 @@ DECKS = {
     "character-is-not-allowed": ("plain", "&time", "\x1b[1m&time", None),
     "the-line-is-too-long": ("plain", "'plane_strain' /", "'plane_strain' /  ! " + 60 * "a long word ", None),
     "unknown-key": ("plain", "centre", "center", None),
+    "key-is-called": ("sand", "friction_angle = 35", "friction_angle = 35  packing = 'grid'",
+                      "friction_angle = 35  volume_from = 'grid'"),
+    "word-is-called": (FLUID, "elastic = 'none'", "strength_model = 'fluid'", None),
+    "this-is-an-older-scree": ("plain", "&run", "&run deck_version = 9 ", "&run deck_version = 1 "),
     "is-given-twice": ("plain", "density = 2700", "density = 2700  density = 7800", None),
     "appears-twice": ("plain", "&time t_end = 1e-5 /", "&time t_end = 1e-5 /\n&time cfl = 0.3 /",
                       "&time t_end = 1e-5  cfl = 0.3 /"),

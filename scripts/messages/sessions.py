@@ -297,7 +297,8 @@ SESSIONS = {
         "shows": "&output name = 'p'  kind = 'particles'  count = 1  fields = 'default' 'stress' /",
         "commands": [CHECK],
         "right": "&output name = 'p'  kind = 'particles'  count = 1  fields = 'state' /",
-        "right_files": {"first.nml": FIRST + "&output name = 'p'  kind = 'particles'  count = 1  fields = 'state' /\n"}},
+        "right_files": {
+            "first.nml": FIRST + "&output name = 'p'  kind = 'particles'  count = 1  fields = 'state' /\n"}},
     "boxes-cannot-be-turned": {
         "files": {"scene.nml": TURNED, "first.nml": BOXES}, "before": SNAPSHOT,
         "text": "The boxes of `basis = 'gimp'` lie along the coordinates; the points of the snapshot are turned:",
