@@ -81,7 +81,7 @@ FLAT_GRAINS = GRAINS.replace("3d", "plane_strain").replace(
     "'grains.csv' /", "'grains.csv'  rotate = 0 30 0 /")
 THREE = "x,y,z,volume\n0.2,0.2,0.2,1e-3\n0.5,0.5,0.5,1e-3\n0.7,0.7,0.7,1e-3\n"
 
-FLUID = BAR.replace(" /", "  method = 'mpm' /", 1) + """&material name = 'water'  density = 1000  bulk = 2.2e9  elastic = 'none' /
+FLUID = BAR + """&material name = 'water'  density = 1000  bulk = 2.2e9  elastic = 'none' /
 """ + BODY.replace("metal", "water")
 
 
