@@ -4,7 +4,7 @@
     python3 scripts/document_messages.py --scree build/bin/scree             write the pages
     python3 scripts/document_messages.py --scree build/bin/scree --check     exit code 1 if out of date
 
-A page has cause and remedy of its row, sentences of scripts/messages/notes.txt, and an example: the
+A page has cause and remedy of its row, sentences of scripts/messages/*.txt, and an example: the
 program is run on a wrong deck, and what it prints is shown. The deck is that of a row of the tables
 of test/input (broken_values.py, broken_scenes.py) with this message, unless scripts/messages holds
 another one (examples.py: decks; sessions.py: commands, files and runs).
@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[1]
 GUIDE = ROOT / "doc" / "guide"
 TABLE = GUIDE / "errors.md"
 PAGES = GUIDE / "messages"
-NOTES = ROOT / "scripts" / "messages" / "notes.txt"
+NOTES = ROOT / "scripts" / "messages"
 sys.path[:0] = [str(ROOT / "scripts" / "messages"), str(ROOT / "test" / "input")]
 import broken_scenes as scenes   # noqa: E402
 import broken_values as values   # noqa: E402
@@ -103,8 +103,11 @@ def rows(text):
 
 def notes():
     """Further sentences by the name of the page."""
-    parts = re.split(r"^\[([a-z0-9-]+)\]\n", NOTES.read_text(encoding="utf-8"), flags=re.M)
-    return {name: text.strip() for name, text in zip(parts[1::2], parts[2::2])}
+    found = {}
+    for path in sorted(NOTES.glob("*.txt")):
+        parts = re.split(r"^\[([a-z0-9-]+)\]\n", path.read_text(encoding="utf-8"), flags=re.M)
+        found.update((name, text.strip()) for name, text in zip(parts[1::2], parts[2::2]))
+    return found
 
 
 class Runner:
