@@ -92,6 +92,9 @@ def facets(corners, triangles):
 CORNERS = [(0.2, 0.2, 0.2), (0.8, 0.2, 0.2), (0.2, 0.8, 0.2), (0.2, 0.2, 0.8)]
 PYRAMID = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
 DECKS = {
+    "key-is-called": ("sand", "friction_angle = 35", "friction_angle = 35  packing = 'grid'",
+                      "friction_angle = 35  volume_from = 'grid'"),
+    "is-called-write-that": (CRACK, "damage_model = 'principal_stress'", "damage_model = 'rankine'", None),
     "is-not-closed": ("plain", "'plane_strain' /", "'plane_strain'", None),
     "text-outside-a-group": ("plain", "&time t_end", "time t_end", None),
     "character-is-not-allowed": ("plain", "&time", "\x1b[1m&time", None),

@@ -3,7 +3,7 @@
 module driver_lists
    use base_former, only: former_line
    use base_schema, only: schema_t
-   use base_text, only: number
+   use base_text, only: join, number
    use exact_catalogue, only: exact_names
    use io_deck_schema, only: deck_version
    use io_fields, only: field_names
@@ -25,8 +25,9 @@ contains
       case ("fields")
          text = joined(field_names)
       case ("shapes")
-         text = joined([character(len=12) :: "box", "sphere", "cylinder", "cone", "ellipsoid", &
-            "torus", "halfspace", "stl", "union", "difference", "intersection"])
+         associate (region => schema%groups(schema%find("region")))
+            text = join(region%keys(region%find("shape"))%words, " ")
+         end associate
       case ("former")
          text = former_lines(schema)
       case default
