@@ -10,7 +10,7 @@ module driver_nodes
    use driver_reach, only: look_at_tile, worse
    use driver_scatter, only: vector_rows
    use driver_simulation, only: empty_mass, reach_t, scratch_t, simulation_t
-   use driver_walls, only: impose_walls, stand_walls, stop_at_walls, walls_touch
+   use driver_walls, only: impose_walls, keep_at_walls, stand_walls, stop_at_walls, walls_touch
    use mesh_patch, only: add_field, assemble, clear_patch, combine, ensure_patch
    use mesh_pieces, only: move_pieces
    use omp_lib, only: omp_get_thread_num
@@ -313,6 +313,7 @@ contains
             call divide(simulation%nodes%mass(:, :, tile), 1, strain)
             none = 0.0_wp
             call stop_at_walls(simulation, tile, strain, none)
+            call keep_at_walls(simulation, tile, strain)
          end associate
       end do
       !$omp end parallel do
