@@ -114,7 +114,7 @@ def travel(runs):
 def pieces(runs):
     """Pieces of the cloud in three dimensions: cells with matter that touch. Masses of the quarter of the model."""
     table = Table(["time [us]", "pieces behind the sheet", "single particles", f"of {PIECE} particles or more",
-                   "heaviest [mg]", "second [mg]", "third [mg]", "mass in the heaviest"])
+                   "heaviest [mg]", "second [mg]", "third [mg]", "mass in the heaviest", "round [%]"])
     if "quarter" not in runs:
         return table
     rows = scree_post.history(str(runs["quarter"].folder / "quarter_fragments.csv"))
@@ -122,8 +122,33 @@ def pieces(runs):
         behind = (rows["time"] == moment) & (rows["centre_z"] > 5.0e-3)
         number, mass = rows["particles"][behind], rows["mass"][behind]
         table.rows.append([f"{1e6 * moment:.0f}", behind.sum(), (number == 1).sum(), (number >= PIECE).sum(),
-                           *(f"{1e6 * one:.2f}" for one in mass[:3]), f"{mass[0] / mass.sum():.2f}"])
+                           *(f"{1e6 * one:.2f}" for one in mass[:3]), f"{mass[0] / mass.sum():.2f}",
+                           f"{100 * out_of_round(runs['quarter'].near(moment)):.2f}"])
     return table
+
+
+def out_of_round(snap):
+    """Fourth moment of the cloud round the axis, over the sum of m r^2: what the directions of the mesh leave in it."""
+    x, y = snap.points[:, 0], snap.points[:, 1]
+    share = snap.fields["mass"] * (x ** 2 + y ** 2) * (flying(snap) & (snap.points[:, 2] > 0.0))
+    return np.sum(share * np.cos(4.0 * np.arctan2(y, x))) / np.sum(share)
+
+
+def phrases(runs):
+    """What the README says of the scene as it stands, and of the thickest sheet."""
+    run, last = runs["t163"], runs["t163"].last_snapshot()
+    ratio = SHEETS["t163"][0]
+    particles = len(scree_post.snapshot(run.series[0][1]).points)
+    errors = (abs(run.error(f"{name}_error")) for name in ("mass", "momentum", "energy"))
+    large = 1e3 * hole(runs["t504"].last_snapshot()) / (9.53 * maiden(SHEETS["t504"][0])) - 1.0
+    return [f"| axisymmetric | 61 | {particles:,} |".replace(",", " "),
+            f"| hole in the sheet at 20 us | {1e3 * hole(last):.1f} mm | {9.53 * maiden(ratio):.1f} mm, fit",
+            f"| mean axial speed of the sphere's mass | {bodies(last, SPHERE)[1] / SPEED:.2f} V | "
+            f"{1.0 / (1.0 + 1.5 * ratio):.2f} V if it shares",
+            f"| leading edge in the radiograph at 20 us | {front_speed(run) / SPEED:.2f} V |",
+            f"| error of mass, momentum, energy | {', '.join(f'{error:.0e}' for error in errors)} | 0 |",
+            f"| steps | {run.summary['steps']} | |",
+            f"The hole of the thickest sheet is {100.0 * large:.0f} % larger than the fit"]
 
 
 def draw_films(runs, plot):
@@ -178,4 +203,5 @@ CASES["hiermaier"] = ("scene.nml", {"region[plate].hi": "31,0,4.0", "region[ball
                                     "region[ball].centre": "0,0,-5.035", "body[sphere].velocity": "0,0,6.18"})
 
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, {"sheets.png": draw_sheets, "radiographs.png": draw_films}).main()
+    Study(__file__, CASES, tables, {"sheets.png": draw_sheets, "radiographs.png": draw_films},
+          phrases={"README.md": phrases}, as_it_stands="t163").main()

@@ -208,7 +208,8 @@ contains
       end associate
    end subroutine ensure_moved
 
-   !> Velocity and acceleration of the nodes of a tile, and the velocity that strains.
+   !> Velocity and acceleration of the nodes of a tile, and the velocity that strains. Equation
+   !! (M.16) of doc/theory/method.md.
    subroutine start_tile(simulation, scratch, tile, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
@@ -337,7 +338,8 @@ contains
 
    !> Book what faces and gravity did to the nodes of a tile at the mean of the velocity before the
    !! step and the one that strains: with the strain of `musl` the stress works with that, and the
-   !! kinetic energy of particles grows by the product of the forces with it.
+   !! kinetic energy of particles grows by the product of the forces with it. Equation (L.7) of
+   !! doc/theory/ledger.md.
    subroutine book_strained(simulation, scratch, tile, mapped)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
