@@ -34,20 +34,17 @@ contains
       real(wp), intent(in), optional :: whole
       integer :: tile
       real(wp) :: began
-      logical :: later
 
       call simulation%timer%start(simulation%phase%grid)
       call ensure_moved(simulation)
       call stand_walls(simulation, dt)
       simulation%scratch%reach = reach_t()
       simulation%nodes%acting = dt
-      later = books_later(simulation)
-      if (later) call ensure_later(simulation)
-      !$omp parallel do default(none) shared(simulation, dt, whole, later) private(tile, began) &
+      if (books_later(simulation)) call ensure_later(simulation)
+      !$omp parallel do default(none) shared(simulation, dt, whole) private(tile, began) &
       !$omp schedule(static)
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
-         if (later .and. tile <= simulation%tiles%own) call clear_later(simulation, tile)
          associate (scratch => simulation%scratch(omp_get_thread_num()))
             call start_tile(simulation, scratch, tile, dt)
             call finish_tile(simulation, tile, dt)
@@ -82,15 +79,6 @@ contains
          call ensure_patch(nodes%taken, 3, number, own)
       end associate
    end subroutine ensure_later
-
-   !> Nothing is to be booked of a tile so far.
-   subroutine clear_later(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-
-      call clear_patch(simulation%nodes%push(:, :, tile))
-      call clear_patch(simulation%nodes%taken(:, :, tile))
-   end subroutine clear_later
 
    !> Keep what the particles of a tile will see, and tell how far its nodes go.
    subroutine keep_seen(simulation, scratch, tile, whole)
@@ -347,13 +335,20 @@ contains
       real(wp), intent(in) :: mapped(:, :) !! (3, node) Velocity that strains, without faces [m/s]
       real(wp) :: gain(3, size(mapped, 2)), work(size(mapped, 2))
       real(wp) :: centre(3, size(mapped, 2))
+      logical :: ruled
 
+      ruled = walls_touch(simulation, tile)
+      if (.not. (ruled .or. allocated(simulation%gravity))) return
       associate (nodes => simulation%nodes, share => 1.0_wp - simulation%method%transfer%keep())
+         centre = 0.5_wp*(nodes%velocity(:, :, tile) + nodes%strain(:, :, tile))
+         if (.not. ruled) then
+            call book_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre)
+            return
+         end if
          ! particles get the gain of a node with the velocities that it had without the faces
          gain = simulation%kick*nodes%acceleration(:, :, tile) - share*nodes%taken(:, :, tile)
          work = 0.5_wp*sum(gain*(nodes%taken(:, :, tile) + mapped - nodes%strain(:, :, tile)), &
             dim=1)
-         centre = 0.5_wp*(nodes%velocity(:, :, tile) + nodes%strain(:, :, tile))
          call book_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre, work)
       end associate
    end subroutine book_strained
