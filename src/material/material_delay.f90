@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The time that a load above the strength takes to failure: cracks nucleate and grow, the faster the
-!! greater the load. F. R. Tuler, B. M. Butcher, Int. J. Fract. Mech. 4 (1968) 431:
+!> The time that a load above the strength takes to failure: cracks nucleate and grow, the faster
+!! the greater the load. F. R. Tuler, B. M. Butcher, Int. J. Fract. Mech. 4 (1968) 431:
 !!
 !!    dD/dt = x**n/tau,    x = load over strength - 1 > 0,    failed at D = 1.
 !!
