@@ -13,6 +13,7 @@ module driver_example
 
    character(len=*), parameter :: scene = "scene.nml" !! Name of the deck in each example
    character(len=*), parameter :: plot = "plot.py"   !! Beside the examples, for all of them
+   character(len=*), parameter :: view = "view.py"   !! The same, for ParaView
    character(len=*), parameter :: newline = new_line("a")
 
    !> An example that was copied.
@@ -114,6 +115,7 @@ contains
          if (allocated(error)) return
       end do
       call copy_file(folder, plot, name, copied, error)
+      if (.not. allocated(error)) call copy_file(folder, view, name, copied, error)
    end subroutine copy_example
 
    !> Make a folder; nothing may be in it.
@@ -223,6 +225,7 @@ contains
          "  "//program//" --check "//copied%deck//newline// &
          "  "//program//" "//copied%deck//newline// &
          "  python3 "//plot//"      # needs numpy, h5py and matplotlib"//newline// &
+         "  paraview --script="//view//newline// &
          "  sbatch job.slurm       # on a cluster"//newline
    end function next_steps
 

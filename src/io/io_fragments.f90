@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Fragments: sets of particles whose cells touch each other.
+!> Fragments are sets of particles whose cells touch each other.
 !!
 !! Cells with particles that share a node belong together, as their particles feel each other there;
 !! a limit on the difference of their velocities can part them. All ranks learn all such cells (8

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Profiles: counts, masses and means of particles in equal bins along an axis. All sums are exact,
-!! so they do not depend on the order of the particles.
+!> Profiles hold counts, masses and means of particles in equal bins along an axis. All sums are
+!! exact, so they do not depend on the order of the particles.
 module io_profile
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t, exact_sum_words

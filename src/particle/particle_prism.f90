@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Prisms: a polygon, drawn out straight across its plane.
+!> Prisms are polygons, each drawn out straight across its plane.
 module particle_prism
    use base_kinds, only: wp
    use particle_framed, only: framed_t

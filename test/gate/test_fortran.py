@@ -69,6 +69,12 @@ class FortranGate(unittest.TestCase):
                                     f"arguments, limit {ARGUMENTS}")
         self.none(offences)
 
+    def test_no_setting_in_documentation(self):
+        """A paragraph whose first line begins with a word and a colon is a setting for FORD, and its text is lost."""
+        self.none([f"{place(path, number)} begins with a setting for FORD: {line.strip()}"
+                   for path in SOURCES for number, line in enumerate(lines_of(path), 1)
+                   if re.match(r"\s*!> *\w+:(\s|$)", line)])
+
     def test_path_is_name(self):
         offences = []
         for module in MODULES:

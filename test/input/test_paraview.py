@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""ParaView itself opens what a run wrote; skipped where pvbatch or a screen for it is missing.
+
+Would catch a layout that the VTK wheels read and ParaView's own readers do not, a series whose times it takes for
+others, points or fields that are lost on the way, and a view script that no longer fits.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+import case
+import report
+
+NOT_INSTALLED = 77
+# Runs in the Python of ParaView: prints what it sees at each time of the files that are named.
+READS = """
+import json, sys
+from paraview.simple import Delete, OpenDataFile
+from paraview import servermanager
+from vtkmodules.util.numpy_support import vtk_to_numpy
+seen = {}
+for name in sys.argv[1:]:
+    reader = OpenDataFile(name)
+    seen[name] = []
+    for time in reader.TimestepValues:
+        reader.UpdatePipeline(time)
+        data = servermanager.Fetch(reader)
+        arrays = data.GetPointData()
+        seen[name].append({
+            "time": time, "points": data.GetNumberOfPoints(), "cells": data.GetNumberOfCells(),
+            "bounds": data.GetBounds(),
+            "means": {arrays.GetArrayName(n): vtk_to_numpy(arrays.GetArray(n)).mean(axis=0, dtype=float).tolist()
+                      for n in range(arrays.GetNumberOfArrays())}})
+    Delete(reader)
+print("SEEN " + json.dumps(seen))
+"""
+
+
+def command():
+    """ParaView without a window, on a screen that is not there; None if one of the two is missing."""
+    pvbatch, screen = shutil.which("pvbatch"), shutil.which("xvfb-run")
+    if not pvbatch:
+        return None
+    if os.environ.get("DISPLAY"):
+        return [pvbatch]
+    # a screen that begins anew when its last window is gone refuses the next one for a moment
+    return [screen, "-a", "-s", "-noreset -screen 0 1400x1000x24", pvbatch] if screen else None
+
+
+def expected(path):
+    """What a snapshot holds: time, number and bounds of points, means of fields."""
+    with h5py.File(path) as file:
+        data = file["VTKHDF"]
+        points = data["Points"][:]
+        return {"time": float(data["FieldData/TimeValue"][0]), "points": len(points), "cells": len(points),
+                "sizes": {name: np.abs(field[:]).max() for name, field in data["PointData"].items()},
+                "bounds": np.column_stack([points.min(axis=0), points.max(axis=0)]).ravel(),
+                "means": {name: np.mean(field[:], axis=0, dtype=float)
+                          for name, field in data["PointData"].items()}}
+
+
+def compare(sheet, name, found, wanted):
+    """All moments of one file."""
+    sheet.require(len(found) == len(wanted) > 2, f"{name}: {len(found)} times, {len(wanted)} snapshots")
+    for one, other in zip(found, wanted):
+        at = f"{name} at {other['time']:.3g}"
+        sheet.require(one["points"] == other["points"] and one["cells"] == other["cells"],
+                      f"{at}: {one['points']} points and {one['cells']} cells of {other['points']}")
+        sheet.require(np.allclose(one["time"], other["time"], rtol=1e-9), f"{at}: time {one['time']}")
+        sheet.require(np.allclose(one["bounds"], other["bounds"], rtol=1e-6), f"{at}: bounds {one['bounds']}")
+        sheet.require(set(one["means"]) == set(other["means"]), f"{at}: fields {sorted(one['means'])}")
+        for field, mean in other["means"].items():
+            sheet.require(np.allclose(one["means"][field], mean, rtol=1e-9, atol=1e-12 * other["sizes"][field]),
+                          f"{at}: mean {field} {one['means'][field]}, not {mean}")
+
+
+def main():
+    """A short run, opened by ParaView."""
+    start = command()
+    if not start:
+        print("pvbatch, or xvfb-run for it, is not installed")
+        sys.exit(NOT_INSTALLED)
+    options = case.arguments()
+    sheet = report.Report()
+    shutil.rmtree(options.work / "mine", ignore_errors=True)
+    folder = options.work / "mine"
+    subprocess.run([options.scree, "--new", "two_discs", folder], check=True, capture_output=True)
+    subprocess.run([options.scree, "--quiet", "two_discs.nml", "--set", "grid.dx=0.05", "--set", "time.t_end=0.5"],
+                   cwd=folder, check=True)
+    results = folder / "out/two_discs"
+    wanted = [expected(path) for path in sorted(results.glob("two_discs_p_[0-9]*.hdf"))]
+    (folder / "reads.py").write_text(READS, encoding="utf-8")
+    names = [str(results / name) for name in ("two_discs_p.hdf.series", "two_discs_p.xdmf")]
+    answer = subprocess.run([*start, folder / "reads.py", *names], capture_output=True, text=True, check=False)
+    said = [line for line in answer.stdout.splitlines() if line.startswith("SEEN ")]
+    sheet.require(bool(said), f"ParaView ended with {answer.returncode}: {answer.stdout}{answer.stderr}")
+    for name, found in json.loads(said[0][5:]).items() if said else ():
+        compare(sheet, Path(name).name, found, wanted)
+    answer = subprocess.run([*start, "view.py", "out/two_discs", "view.png"], cwd=folder, capture_output=True,
+                            text=True, check=False)
+    picture = folder / "view.png"
+    sheet.require(picture.is_file() and picture.stat().st_size > 5000, f"view.py: {answer.stdout}{answer.stderr}")
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
