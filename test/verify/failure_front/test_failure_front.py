@@ -54,6 +54,22 @@ TURNED = """
 &body  name='right'  region='right'  material='g'  ppc=2,1,2  velocity={mx:.15f},0,{mz:.15f} /
 &output  name='p'  kind='particles'  dt=0.2  precision='double'  fields='failed','mass' /
 """
+#: A piece of rubble and what is left of a rod in a closed box for a hundred thousand steps.
+BOX = """
+&run  dimension='plane_strain' /
+&units  system='mm-us-mg' /
+&grid  lo=0,0,0  hi=2.5,1,2.5  dx=0.5 /
+&time  t_end=1e5  max_steps=100000 /
+&effects  damage=.true. /
+&material  name='g'  preset='glass_borosilicate'  failure_delay=0.3  failure_delay_power=2 /
+&region  name='rod'  shape='box'  lo=0,0,0  hi=1.5,1,2 /
+&body  name='rod'  region='rod'  material='g'  ppc=2,1,2  velocity=0,0,-0.05 /
+&boundary  face='xlo'  type='symmetry' /
+&boundary  face='xhi'  type='symmetry' /
+&boundary  face='zlo'  type='symmetry' /
+&boundary  face='zhi'  type='symmetry' /
+&output  name='p'  kind='particles'  every=5000  precision='double'  fields='identity','failed','damage' /
+"""
 
 
 def rows(snap, spacing, widest):
@@ -125,6 +141,20 @@ def turned(options, turn):
     return np.array(found), float(snap.fields["mass"][broken].sum())
 
 
+def flags(options, sheet):
+    """Who has failed, in the order of identities, stays failed, and nobody is in between."""
+    before = 0.0
+    box = case.Case(options, "box", BOX).run("-q")
+    for _, snap in box.snapshots():
+        failed = snap.fields["failed"][np.argsort(snap.fields["identity"])]
+        sheet.require(np.isin(failed, (0.0, 1.0)).all() and np.all(failed >= before)
+                      and np.array_equal(snap.fields["damage"] >= 1.0, snap.fields["failed"] > 0.0),
+                      "flags are 0 or 1, are not taken back, and belong to their damage")
+        before = failed
+    sheet.require(box.summary["steps"] == 100000, "box: a hundred thousand steps")
+    sheet.require(0.5 < failed.mean() < 1.0, "box: most of the glass fails, and not all")
+
+
 def main():
     """Waves, peace, and angles."""
     options = case.arguments()
@@ -134,6 +164,7 @@ def main():
     wave(options, sheet, "bar", 1.0 / 3.0, (30.0e-3, 50.0e-3), BAR, width=4, radius=2.5, high=62, length=60, cell=0.5,
          end=10.5, every=0.25)
     weak(options, sheet)
+    flags(options, sheet)
     straight, mass = turned(options, 0)
     oblique, oblique_mass = turned(options, 30)
     sheet.above("front along the grid at the end [m]", straight[-1, 1], 0.018)
