@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The gallery: every scene with its picture and figures on one page.
+"""The gallery: every scene with its pictures and first table of figures on one page.
 
     build/venv/bin/python scripts/gallery.py --scree build/bin/scree    # runs the scenes, renews all
     build/venv/bin/python scripts/gallery.py --page                     # the page alone
@@ -17,7 +17,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "doc" / "gallery.md"
 PICTURE = re.compile(r"!\[([^\]]*)\]\(([^)]+)\)")
-FIGURES = re.compile(r"<!-- figures -->\n(.*?)<!-- end of figures -->", re.S)
+WORKED = re.compile(r"One core works.*?([\d.]+) s on (?:the steps|those) of all runs", re.S)
+FIGURES = re.compile(r"<!-- figures -->\n\n((?:\|.*\n)+)")
 HEAD = """# Gallery
 
 The scenes of `input`, with what they show. Each README tells where the numbers come from, what is known, and what
@@ -27,7 +28,7 @@ falls short. This page and its pictures are made by
 build/venv/bin/python scripts/gallery.py
 ```
 
-which runs what has not been run yet; all of it takes about an hour on one core.
+which runs what has not been run yet. One core works {minutes} minutes on the steps of all of it.
 """
 
 
@@ -66,7 +67,7 @@ def run(options):
 
 
 def section(folder):
-    """Title, first paragraph, pictures and figures of a scene, and a link to it."""
+    """Title, first paragraph, pictures and first figures of a scene, and a link to it."""
     text = (folder / "README.md").read_text(encoding="utf-8")
     paragraphs = [part.strip() for part in text.split("\n\n")]
     title = paragraphs[0].removeprefix("# ")
@@ -86,9 +87,16 @@ def relink(folder, target):
     return f"](../{(folder / target).resolve().relative_to(ROOT)})"
 
 
+def minutes():
+    """How long one core works on all scenes, by what their READMEs say [min]."""
+    seconds = sum(float(found) for folder in scenes()
+                  for found in WORKED.findall((folder / "README.md").read_text(encoding="utf-8")))
+    return f"{float(f'{seconds / 60.0:.1g}'):g}"
+
+
 def page():
     """The whole page."""
-    return HEAD + "\n" + "\n\n".join(section(folder) for folder in scenes()) + "\n"
+    return HEAD.format(minutes=minutes()) + "\n" + "\n\n".join(section(folder) for folder in scenes()) + "\n"
 
 
 def main():

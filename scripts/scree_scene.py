@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes that measure themselves: runs, a table in the README of the scene, and a picture.
+"""Scenes that measure themselves: runs, tables and numbers in the README of the scene, and pictures.
 
 A scene has a file `measure.py` that makes a `Study` of its runs. Called by a user it runs what has not been run yet,
-prints the table, and draws the picture. With --write the table goes into the README, between the lines
+prints the tables, and draws the pictures. With --write the tables go into the README, between the lines
 
     <!-- figures -->
     <!-- end of figures -->
 
-and the picture beside it. With --check the figures of the README are held against those of the runs.
+and the pictures beside it. Numbers of runs that stand anywhere else, in the README or another document, stand in
+phrases: texts that a document holds once, whatever the numbers in them are and wherever its lines end. With --write
+each gets the numbers of the runs. With --check tables and phrases are held against the runs.
 """
 import argparse
 import os
@@ -19,6 +21,7 @@ import scree_post
 from scree_post import PostError, study
 from scree_post.written import Written
 
+LARGEST = 150000                       # bytes of a picture in the repository
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
@@ -33,6 +36,11 @@ class Run(Written):
     def error(self, name):
         """An error of the ledger, such as "energy_error" [1]."""
         return self.summary["ledger"][name]
+
+    @property
+    def code(self):
+        """The exit code; not 0 only in cases that may fail."""
+        return self.summary["exit_code"]
 
 
 @dataclass
@@ -53,13 +61,17 @@ class Study:
 
     `cases` gives for each name the deck, relative to the folder of the scene, and values for --set; `tables` makes
     tables of the runs by name; `pictures` gives for each file name what draws it: a function of the runs and of
-    pyplot that returns the figure, or None if the runs for it were left out.
+    pyplot that returns the figure, or None if the runs for it were left out. `phrases` gives for each document,
+    relative to the folder, what makes its phrases of the runs. `may_fail` gives the exit code of cases whose failure
+    is a result. `as_it_stands` is the case that is the deck as it stands, if its values are not empty.
     """
 
-    def __init__(self, script, cases, tables, pictures, tolerance=0.02):
+    def __init__(self, script, cases, tables, pictures, *, phrases=None, may_fail=None, as_it_stands=None,
+                 tolerance=0.02):
         self.folder = Path(script).resolve().parent
         self.cases, self.tables, self.pictures = cases, tables, pictures
-        self.tolerance = tolerance
+        self.phrases, self.may_fail, self.tolerance = phrases or {}, may_fail or {}, tolerance
+        self.as_it_stands = as_it_stands or next((name for name, (_, values) in cases.items() if not values), None)
 
     def main(self):
         """Understand the command line and do what it asks for."""
@@ -72,15 +84,17 @@ class Study:
         text = "\n".join(table.text() for table in self.tables(runs))
         print(text)
         if options.check:
-            return self.check(text)
+            return self.check(self.documents(runs, text))
+        documents = self.documents(runs, text, self.times(runs)) if options.write else {}
         for name, draw in self.pictures.items():
             figure = draw(runs, scree_post.pyplot())
             if figure:
                 picture = (self.folder if options.write else options.out) / name
                 scree_post.save(figure, str(picture), 85)
+                make_small(picture)
                 print(picture)
-        if options.write:
-            self.write(text)
+        for path, (_, now) in documents.items():
+            path.write_text(now, encoding="utf-8")
         return 0
 
     def arguments(self):
@@ -92,10 +106,12 @@ class Study:
                             help="folder of the results")
         parser.add_argument("--only", nargs="+", metavar="CASE", help="these cases and no others")
         parser.add_argument("--write", action="store_true",
-                            help="renew table and picture in the folder of the scene")
+                            help="renew the figures of the scene and its pictures")
         parser.add_argument("--check", action="store_true",
-                            help="hold the README against the runs; exit code 1 if it differs")
+                            help="hold the figures of the scene against the runs; exit code 1 if they differ")
         options = parser.parse_args()
+        if options.only and (options.write or options.check):
+            raise PostError("--only leaves out runs that --write and --check need", scree_post.EXIT_USAGE)
         unknown = set(options.only or ()) - set(self.cases)
         if unknown:
             raise PostError(f"no case {min(unknown)}; there are: {', '.join(self.cases)}",
@@ -112,44 +128,86 @@ class Study:
         for deck in dict.fromkeys(deck for deck, _ in chosen.values()):
             some = [study.Run(values, str(options.out / name), name)
                     for name, (other, values) in chosen.items() if other == deck]
-            study.Study(options.scree, (self.folder / deck).resolve(), threads).all(some, 1, refuse_failed)
+            study.Study(options.scree, (self.folder / deck).resolve(), threads).all(some, 1, self.refuse_failed)
         return {name: Run(options.out / name, name) for name in chosen}
 
-    def parts(self):
-        """README before, between and after the two lines."""
-        text = (self.folder / "README.md").read_text(encoding="utf-8")
-        if text.count(BEGIN) != 1 or text.count(END) != 1:
-            raise PostError(f"{self.folder}/README.md: wants one line {BEGIN} and one line {END}")
-        before, rest = text.split(BEGIN)
-        return before, *rest.split(END)
+    def refuse_failed(self, run):
+        """A scene without one of its runs has no figures, unless that it fails is one of them."""
+        if run.code not in (0, self.may_fail.get(run.case, 0)):
+            raise PostError(f"{run.case} ended with exit code {run.code}: {run.reason}", run.code)
 
-    def write(self, text):
-        """Renew the table of the README."""
-        before, _, after = self.parts()
-        (self.folder / "README.md").write_text(f"{before}{BEGIN}\n\n{text}\n{END}{after}",
-                                               encoding="utf-8")
+    def documents(self, runs, text, times=()):
+        """What the documents hold and what they should, by path: the tables as `text`, and phrases."""
+        found = {}
+        for name in {"README.md": None, **self.phrases}:
+            path = (self.folder / name).resolve()
+            told = path.read_text(encoding="utf-8")
+            now = with_tables(path, told, text) if name == "README.md" else told
+            said = self.phrases[name](runs) if name in self.phrases else []
+            for phrase in [*said, *(times if name == "README.md" else ())]:
+                now = with_phrase(path, now, phrase)
+            found[path] = told, now
+        return found
 
-    def check(self, text):
-        """Numbers of the README against those of the runs."""
-        _, told, _ = self.parts()
-        wrong = differences(told.strip(), text.strip(), self.tolerance)
-        for line in wrong:
-            print(f"README.md: {line}")
-        print(f"{len(wrong)} differences" if wrong else "README.md tells what the runs show")
-        return 1 if wrong else 0
+    def times(self, runs):
+        """A phrase that tells how long the runs take. They never take as long twice, so nothing is held against it."""
+        worked = {name: run.summary["processor_s"] for name, run in runs.items()}
+        total = two_digits(sum(worked.values()))
+        if self.as_it_stands is None:
+            return [f"One core works {total} s on the steps of all runs."]
+        deck = Path(self.cases[self.as_it_stands][0]).name
+        return [f"One core works {two_digits(worked[self.as_it_stands])} s on the steps of `{deck}`, "
+                f"{total} s on those of all runs."]
+
+    def check(self, documents):
+        """Numbers of the documents against those of the runs."""
+        number = 0
+        for path, texts in documents.items():
+            for line in differences(*texts, self.tolerance):
+                print(f"{path.name}: {line}")
+                number += 1
+        print(f"{number} differences" if number else "all figures are those of the runs")
+        return 1 if number else 0
 
 
-def refuse_failed(run):
-    """A scene without one of its runs has no figures."""
-    if run.code:
-        raise PostError(f"{run.case} ended with exit code {run.code}: {run.reason}", run.code)
+def with_tables(path, text, tables):
+    """A document with other text between its two lines."""
+    if text.count(BEGIN) != 1 or text.count(END) != 1:
+        raise PostError(f"{path}: wants one line {BEGIN} and one line {END}")
+    before, rest = text.split(BEGIN)
+    return f"{before}{BEGIN}\n\n{tables}\n{END}{rest.split(END)[1]}"
+
+
+def with_phrase(path, text, phrase):
+    """A document that says a phrase with these numbers, where it says it with others now."""
+    words = [r"\s+".join(map(re.escape, part.split(" "))) for part in NUMBER.split(phrase)]
+    found = list(re.finditer(NUMBER.pattern.join(words), text))
+    if len(found) != 1:
+        raise PostError(f"{path}: holds {len(found)} times what should stand there once: {phrase}")
+    numbers = iter(NUMBER.findall(phrase))
+    begin, end = found[0].span()
+    return text[:begin] + NUMBER.sub(lambda _: next(numbers), found[0][0]) + text[end:]
+
+
+def make_small(picture):
+    """Leave 256 colours to a picture that takes too much room with all of them."""
+    if picture.stat().st_size > LARGEST:
+        (image,) = scree_post.modules("PIL.Image")
+        with image.open(picture) as page:
+            few = page.convert("RGB").quantize(256, image.Quantize.MAXCOVERAGE)
+        few.save(picture, optimize=True)
+
+
+def two_digits(value):
+    """A positive number as a text of two digits that count."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def differences(told, found, tolerance):
     """Lines that differ: other words, or numbers off by more than a share. Numbers below 1e-9 are rounding."""
     told, found = told.splitlines(), found.splitlines()
     if len(told) != len(found):
-        return [f"{len(told)} lines of figures, the runs make {len(found)}"]
+        return [f"{len(told)} lines, {len(found)} with the figures of the runs"]
     wrong = []
     for left, right in zip(told, found):
         numbers = [[float(word) for word in NUMBER.findall(line)] for line in (left, right)]

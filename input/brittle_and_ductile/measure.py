@@ -8,8 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-from scree_scene import Study, Table  # noqa: E402
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "test/support")]
+import scree_post                      # noqa: E402
+import taylor                          # noqa: E402
+from scree_scene import Study, Table   # noqa: E402
 
 METHODS = {"mpm": ("plain", {"run.method": "mpm"}),
            "gimp": ("GIMP", {"run.method": "mpm", "method.basis": "gimp"}),
@@ -45,13 +48,19 @@ def glass(run):
 
 def copper(run):
     """Length, foot and waist."""
-    snap = run.last_snapshot()
-    z, r = snap.points[:, 2], snap.points[:, 0]
-    waist = np.abs(z - 5.08e-3) < 0.5e-3
-    return {"length": z.max(), "foot": r[z < 1.0e-3].max(), "waist": r[waist].max()}
+    series = run.series
+    found = taylor.measure(taylor.MEASURED, *(scree_post.snapshot(series[place][1]) for place in (0, -1)))
+    return {name: found[name] for name in ("length", "foot", "waist")}
 
 
 MEASURES = {"glass": glass, "copper": copper}
+
+
+def off(runs, bar, method, size):
+    """Mean relative difference to the finest run of DDMP, and to that of GIMP."""
+    found = MEASURES[bar](runs[f"{bar}_{method}_{size}"])
+    fine = (MEASURES[bar](runs[f"{bar}_{name}_{FINE[bar]}"]) for name in ("ddmp", "gimp"))
+    return np.array([np.mean([abs(found[key] / right[key] - 1.0) for key in found]) for right in fine])
 
 
 def tables(runs):
@@ -59,15 +68,27 @@ def tables(runs):
     result = Table(["bar", "cells [mm]", "method", "off DDMP with the finest cells",
                     "off GIMP with the finest cells", "energy error"])
     for bar, (_, _, sizes) in BARS.items():
-        fine = {name: MEASURES[bar](runs[f"{bar}_{name}_{FINE[bar]}"]) for name in ("ddmp", "gimp")}
         for size in sizes:
             for name, (title, _) in METHODS.items():
-                run = runs[f"{bar}_{name}_{size}"]
-                found = MEASURES[bar](run)
-                off = [np.mean([abs(found[key] / right[key] - 1.0) for key in found]) for right in fine.values()]
-                result.rows.append([bar, size, title, *(f"{100 * value:.1f} %" for value in off),
-                                    f"{run.error('energy_error'):.0e}"])
+                result.rows.append([bar, size, title, *(f"{100 * value:.1f} %" for value in off(runs, bar, name, size)),
+                                    f"{runs[f'{bar}_{name}_{size}'].error('energy_error'):.0e}"])
     return [result]
+
+
+def phrases(runs):
+    """How much farther off other methods are than DDMP, and what half the cells take of the error."""
+    found = {bar: np.array([[off(runs, bar, name, size) for name in METHODS] for size in sizes])
+             for bar, (_, _, sizes) in BARS.items()}         # by cells, method and what serves as the finest
+    farther = {bar: values[:, :2] / values[:, 2:] for bar, values in found.items()}
+    apart = {bar: 100.0 * np.ptp(values, axis=1) for bar, values in found.items()}
+    taken = {bar: 100.0 * (1.0 - values[1] / values[0]) for bar, values in found.items()}
+    plain = farther["copper"][:, 0]
+    return [f"the plain method is farther off by a factor of {plain.min():.1f} to {plain.max():.1f}",
+            f"no two methods are more than {apart['copper'].max():.1f} % apart",
+            f"by a factor of {farther['glass'].min():.1f} to {farther['glass'].max():.1f}, whichever method is taken "
+            f"for the finest; the methods are up to {apart['glass'].max():.1f} % apart",
+            f"Cells of half the size take {taken['glass'].min():.0f} to {taken['glass'].max():.0f} % of the error in "
+            f"glass, and {taken['copper'].min():.0f} to {taken['copper'].max():.0f} % in copper"]
 
 
 def draw(runs, plot):
@@ -90,11 +111,9 @@ def draw(runs, plot):
         panels[first].set_ylabel(f"{bar}: z [mm]")
     places, heights, colours = [], [], ("#d55e00", "#e69f00", "#0072b2")
     for number, bar in enumerate(BARS):
-        right = MEASURES[bar](runs[f"{bar}_gimp_{FINE[bar]}"])
         for place, name in enumerate(METHODS):
-            found = MEASURES[bar](runs[f"{bar}_{name}_{BARS[bar][2][1]}"])
             places.append(4 * number + place)
-            heights.append(100 * np.mean([abs(found[key] / right[key] - 1.0) for key in found]))
+            heights.append(100 * off(runs, bar, name, BARS[bar][2][1])[1])
     panels[6].bar(places, heights, color=colours * 2)
     panels[6].set(xticks=places, xticklabels=[title for title, _ in METHODS.values()] * 2,
                   ylabel="off the finest GIMP [%]", title="glass                    copper")
@@ -114,4 +133,4 @@ def cases():
 
 
 if __name__ == "__main__":
-    Study(__file__, cases(), tables, {"picture.png": draw}).main()
+    Study(__file__, cases(), tables, {"picture.png": draw}, phrases={"README.md": phrases}).main()

@@ -126,6 +126,23 @@ def pieces(runs):
     return table
 
 
+def phrases(runs):
+    """What the README says of the scene as it stands, and of the thickest sheet."""
+    run, last = runs["t163"], runs["t163"].last_snapshot()
+    ratio = SHEETS["t163"][0]
+    particles = len(scree_post.snapshot(run.series[0][1]).points)
+    errors = (abs(run.error(f"{name}_error")) for name in ("mass", "momentum", "energy"))
+    large = 1e3 * hole(runs["t504"].last_snapshot()) / (9.53 * maiden(SHEETS["t504"][0])) - 1.0
+    return [f"| axisymmetric | 61 | {particles:,} |".replace(",", " "),
+            f"| hole in the sheet at 20 us | {1e3 * hole(last):.1f} mm | {9.53 * maiden(ratio):.1f} mm, fit",
+            f"| mean axial speed of the sphere's mass | {bodies(last, SPHERE)[1] / SPEED:.2f} V | "
+            f"{1.0 / (1.0 + 1.5 * ratio):.2f} V if it shares",
+            f"| leading edge in the radiograph at 20 us | {front_speed(run) / SPEED:.2f} V |",
+            f"| error of mass, momentum, energy | {', '.join(f'{error:.0e}' for error in errors)} | 0 |",
+            f"| steps | {run.summary['steps']} | |",
+            f"The hole of the thickest sheet is {100.0 * large:.0f} % larger than the fit"]
+
+
 def draw_films(runs, plot):
     """What a flash X-ray would see: a row a sheet, a column a time, flight to the right."""
     names = [name for name in SHEETS if name in runs]
@@ -178,4 +195,5 @@ CASES["hiermaier"] = ("scene.nml", {"region[plate].hi": "31,0,4.0", "region[ball
                                     "region[ball].centre": "0,0,-5.035", "body[sphere].velocity": "0,0,6.18"})
 
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, {"sheets.png": draw_sheets, "radiographs.png": draw_films}).main()
+    Study(__file__, CASES, tables, {"sheets.png": draw_sheets, "radiographs.png": draw_films},
+          phrases={"README.md": phrases}, as_it_stands="t163").main()

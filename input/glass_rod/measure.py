@@ -121,4 +121,4 @@ def case(glass, stress):
 CASES = {f"{glass}_{stress}": case(glass, stress) for glass in GLASS for stress in STRESS}
 
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, {"picture.png": draw}).main()
+    Study(__file__, CASES, tables, {"picture.png": draw}, as_it_stands="soda_4.0").main()

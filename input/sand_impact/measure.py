@@ -50,6 +50,15 @@ def tables(runs):
     return [table]
 
 
+def phrases(runs):
+    """How far the inner cone is off the fit, and what the outer one does."""
+    speeds = {speed: -path(runs[f"plane_strain_{speed}"])[1].min() for speed in SPEEDS}
+    worst = max(abs(depth / fit(speed) - 1.0) for speed, depth in speeds.items())
+    outer = -path(runs["compression_2.0"])[1].min() / speeds[2.0]
+    return [f"are those that were measured, within {100 * worst:.0f} %",
+            f"The outer cone stops the ball at {outer:.2f} of the depth of the inner one"]
+
+
 def draw(runs, plot):
     """The bed at three times, and the way of the ball."""
     figure, panels = plot.subplots(1, 4, figsize=(11.0, 3.8), width_ratios=(1, 1, 1, 1.3), layout="constrained")
@@ -81,4 +90,5 @@ CASES = {f"{cone}_{speed}": ("scene.nml", {"body[ball].velocity": f"0,0,{-speed}
          for cone in CONES for speed in (SPEEDS if cone == "plane_strain" else SPEEDS[1:2])}
 
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, {"picture.png": draw}).main()
+    Study(__file__, CASES, tables, {"picture.png": draw}, phrases={"README.md": phrases},
+          as_it_stands="plane_strain_2.0").main()

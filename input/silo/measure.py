@@ -12,10 +12,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 from scree_scene import Study, Table  # noqa: E402
 
 GRAVITY, DENSITY, WIDTH, HEIGHT = 9.81, 1500.0, 0.1, 0.3     # of the deck: half the silo, height of the filling
-CELL = 0.00625
+CELL, FINE = 0.00625, 0.005
 # name: what it is, outlet [m], cell [m]
 RUNS = {"narrow": ("sand", 0.0375, CELL), "middle": ("sand", 0.0625, CELL), "wide": ("sand", 0.0875, CELL),
-        "fluid": ("fluid", 0.0625, CELL)}
+        "fluid": ("fluid", 0.0625, CELL), "narrow_fine": ("sand", 0.04, FINE), "middle_fine": ("sand", 0.06, FINE),
+        "wide_fine": ("sand", 0.08, FINE)}
 EARLY, LATE = (0.1, 0.25), (0.3, 0.5)                        # parts of the filling that have left
 
 
@@ -30,6 +31,9 @@ CASES = {
     "middle": ("scene.nml", {}),
     "wide": ("scene.nml", {"time.t_end": 0.6, **opening(0.0875, CELL)}),
     "fluid": ("fluid.nml", {}),
+    "narrow_fine": ("scene.nml", {"grid.dx": FINE, "time.t_end": 1.1, **opening(0.04, FINE)}),
+    "middle_fine": ("scene.nml", {"grid.dx": FINE, **opening(0.06, FINE)}),
+    "wide_fine": ("scene.nml", {"grid.dx": FINE, "time.t_end": 0.65, **opening(0.08, FINE)}),
 }
 
 
@@ -53,23 +57,27 @@ def tables(runs):
         table.rows.append([matter, f"{1000 * outlet:g}", f"{1000 * cell:g}", f"{early:.1f}",
                            f"{early / (DENSITY * GRAVITY ** 0.5 * outlet ** 1.5):.3f}",
                            f"{late / early:.2f}" if late else "-"])
-    found = [table]
-    if {"narrow", "middle", "wide"} <= set(runs):
-        slope, offset, worst = law(runs)
-        fit = Table(["law of the three widths", "found"])
-        fit.rows = [["C", f"{slope ** 1.5:.2f}"], ["k [cells]", f"{offset / CELL:.2f}"],
-                    ["greatest difference from it", f"{100 * worst:.1f} %"]]
-        found.append(fit)
-    return found
+    laws = [law(runs, cell) for cell in (CELL, FINE)]
+    fit = Table(["law of the three widths", *(f"cells of {1000 * cell:g} mm" for cell in (CELL, FINE))])
+    for row, (title, form) in enumerate((("C", ".2f"), ("k [cells]", ".2f"), ("greatest difference from it [%]", ".1f"),
+                                         ("exponent of a law without k", ".2f"))):
+        fit.rows.append([title, *(f"{one[row]:{form}}" if one else "" for one in laws)])
+    return [table, fit]
 
 
-def law(runs):
-    """W = C rho sqrt(g) (D - k)^1.5: power 2/3 of W is a straight line in D; C^(2/3), k [m], worst difference."""
-    outlets = np.array([RUNS[name][1] for name in ("narrow", "middle", "wide")])
-    rates = np.array([rate(runs[name], EARLY) for name in ("narrow", "middle", "wide")]) / (DENSITY * GRAVITY ** 0.5)
+def law(runs, cell):
+    """C, k [cells] and the worst difference [%] of W = C rho sqrt(g) (D - k)^1.5, and the exponent if k were 0.
+
+    Power 2/3 of W is a straight line in D. None if not all widths were run with this cell [m].
+    """
+    names = [name for name, (matter, _, size) in RUNS.items() if matter == "sand" and size == cell]
+    if not set(names) <= set(runs):
+        return None
+    outlets = np.array([RUNS[name][1] for name in names])
+    rates = np.array([rate(runs[name], EARLY) for name in names]) / (DENSITY * GRAVITY ** 0.5)
     slope, start = np.polyfit(outlets, rates ** (2.0 / 3.0), 1)
-    fitted = (slope * outlets + start) ** 1.5
-    return slope, -start / slope, np.abs(fitted / rates - 1.0).max()
+    worst = np.abs((slope * outlets + start) ** 1.5 / rates - 1.0).max()
+    return slope ** 1.5, -start / slope / cell, 100.0 * worst, np.polyfit(np.log(outlets), np.log(rates), 1)[0]
 
 
 def draw(runs, plot):

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Values of keys: strict conversion of what is written into numbers, switches and texts in SI.
 module base_deck_value
+   use base_decimal, only: decimal_good, decimal_none, read_decimal
    use base_kinds, only: int64, wp
    use base_namelist, only: token_t
    use base_schema, only: key_t, kind_integer, kind_logical, kind_real, kind_text
@@ -276,47 +277,23 @@ contains
       if (complaint == "") value%filled(place) = .true.
    end subroutine convert_item
 
-   !> Read a number, its decimal exponent shifted. No letter but e, E, d and D is understood.
+   !> Read a number, its decimal exponent shifted.
    subroutine read_number(text, shift, number_read, complaint)
       character(len=*), intent(in) :: text               !! What is written
       integer, intent(in) :: shift                       !! Added to the decimal exponent
       real(wp), intent(out) :: number_read               !! The number [SI]
       character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is no number
-      character(len=*), parameter :: figures = "0123456789"
-      character(len=:), allocatable :: shifted
-      integer :: digits, exponent, first, magnitude, mark, point, status
+      integer :: verdict
 
-      number_read = 0.0_wp
-      complaint = "?"
-      first = merge(2, 1, scan(text//" ", "+-") == 1)
-      mark = scan(text//"e", "eEdD")
-      if (verify(text(first:mark - 1), figures//".") > 0) return
-      if (scan(text(first:mark - 1), figures) == 0) return
-      point = index(text(:mark - 1)//".", ".")
-      if (index(text(point + 1:mark - 1), ".") > 0) return
-      exponent = 0
-      if (mark <= len(text)) then
-         digits = mark + merge(2, 1, scan(text(mark + 1:), "+-") == 1)
-         if (verify(text(digits:), figures) > 0 .or. digits > len(text)) return
-         if (verify(text(digits:), "0") > 0 .and. len(text) - digits >= 6) then
-            complaint = "is too large or too small for a number"
-            return
-         end if
-         read (text(mark + 1:), *, iostat=status) exponent
-      end if
-      complaint = ""
-      if (text(1:1) == "-") number_read = sign(0.0_wp, -1.0_wp)
-      digits = scan(text(:mark - 1), "123456789")
-      if (digits == 0) return
-      exponent = exponent + shift
-      magnitude = exponent + point - digits - merge(1, 0, point > digits)
-      if (abs(magnitude) > 306) then
+      call read_decimal(text, shift, number_read, verdict)
+      select case (verdict)
+      case (decimal_good)
+         complaint = ""
+      case (decimal_none)
+         complaint = "?"
+      case default
          complaint = "is too large or too small for a number"
-         return
-      end if
-      shifted = text(:mark - 1)//"e"//number(exponent)
-      read (shifted, *, iostat=status) number_read
-      if (status /= 0) complaint = "?"
+      end select
    end subroutine read_number
 
    !> Convert units that are no whole power of ten, and check the range.

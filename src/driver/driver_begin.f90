@@ -4,6 +4,7 @@ module driver_begin
    use base_error, only: error_t
    use driver_exact_start, only: place_exact, strain_exact
    use driver_lithostatic, only: weigh_down
+   use driver_point_clock, only: take_clock
    use driver_point_fields, only: take_fields
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
@@ -34,6 +35,7 @@ contains
       if (allocated(error)) return
       call strain_exact(simulation)
       call first_step(simulation)
+      call take_clock(simulation, bodies, shapes)
       call simulation%ledger%balance(simulation%communicator, simulation%grid, &
          simulation%stores, simulation%materials, simulation%ledger%start)
    end subroutine begin_run

@@ -202,6 +202,8 @@ contains
 
       self%header%time = simulation%time
       self%header%dt = simulation%dt
+      self%header%dt_next = simulation%dt_next
+      self%header%velocity_lag = simulation%method%lag(simulation%dt)
       self%header%step = simulation%step
       path = stream%series%path(stream%next)
       if (stream%kind == of_cells) then

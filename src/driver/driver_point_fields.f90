@@ -2,9 +2,11 @@
 !> State of particles from the file that their places come from.
 module driver_point_fields
    use base_agreement, only: agree
-   use base_error, only: error_t
+   use base_error, only: error_t, exit_file, fail
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
+   use base_text, only: number
+   use driver_point_place, only: components_of, placing_t
    use driver_points, only: comes_from_file, point_region_t
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
@@ -104,8 +106,9 @@ contains
             if (allocated(error)) exit
             putter%name = points%list%fields(n)%text
             if (.not. comes_from_file(putter%name, body%keeps_stress)) cycle
+            if (.not. points%placing%keeps(putter%name)) cycle
             putter%adds = putter%name == "velocity"
-            call take_field(source, store, putter, error)
+            call take_field(source, points%placing, store, putter, error)
          end do
          call source%close()
          call agree(simulation%communicator, error)
@@ -118,8 +121,9 @@ contains
    end subroutine take_snapshot
 
    !> Read one field.
-   subroutine take_field(source, store, putter, error)
+   subroutine take_field(source, placing, store, putter, error)
       type(hdf5_source_t), intent(in) :: source      !! The open file
+      type(placing_t), intent(in) :: placing         !! Where the points have been moved to
       type(store_t), intent(inout) :: store          !! The particles
       type(putter_t), intent(inout) :: putter        !! Knows which field
       type(error_t), allocatable, intent(out) :: error !! It cannot be read
@@ -132,6 +136,12 @@ contains
       name = data_group//"/"//putter%name
       call source%info(name, info, error)
       if (allocated(error)) return
+      if (components_of(putter%name) > 1 .and. info%components /= components_of(putter%name)) then
+         call fail(error, exit_file, "'"//source%path//"': the field "//putter%name//" has "// &
+            number(info%components)//" components instead of "// &
+            number(components_of(putter%name)))
+         return
+      end if
       factor = factor_of(source, name)
       putter%before = 0
       do while (putter%before < info%rows)
@@ -148,6 +158,7 @@ contains
          end if
          if (allocated(error)) return
          putter%reals = factor*putter%reals
+         call placing%turn(putter%name, putter%reals)
          call store%walk(putter)
          putter%before = putter%before + rows
       end do

@@ -11,6 +11,7 @@ module driver_points
    use base_text, only: brief, join, lower, number, text_t
    use base_units, only: unit_of, unit_t
    use driver_paths, only: path_in_deck
+   use driver_point_place, only: placing_t, read_placing
    use io_file, only: read_file
    use io_hdf5_read, only: hdf5_source_t
    use io_points, only: point_list_t, read_point_text, read_snapshot
@@ -34,6 +35,7 @@ module driver_points
       character(len=:), allocatable :: path          !! The file
       character(len=:), allocatable :: body          !! Whose rows are meant, or empty
       logical :: snapshot = .false.                  !! Is it one of another run?
+      type(placing_t) :: placing                     !! Where the list has been moved to
    end type point_region_t
 
 contains
@@ -50,8 +52,6 @@ contains
       type(error_t), allocatable :: error
       character(len=:), allocatable :: text
       type(hdf5_source_t) :: source
-      real(wp) :: scale, rotate(3), translate(3)
-      integer :: n
 
       allocate (points)
       points%path = path_in_deck(group, "file")
@@ -75,21 +75,10 @@ contains
          return
       end if
       if (.not. points%snapshot) call to_si(deck, points%list)
-      call group%get("scale", scale)
-      call group%get("rotate", rotate)
-      if (abs(scale - 1.0_wp) > 0.0_wp .or. any(abs(rotate) > 0.0_wp)) call deck%complain(group, &
-         "points can only be moved by translate; scale and turn them in the file", &
-         merge("rotate", "scale ", any(abs(rotate) > 0.0_wp)))
-      call group%get("translate", translate)
-      do n = 1, size(points%list%position, 2)
-         where (.not. grid%active) points%list%position(:, n) = merge(0.0_wp, 0.5_wp &
-            *(grid%lower + grid%upper), grid%axisymmetric) - translate
-      end do
+      call read_placing(deck, grid, group, points%placing)
       call find_volumes(deck, group, points%list)
+      call points%placing%move(grid, points%list)
       call holder%set(cloud(points%list%position))
-      do n = 1, size(points%list%position, 2)
-         points%list%position(:, n) = points%list%position(:, n) + translate
-      end do
    end subroutine read_point_region
 
    !> True if a file is a snapshot by its name.
@@ -367,6 +356,10 @@ contains
                if (points%list%fields(k)%text == field_names(n)) exit
             end do
             if (k == 0) missing = [missing, text_t(trim(field_names(n)))]
+            if (k > 0 .and. .not. points%placing%keeps(trim(field_names(n)))) &
+               call deck%warn(group, "boxes along the coordinates cannot be turned by "// &
+               "other than right angles, so '"//trim(field_names(n))//"' of '"//points%path// &
+               "' is not taken; its points begin as cubes of their volume", "region")
          end do
       else if (stress) then
          missing = [text_t("stress")]

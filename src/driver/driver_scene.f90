@@ -11,6 +11,7 @@ module driver_scene
    use driver_lithostatic, only: read_lithostatic
    use driver_method, only: position_of
    use driver_output, only: outputs_t
+   use driver_point_clock, only: check_clocks
    use driver_points, only: compare_fields, pack_points
    use driver_shapes, only: read_shapes, named_shape_t
    use driver_simulation, only: simulation_t
@@ -74,6 +75,7 @@ contains
       if (deck%errors() > 0) return
       call read_exact(deck, simulation, bodies)
       if (deck%errors() > 0) return
+      call check_clocks(deck, simulation, bodies, shapes)
       call prepare(simulation)
       traits%body = size(bodies) > 1
       allocate (simulation%body_names(size(bodies)))

@@ -87,7 +87,8 @@ contains
       call group%get("scale", scale)
       call group%get("rotate", rotate)
       call group%get("translate", translate)
-      if (allocated(shapes(index)%shape%shape)) &
+      ! points are at their places already
+      if (allocated(shapes(index)%shape%shape) .and. .not. allocated(shapes(index)%points)) &
          call shapes(index)%shape%shape%place(scale, rotate, translate)
       shapes(index)%ready = .true.
    end subroutine build

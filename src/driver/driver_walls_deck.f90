@@ -85,8 +85,10 @@ contains
       end if
       call group%get("region", region)
       do index = 1, size(shapes)
-         if (shapes(index)%name == region .and. allocated(shapes(index)%shape%shape)) &
-            allocate (wall%region, source=shapes(index)%shape%shape)
+         if (shapes(index)%name /= region .or. .not. allocated(shapes(index)%shape%shape)) cycle
+         if (allocated(shapes(index)%points)) call deck%complain(group, "'"//region// &
+            "' is a list of points, which has no inside; name another region", "region")
+         allocate (wall%region, source=shapes(index)%shape%shape)
       end do
       if (face == "" .and. allocated(wall%region)) bodies = [bodies, wall]
       do index = 1, size(face_names)

@@ -13,7 +13,7 @@ module io_fields
    public :: choose_columns, column_t, fill_reals, fill_wholes, picks_t
 
    integer, parameter, public :: field_name_length = 32  !! Longest name of a field
-   !> All names that `fields` of an output may hold, beside "default".
+   !> All names that `fields` of an output may hold, beside "default" and "state".
    character(len=field_name_length), parameter, public :: field_names(31) = &
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
       "density", "velocity", "speed", "reference", "stress", "pressure", "mises", &
@@ -65,10 +65,11 @@ module io_fields
 
 contains
 
-   !> The columns of an output. An unknown field, or one that no particle carries, is an error.
+   !> The columns of an output: names, "default" for the usual ones, or "state" for all from which
+   !! another run can go on. An unknown field, or one that no particle carries, is an error.
    subroutine choose_columns(stores, fields, columns, error)
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      character(len=*), intent(in) :: fields(:)          !! Names, or "default"
+      character(len=*), intent(in) :: fields(:)          !! Names, "default" or "state"
       type(column_t), allocatable, intent(out) :: columns(:) !! In the order asked for
       type(error_t), allocatable, intent(out) :: error   !! A name does not work
       type(collector_t) :: collector
@@ -88,6 +89,10 @@ contains
             end do
             cycle
          end if
+         if (fields(index) == "state") then
+            call append_state(collector%columns, columns)
+            cycle
+         end if
          call find_column(collector%columns, fields(index), column, found)
          if (.not. found) then
             call fail(error, exit_input, "output field '"//trim(fields(index))//"' "// &
@@ -97,6 +102,21 @@ contains
          call append(columns, column)
       end do
    end subroutine choose_columns
+
+   !> Add what particles carry, and of which material they are.
+   pure subroutine append_state(carried, columns)
+      type(column_t), intent(in) :: carried(:)           !! What there is
+      type(column_t), allocatable, intent(inout) :: columns(:) !! The list
+      type(column_t) :: column
+      integer :: index
+      logical :: found
+
+      call find_column(carried, "material", column, found)
+      call append(columns, column)
+      do index = 1, size(carried)
+         if (carried(index)%name /= "position") call append(columns, carried(index))
+      end do
+   end subroutine append_state
 
    !> Why a field cannot be written.
    pure function reason(name) result(text)
@@ -111,7 +131,7 @@ contains
          return
       end if
       allocate (names(0))
-      text = "is unknown; there are: default"
+      text = "is unknown; there are: default state"
       do index = 1, size(field_names)
          text = text//" "//trim(field_names(index))
          call append_text(names, trim(field_names(index)))

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Tables of velocities: lines of a time and three components, with commas or blanks between.
 module io_motion
+   use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: wp
    use base_text, only: number, shortened, split, text_t
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    implicit none
    private
 
@@ -87,20 +87,14 @@ contains
       real(wp), intent(out) :: values(columns)           !! The numbers
       logical, intent(out) :: sound                      !! Are they there?
       type(text_t), allocatable :: words(:)
-      integer :: k, status
+      integer :: k
 
       values = 0.0_wp
       call split(line, words)
       sound = size(words) == columns
       if (.not. sound) return
       do k = 1, columns
-         ! a stroke or a star would be read as something else
-         sound = verify(words(k)%text, "+-.0123456789eEdD") == 0
-         if (.not. sound) return
-         read (words(k)%text, *, iostat=status) values(k)
-         sound = status == 0
-         if (.not. sound) return
-         sound = ieee_is_finite(values(k))
+         call file_number(words(k)%text, values(k), sound)
          if (.not. sound) return
       end do
    end subroutine read_line

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Lists of points: texts with a line a point (CSV), or snapshots of particles of another run.
 module io_points
+   use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use base_text, only: closest, number, shortened, text_t
@@ -28,6 +29,8 @@ module io_points
       integer(int64), allocatable :: body(:)             !! (row) Place among the names, if there
       type(text_t), allocatable :: body_names(:)         !! Names of bodies
       type(text_t), allocatable :: fields(:)             !! Of a snapshot: what else it has
+      real(wp) :: lag = 0.0_wp                           !! Of its velocities behind places [s]
+      real(wp) :: dt_next = 0.0_wp                       !! Step that its run took next, or 0 [s]
    end type point_list_t
 
 contains
@@ -173,7 +176,8 @@ contains
       type(point_list_t), intent(inout) :: list          !! Gets it
       character(len=:), allocatable, intent(out) :: fault !! What is wrong, or empty
       real(wp) :: values(7)
-      integer :: k, status
+      integer :: k
+      logical :: sound
 
       fault = ""
       if (size(words) /= count(column > 0)) then
@@ -185,10 +189,8 @@ contains
       do k = 1, 7
          if (column(k) == 0) cycle
          associate (word => words(column(k))%text)
-            status = verify(word, "0123456789+-.eEdD")
-            if (word == "") status = 1
-            if (status == 0) read (word, *, iostat=status) values(k)
-            if (status /= 0 .or. .not. ieee_is_finite(values(k))) then
+            call file_number(word, values(k), sound)
+            if (.not. sound) then
                fault = trim(columns(k))//" = '"//shortened(word, shown)//"' is not a number"
                return
             end if
@@ -273,8 +275,36 @@ contains
       if (allocated(error)) return
       if (size(list%material_names) == 0 .and. allocated(list%material)) deallocate (list%material)
       if (size(list%body_names) == 0 .and. allocated(list%body)) deallocate (list%body)
+      call read_clock(source, list)
       call check_snapshot(source%path, list, error)
    end subroutine read_snapshot
+
+   !> How far velocities stand behind places, and the step that was to come. Snapshots that do not
+   !! say it are those of leapfrog steps of equal length.
+   subroutine read_clock(source, list)
+      type(hdf5_source_t), intent(in) :: source          !! The open file
+      type(point_list_t), intent(inout) :: list          !! Gets both
+
+      if (.not. source%has("/provenance")) return
+      list%lag = said("velocity_lag", 0.5_wp*said("dt", 0.0_wp))
+      list%dt_next = said("dt_next", 0.0_wp)
+
+   contains
+
+      !> An attribute, if it is there and makes sense.
+      real(wp) function said(name, without) result(time)
+         character(len=*), intent(in) :: name            !! Of the attribute
+         real(wp), intent(in) :: without                 !! If it is not there [s]
+         type(error_t), allocatable :: error
+         real(wp), allocatable :: values(:)
+
+         time = without
+         call source%list("/provenance", name, values, error)
+         if (allocated(error)) return
+         if (size(values) /= 1) return
+         if (values(1) >= 0.0_wp .and. ieee_is_finite(values(1))) time = values(1)
+      end function said
+   end subroutine read_clock
 
    !> Refuse points that are none.
    subroutine check_snapshot(path, list, error)

@@ -56,6 +56,8 @@ module io_snapshot
       real(wp) :: wall_seconds = 0.0_wp                  !! Wall time so far [s]
       real(wp) :: time = 0.0_wp                          !! Simulated time [s]
       real(wp) :: dt = 0.0_wp                            !! Time step [s]
+      real(wp) :: dt_next = 0.0_wp                       !! Stable time step that comes [s]
+      real(wp) :: velocity_lag = 0.0_wp                  !! Of velocities behind positions [s]
       integer(int64) :: step = 0                         !! Steps done
       logical :: axisymmetric = .false.                  !! Points are (radius, 0, height)
       type(output_units_t) :: units                      !! Units of all data sets
@@ -354,6 +356,8 @@ contains
       call file%attribute(about, "step", header%step)
       call file%attribute(about, "time", header%time)
       call file%attribute(about, "dt", header%dt)
+      call file%attribute(about, "dt_next", header%dt_next)
+      call file%attribute(about, "velocity_lag", header%velocity_lag)
       call write_text(file, about//"/deck", header%deck)
       call write_text(file, about//"/deck_echo", header%echo)
    end subroutine write_provenance

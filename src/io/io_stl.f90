@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Facets from STL files, binary or text: the corners of triangles, in any unit of length.
 module io_stl
+   use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use base_text, only: number, shortened, split, text_t
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: real32
    implicit none
    private
@@ -103,7 +104,8 @@ contains
       character(len=:), allocatable :: line
       real(wp), allocatable :: room(:, :, :)
       real(wp) :: values(3)
-      integer :: first, last, row, corners, facets, status
+      integer :: first, last, row, corners, facets, k
+      logical :: sound(3)
 
       allocate (room(3, 3, facets_of(text)))
       first = 1
@@ -119,13 +121,11 @@ contains
          if (size(words) == 0) cycle
          select case (words(1)%text)
          case ("vertex")
-            status = 1
-            ! a comma or a stroke in place of a number leaves what was there
-            values = ieee_value(values, ieee_quiet_nan)
-            if (size(words) == 4 .and. corners < 3) &
-               read (line(index(line, "vertex") + 6:), *, iostat=status) values
-            if (status /= 0) exit
-            if (.not. all(ieee_is_finite(values))) exit
+            if (size(words) /= 4 .or. corners == 3) exit
+            do k = 1, 3
+               call file_number(words(k + 1)%text, values(k), sound(k))
+            end do
+            if (.not. all(sound)) exit
             corners = corners + 1
             room(:, corners, facets) = values
          case ("facet")

@@ -3,6 +3,7 @@
 !!
 !! Only where a voxel has the wanted value is kept, a bit a voxel. HDF5 is read in pieces of layers.
 module io_voxels
+   use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use base_text, only: join, lower, number, shortened, split, text_t
@@ -369,15 +370,15 @@ contains
       character(len=*), intent(in) :: text               !! Numbers with blanks between them
       real(wp), allocatable, intent(out) :: values(:)    !! The numbers
       type(text_t), allocatable :: words(:)
-      integer :: n, status
+      integer :: n
+      logical :: sound
 
       call split(text, words)
       allocate (values(size(words)))
       values = 0.0_wp
       do n = 1, size(words)
-         status = verify(words(n)%text, "0123456789+-.eE")
-         if (status == 0) read (words(n)%text, *, iostat=status) values(n)
-         if (status /= 0) then
+         call file_number(words(n)%text, values(n), sound)
+         if (.not. sound) then
             deallocate (values)
             allocate (values(0))
             return

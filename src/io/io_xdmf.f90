@@ -8,6 +8,7 @@ module io_xdmf
    use base_error, only: error_t
    use base_kinds, only: int64
    use io_file, only: join_path, list_folder, longest_name, name_of, write_file
+   use io_hdf5_read, only: data_info_t
    use io_hdf5_index, only: read_snapshot, snapshot_info_t, write_index
    use io_text, only: real_text, whole_text
    implicit none
@@ -204,7 +205,7 @@ contains
    function grid_text(step) result(text)
       type(snapshot_info_t), intent(in) :: step          !! The snapshot
       character(len=:), allocatable :: text
-      character(len=:), allocatable :: count, file, kind
+      character(len=:), allocatable :: count, file
       integer :: field
 
       file = name_of(step%path)
@@ -217,23 +218,36 @@ contains
          "<Geometry GeometryType=""XYZ"">"//new_line("a")// &
          item_text(file, "Points", count//" 3", .true., 8)//"</Geometry>"//new_line("a")
       do field = 1, size(step%fields)
-         associate (info => step%fields(field))
-            kind = "Scalar"
-            if (info%dimensions > 1) kind = "Vector"
-            text = text//"<Attribute Name="""//trim(info%name)//""" AttributeType="""//kind// &
-               """ Center=""Node"">"//new_line("a")
-            if (info%dimensions > 1) then
-               text = text//item_text(file, "PointData/"//trim(info%name), count//" "// &
-                  whole_text(int(info%components, int64)), info%is_real, info%bytes)
-            else
-               text = text//item_text(file, "PointData/"//trim(info%name), count, info%is_real, &
-                  info%bytes)
-            end if
-            text = text//"</Attribute>"//new_line("a")
-         end associate
+         text = text//attribute_text(step%fields(field), file, count)
       end do
       text = text//"</Grid>"//new_line("a")
    end function grid_text
+
+   !> One field in XDMF. Readers disagree on fields of more than three components: to the Xdmf2
+   !! reader of VTK 9.2 all vectors have three, to that of VTK 9.7 a matrix of two extents is one
+   !! row. As a matrix with one row a particle every reader tried sees them in their order.
+   pure function attribute_text(info, file, count) result(text)
+      type(data_info_t), intent(in) :: info              !! The field
+      character(len=*), intent(in) :: file               !! Name of the snapshot
+      character(len=*), intent(in) :: count              !! Number of particles
+      character(len=:), allocatable :: text
+      character(len=:), allocatable :: components, extent, kind
+
+      components = whole_text(int(info%components, int64))
+      kind = "Scalar"
+      extent = count
+      if (info%dimensions > 1) then
+         kind = "Vector"
+         extent = count//" "//components
+         if (info%components > 3) then
+            kind = "Matrix"
+            extent = count//" 1 "//components
+         end if
+      end if
+      text = "<Attribute Name="""//trim(info%name)//""" AttributeType="""//kind// &
+         """ Center=""Node"">"//new_line("a")//item_text(file, "PointData/"//trim(info%name), &
+         extent, info%is_real, info%bytes)//"</Attribute>"//new_line("a")
+   end function attribute_text
 
    !> One data set in XDMF.
    pure function item_text(file, name, extent, is_real, bytes) result(text)

@@ -65,20 +65,19 @@ contains
       hi = self%upper
    end subroutine cloud_bounds
 
-   !> Move the cloud. Its points are moved by whoever read them; decks cannot scale or turn them.
+   !> Scale, turn and move the box around the cloud; turned, it gets a larger one around it.
    pure recursive subroutine cloud_transform(self, scale, rotation, translate)
       class(cloud_t), intent(inout) :: self              !! The cloud
       real(wp), intent(in) :: scale                      !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)               !! Displacement [m]
-      real(wp) :: first(3), last(3)
+      real(wp) :: middle(3), half(3)
 
-      first = self%lower
-      last = self%upper
-      call transform_point(scale, rotation, translate, first)
-      call transform_point(scale, rotation, translate, last)
-      self%lower = min(first, last)
-      self%upper = max(first, last)
+      middle = 0.5_wp*(self%lower + self%upper)
+      half = scale*matmul(abs(rotation), 0.5_wp*(self%upper - self%lower))
+      call transform_point(scale, rotation, translate, middle)
+      self%lower = middle - half
+      self%upper = middle + half
    end subroutine cloud_transform
 
    !> Make particles of a list.

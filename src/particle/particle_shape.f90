@@ -10,7 +10,7 @@ module particle_shape
    implicit none
    private
 
-   public :: box, combine, cylinder, sphere, transform_point
+   public :: box, combine, cylinder, rotation_matrix, sphere, transform_point
 
    integer, parameter, public :: set_union = 1        !! Points in any operand
    integer, parameter, public :: set_difference = 2   !! Points in the first operand alone

@@ -277,7 +277,7 @@ UNKNOWN = [
     ("shock", "system = 'mm-us-mg'", "system = 'mm-us-mg'  output_units = 'mm-us-kg'", 2,
      "&units: output_units = 'mm-us-kg' is none of: deck si cgs mm-ms-kg mm-ms-g cm-us-g mm-us-mg"),
     ("shock", "kind = 'particles'", "kind = 'particles'  fields = 'velocty'", 17,
-     "&output 'cloud': output field 'velocty' is unknown; there are: default identity"),
+     "&output 'cloud': output field 'velocty' is unknown; there are: default state identity"),
     ("shock", "kind = 'particles'", "kind = 'particles'  bodies = 'spere'", 17,
      "&output 'cloud': no body 'spere'; defined: sphere, plate; did you mean 'sphere'?"),
     ("plain", "&time", "&method basis = 'linar' /\n&time", 3,

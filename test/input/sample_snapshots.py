@@ -111,15 +111,16 @@ def xdmf(series, entries):
 
             def item(path, group=group, name=name):
                 data = group[path]
+                shape = (len(data), 1, *data.shape[1:]) if data.ndim > 1 and data.shape[1] > 3 else data.shape
                 return (
                     f'<DataItem Format="HDF" NumberType="{numbers[data.dtype.kind]}" Precision="'
-                    f'{data.dtype.itemsize}" Dimensions="{" ".join(map(str, data.shape))}">'
+                    f'{data.dtype.itemsize}" Dimensions="{" ".join(map(str, shape))}">'
                     f"{name}:/VTKHDF/{path}</DataItem>"
                 )
             count = len(group["Points"])
             fields = "".join(
                 f'<Attribute Name="{key}" Center="Node" AttributeType='
-                f'"{"Scalar" if data.ndim == 1 else "Vector"}">'
+                f'"{"Scalar" if data.ndim == 1 else "Vector" if data.shape[1] == 3 else "Matrix"}">'
                 f'{item(f"PointData/{key}")}</Attribute>'
                 for key, data in group["PointData"].items()
             )

@@ -149,7 +149,7 @@ class Points(unittest.TestCase):
             self.assertGreater(scale, 1e-6, column)
             self.assertLess(abs(after[column][0] - before[column][-1]), 1e-9 * scale, column)
         middle, start = half.snapshots()[-1][1], rest.snapshots()[0][1]
-        self.assertNear(self.state(rest, middle), self.state(whole), 0.2)
+        self.assertNear(self.state(rest, middle), self.state(whole), 1e-9)
         for field in ("spin", "stress", "velocity", "mass", "volume"):
             row = start.fields["identity"] - 1
             self.assertTrue(np.array_equal(start.fields[field], middle.fields[field][row]), field)
@@ -225,8 +225,14 @@ class Points(unittest.TestCase):
                 ("only", points, "x,y,z,volume\n", {}, "it holds no point"),
                 ("material", points, "x,y,z,volume,material\n0,0,0,1,wood\n", {},
                  "has no point of material 'metal'; there are: wood"),
-                ("turned", points + "  rotate = 0 0 90", good, {}, "points can only be moved by translate"),
-                ("scaled", points + "  scale = 2", good, {}, "points can only be moved by translate"),
+                ("large", points, good + "0.2,1e999,0.2,1\n", {}, "line 4: y = '1e999' is not a number"),
+                ("turned", points + "  rotate = 0 20 90", good, {"dimension": "plane_strain"},
+                 "this turns its points out of those that it has"),
+                ("rings", points + "  rotate = 0 180 0", good, {"dimension": "axisymmetric"},
+                 "points are rings round the axis, which cannot be turned"),
+                ("scaled", points + "  scale = 2.5", good, {}, "the point (1.25 1.25 1.25) lies outside of the grid"),
+                ("wall", points, good, {"more": "&boundary region = 'solid'  type = 'slip' /"},
+                 "'solid' is a list of points, which has no inside"),
                 ("lattice", points, good, {"body": ""}, "its region is a list of points; write packing = 'file'"),
                 ("box", "shape = 'box'  lo = 0 0 0  hi = 1 1 1", good, {}, "needs a region of shape = 'points'"),
                 ("set", points, good, {"more": "&region name = 'b'  shape = 'union'  of = 'solid' /"},

@@ -30,6 +30,8 @@ class Bar:
 
 MEASURED = Bar("scene.nml", 25.4, 3.81)
 CLASSIC = Bar("classic.nml", 32.4, 3.2)
+#: Length, diameter of the foot and waist of MEASURED, by G. R. Johnson and T. J. Holmquist (1988) [mm].
+EXPERIMENT = (16.2, 13.5, 10.1)
 
 
 def extend(line):
@@ -81,7 +83,7 @@ def strike(options, name, bar, spacing=None, words="", method="ddmp", settings=(
     return result
 
 
-def difference(result, length=16.2, width=13.5, waist=10.1):
-    """Mean relative error of length, diameter of the foot and waist against those measured [mm]."""
-    pairs = ((result["length"], length), (2.0 * result["foot"], width), (result["waist"], waist))
-    return float(np.mean([abs(value / MILLIMETRE / right - 1.0) for value, right in pairs]))
+def difference(result):
+    """Mean relative error of length, diameter of the foot and waist against those measured."""
+    found = result["length"], 2.0 * result["foot"], result["waist"]
+    return float(np.mean([abs(value / MILLIMETRE / right - 1.0) for value, right in zip(found, EXPERIMENT)]))

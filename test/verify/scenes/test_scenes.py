@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures in the READMEs of scenes are those that the program finds, and the gallery shows them.
 
-Would catch a change of the method that leaves old figures in a README, a scene that no longer runs, a comparison that
-takes anything for equal, and a gallery that was not renewed.
+Would catch a change of the method that leaves old figures in a README, a scene without figures or that no longer
+runs, a comparison that takes anything for equal, a phrase that is renewed in the wrong place or not at all, a failed
+run that goes unnoticed, and a gallery that was not renewed.
 """
-# timeout: 400
+# timeout: 900
 
 import shutil
 import subprocess
@@ -17,8 +18,9 @@ import case         # noqa: E402
 import gallery      # noqa: E402
 import report       # noqa: E402
 import scree_scene  # noqa: E402
+from scree_post import PostError, study  # noqa: E402
 
-SHORT = ("cell_crossing",)             # the others take minutes: test_all_scenes
+SHORT = ("cell_crossing", "taylor_copper", "two_discs")    # the others take minutes: test_all_scenes
 
 
 def check(options, sheet, scene):
@@ -43,11 +45,65 @@ def comparison(sheet):
         sheet.require(len(lines) == wrong, f"comparison, {words}: {lines}")
 
 
+def refused(action, *words):
+    """Whether an action ends with an error that a user would see."""
+    try:
+        action(*words)
+    except PostError:
+        return True
+    return False
+
+
+def phrases(sheet):
+    """Which numbers of a text are renewed."""
+    told = "In 2 runs the front\nis 0.9 of 1.1 at 5e-3 s; then it is 3 m off."
+    now = scree_scene.with_phrase("README.md", told, "the front is 0.85 of 1.2 at 4e-3 s")
+    sheet.require(now == "In 2 runs the front\nis 0.85 of 1.2 at 4e-3 s; then it is 3 m off.", f"phrase: {now!r}")
+    for words, phrase in (("that is not there", "the front was 0.85"), ("that stands there twice", "is 0.9")):
+        sheet.require(refused(scree_scene.with_phrase, "README.md", told, phrase), f"phrase {words} is refused")
+
+
+def documents(sheet, folder):
+    """Old numbers in a table or a phrase make --check fail, and new ones are what --write would leave."""
+    folder.mkdir(parents=True, exist_ok=True)
+    told = "# A scene\n\nIt takes 30 steps.\n\n<!-- figures -->\n\n| a |\n| --- |\n| 1.5 |\n\n<!-- end of figures -->\n"
+    (folder / "README.md").write_text(told, encoding="utf-8")
+    for steps, value, wrong in ((30, 1.5, 0), (31, 1.5, 1), (30, 2.5, 1)):
+        scene = scree_scene.Study(folder / "measure.py", {}, None, {},
+                                  phrases={"README.md": lambda _, steps=steps: [f"It takes {steps} steps."]})
+        texts = scene.documents({}, scree_scene.Table(["a"], [[value]]).text())
+        _, now = texts[(folder / "README.md").resolve()]
+        sheet.require(scene.check(texts) == wrong and now == told.replace("30", str(steps)).replace("1.5", str(value)),
+                      f"{steps} steps and {value} in the table: {now!r}")
+
+
+def failures(sheet):
+    """Which failed runs are results."""
+    scene = scree_scene.Study(__file__, {}, None, {}, may_fail={"bad": 4})
+    for name, code, wrong in (("bad", 4, False), ("bad", 0, False), ("bad", 3, True), ("good", 4, True)):
+        sheet.require(refused(scene.refuse_failed, study.Run({}, "", name, code)) == wrong,
+                      f"{name} with exit code {code} is {'refused' if wrong else 'a result'}")
+
+
+def complete(sheet):
+    """Each folder of a scene has figures, what makes them, and how long that takes."""
+    folders = sorted(path.parent for path in (ROOT / "input").glob("*/README.md"))
+    sheet.require(len(folders) > 8, f"{len(folders)} scenes are found")
+    for folder in folders:
+        text = (folder / "README.md").read_text(encoding="utf-8")
+        sheet.require((folder / "measure.py").is_file() and text.count(scree_scene.BEGIN) == 1
+                      and len(gallery.WORKED.findall(text)) == 1, f"{folder.name}: measured, with figures and times")
+
+
 def main():
     """The short scenes, the comparison, the gallery."""
     options = case.arguments()
     sheet = report.Report()
     comparison(sheet)
+    phrases(sheet)
+    documents(sheet, options.work / "told")
+    failures(sheet)
+    complete(sheet)
     sheet.require(gallery.PAGE.read_text(encoding="utf-8") == gallery.page(),
                   "gallery: scripts/gallery.py --page changes nothing")
     for scene in SHORT:

@@ -1,0 +1,73 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Decimal numbers of texts, looked at before they are converted: one that no real number holds
+!! would trap in a build with checks.
+module base_decimal
+   use base_kinds, only: wp
+   use base_text, only: number
+   implicit none
+   private
+
+   public :: file_number, read_decimal
+
+   integer, parameter, public :: decimal_good = 0    !! It is read
+   integer, parameter, public :: decimal_none = 1    !! It is no number
+   integer, parameter, public :: decimal_large = 2   !! It is beyond 1e307
+   integer, parameter, public :: decimal_small = 3   !! It is below 1e-306, but not 0
+
+   integer, parameter :: most = 306                  !! Greatest decimal magnitude
+   character(len=*), parameter :: figures = "0123456789"
+
+contains
+
+   !> Read a number, its decimal exponent shifted. No letter but e, E, d and D is understood.
+   pure subroutine read_decimal(text, shift, value, verdict)
+      character(len=*), intent(in) :: text           !! What is written
+      integer, intent(in) :: shift                   !! Added to the decimal exponent
+      real(wp), intent(out) :: value                 !! The number, 0 if it cannot be read
+      integer, intent(out) :: verdict                !! One of the constants above
+      character(len=:), allocatable :: shifted
+      integer :: digits, exponent, first, magnitude, mark, point, status
+
+      value = 0.0_wp
+      verdict = decimal_none
+      first = merge(2, 1, scan(text//" ", "+-") == 1)
+      mark = scan(text//"e", "eEdD")
+      if (verify(text(first:mark - 1), figures//".") > 0) return
+      if (scan(text(first:mark - 1), figures) == 0) return
+      point = index(text(:mark - 1)//".", ".")
+      if (index(text(point + 1:mark - 1), ".") > 0) return
+      exponent = 0
+      if (mark <= len(text)) then
+         digits = mark + merge(2, 1, scan(text(mark + 1:), "+-") == 1)
+         if (verify(text(digits:), figures) > 0 .or. digits > len(text)) return
+         if (verify(text(digits:), "0") > 0 .and. len(text) - digits >= 6) then
+            verdict = merge(decimal_small, decimal_large, text(mark + 1:mark + 1) == "-")
+            return
+         end if
+         read (text(mark + 1:), *, iostat=status) exponent
+      end if
+      verdict = decimal_good
+      if (text(1:1) == "-") value = sign(0.0_wp, -1.0_wp)
+      digits = scan(text(:mark - 1), "123456789")
+      if (digits == 0) return
+      exponent = exponent + shift
+      magnitude = exponent + point - digits - merge(1, 0, point > digits)
+      if (magnitude > most) verdict = decimal_large
+      if (magnitude < -most) verdict = decimal_small
+      if (verdict /= decimal_good) return
+      shifted = text(:mark - 1)//"e"//number(exponent)
+      read (shifted, *, iostat=status) value
+      if (status /= 0) verdict = decimal_none
+   end subroutine read_decimal
+
+   !> Read a number of a file of another program; one too small to be told from 0 is 0.
+   pure subroutine file_number(text, value, sound)
+      character(len=*), intent(in) :: text           !! What is written
+      real(wp), intent(out) :: value                 !! The number
+      logical, intent(out) :: sound                  !! Is it a number that can be had?
+      integer :: verdict
+
+      call read_decimal(text, 0, value, verdict)
+      sound = verdict == decimal_good .or. verdict == decimal_small
+   end subroutine file_number
+end module base_decimal

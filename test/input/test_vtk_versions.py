@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# label: long
+# timeout: 1200
+"""Outputs open in the oldest VTK that the project promises, 9.2, the reader inside of ParaView 5.11, and in the newest.
+
+Would catch a layout that only newer readers understand, and a check that ends with a fault of its own in an old one.
+Each version is installed into an environment of its own, which needs the network; skipped where that fails.
+"""
+
+import subprocess
+import sys
+
+import case
+import report
+
+NOT_INSTALLED = 77
+VERSIONS = ("vtk==9.2.6", "vtk")
+#: Particles, a grid and a slice, with symmetric tensors and whole numbers.
+DECK = """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.05 /
+&time t_end = 1e-3  cfl = 0.3 /
+&material name = 'rubber'  density = 1000  young = 1e6  poisson = 0.3 /
+&region name = 'ball'  shape = 'sphere'  centre = 0.5 0.05 0.5  radius = 0.2 /
+&body name = 'one'  region = 'ball'  material = 'rubber'  velocity = 1 0 2  spin = 0 3 0 /
+&output name = 'points'  kind = 'particles'  count = 3
+  fields = 'velocity', 'stress', 'material', 'pressure', 'mass' /
+&output name = 'nodes'  kind = 'grid'  count = 3  fields = 'mass', 'velocity' /
+"""
+
+
+def environment(folder, package):
+    """The Python of an environment with one package; None if it cannot be had."""
+    python = folder / "bin/python"
+    if not python.exists():
+        subprocess.run([sys.executable, "-m", "venv", folder], check=True)
+    done = subprocess.run([python, "-m", "pip", "install", "--quiet", package, "h5py", "matplotlib"],
+                          capture_output=True, text=True, check=False)
+    return python if done.returncode == 0 else None
+
+
+def main():
+    """One run, read by each version."""
+    options = case.arguments()
+    box = case.Case(options, "outputs", DECK)
+    box.run()
+    sheet = report.Report()
+    sheet.require(box.code == 0, f"exit code {box.code}: {box.output[-300:]}")
+    tried = 0
+    for package in VERSIONS:
+        python = environment(options.work / package.replace("==", "_"), package)
+        if not python:
+            print(f"{package} cannot be installed here")
+            continue
+        tried += 1
+        lists = sorted(box.folder.rglob("*.hdf.series"))
+        sheet.require(len(lists) == 2, f"particles and nodes: {lists}")
+        for series in lists:
+            answer = subprocess.run([python, "-m", "scree_post", "check", series], capture_output=True, text=True,
+                                    check=False, cwd=case.ROOT / "scripts")
+            print(f"{package}: {series.name}: {answer.stdout.strip()}")
+            sheet.require(answer.returncode == 0, f"{package}: {series.name}: {answer.stdout}{answer.stderr}")
+    if not tried:
+        sys.exit(NOT_INSTALLED)
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
