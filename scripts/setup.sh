@@ -4,8 +4,8 @@
 #
 # Installs what is missing to build and run Scree on Debian 12, Ubuntu and their like: compiler,
 # CMake, Open MPI and parallel HDF5 from the system's packages (as root or with sudo), and a Python
-# environment for tests and pictures in build/venv, with the command build/venv/bin/scree-post. If
-# nothing is missing, nothing is downloaded.
+# environment for tests and pictures in build/venv, with the commands scree-post and scree-deck in
+# build/venv/bin. If nothing is missing, nothing is downloaded.
 #
 #   --no-python   leave out the Python environment
 #   --help        this text
@@ -124,9 +124,10 @@ install_missing() {
 
 setup_python() {
    local requirements="${scripts}/requirements.txt" stamp="${root}/build/venv/requirements.stamp"
-   local post="${root}/build/venv/bin/scree-post"
+   local commands="${root}/build/venv/bin"
    if [[ -x "${python}" ]] && cmp -s "${requirements}" "${stamp}" \
-      && "${post}" --version > /dev/null 2>&1; then
+      && "${commands}/scree-post" --version > /dev/null 2>&1 \
+      && "${commands}/scree-deck" --version > /dev/null 2>&1; then
       return
    fi
    local creator

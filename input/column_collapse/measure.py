@@ -17,6 +17,7 @@ from scree_scene import Study, Table   # noqa: E402
 
 ASPECTS = (0.5, 1.0, 2.0, 4.0)
 KINDS = {"plane": False, "round": True}                # is it axisymmetric?
+LAYER = 0.025                                          # thickness of the layers that are drawn [m]
 COLOURS = {"plane": "#0072b2", "round": "#d55e00"}
 
 
@@ -106,5 +107,30 @@ def draw(runs, plot):
     return figure
 
 
+def draw_stages(runs, plot):
+    """The column of the deck at four times, in layers that lay flat at the start."""
+    if "plane_2" not in runs:
+        return None
+    run = runs["plane_2"]
+    begin = run.near(0.0)
+    order = np.argsort(begin.fields["identity"])
+    whose, height = begin.fields["identity"][order], begin.points[order, 2]
+    figure, panels = plot.subplots(2, 2, figsize=(9.0, 4.3), sharex=True, sharey=True, layout="constrained")
+    for panel, moment in zip(panels.flat, (0.0, 0.15, 0.3, 0.75)):
+        snap = run.near(moment)
+        layer = np.floor(height[np.searchsorted(whose, snap.fields["identity"])] / LAYER) % 2
+        panel.scatter(100 * snap.points[:, 0], 100 * snap.points[:, 2], s=6.0, c=layer, cmap="copper", vmin=-0.3,
+                      vmax=1.5, linewidths=0)
+        panel.axvline(100 * flows.HALF_WIDTH * (1.0 + flows.measured_runout(2.0, False)), color="k", linestyle=":")
+        panel.set(ylim=(0.0, 22.0), xlim=(0.0, 50.0), aspect="equal")
+        panel.set_title(f"{snap.time:.2f} s", loc="right", y=0.8)
+    for panel in panels[:, 0]:
+        panel.set_ylabel("z [cm]")
+    for panel in panels[1]:
+        panel.set_xlabel("x [cm]")
+    return figure
+
+
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, {"runout.png": draw}, phrases={"README.md": phrases}, as_it_stands="plane_2").main()
+    Study(__file__, CASES, tables, {"stages.png": draw_stages, "runout.png": draw}, phrases={"README.md": phrases},
+          as_it_stands="plane_2").main()

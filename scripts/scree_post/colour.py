@@ -2,7 +2,8 @@
 """What particles are coloured by: a field, a component of one, the body; ranges and colour maps.
 
 All maps can be read with any colour vision: viridis for sizes, coolwarm for numbers of both signs,
-and the colours of Okabe and Ito for bodies and other whole numbers.
+and the colours of Okabe and Ito for bodies and other whole numbers. Fragments have these from the
+heaviest on, small ones pale tints that repeat, what belongs to none grey.
 """
 from dataclasses import dataclass
 
@@ -13,8 +14,11 @@ from .errors import EXIT_USAGE, PostError, unknown
 
 COMPONENTS = {3: ("x", "y", "z"), 6: ("xx", "yy", "zz", "xy", "yz", "xz"),
               9: ("xx", "yx", "zx", "xy", "yy", "zy", "xz", "yz", "zz")}
-WHOLE = ("body", "material", "failed")
+WHOLE = ("body", "material", "failed", "fragment")
 FAILED = ("intact", "failed")
+NO_FRAGMENT = "#c8c8c8"                                  # dust and what does not count
+NAMED = 6                                                # fragments with a colour of their own
+PALE = 0.55                                              # share of white in the tints of the others
 MAPS = ("viridis", "cividis", "inferno", "magma", "plasma", "coolwarm", "PuOr", "gray")
 
 
@@ -30,6 +34,7 @@ class Colour:
     high: float = 1.0
     map: str = "viridis"
     names: tuple = ()                                    # of whole numbers, such as bodies
+    tints: tuple = ()                                    # of fragments, see fragment_tints
     beyond: tuple = (False, False)                       # whether numbers lie below, above
 
 
@@ -90,6 +95,9 @@ def colour_for(name, snaps, wanted=None, chosen_map=None):
         values_of(snap, name)                            # complains if there is none
         count = max((int(values_of(one, name).max()) for one in snaps if len(one.points)),
                     default=0) + 1
+        if field == "fragment":
+            numbers = np.unique(np.concatenate([values_of(one, name) for one in snaps]))
+            return Colour(name, label_of(snap, name), names=fragment_names(numbers), tints=fragment_tints())
         names = FAILED if field == "failed" else tuple(
             snap.body_name(row) if field == "body" else f"material {row}" for row in range(count))
         return Colour(name, label_of(snap, name), names=names)
@@ -111,6 +119,31 @@ def colour_for(name, snaps, wanted=None, chosen_map=None):
                   chosen_map or ("coolwarm" if signed else "viridis"), beyond=beyond)
 
 
+def fragment_tints():
+    """Colours of fragments: none, the heaviest ones, and those that all others share in turn."""
+    rgb = look.pyplot().matplotlib.colors.to_rgb
+    full = [rgb(tint) for tint in look.COLOURS[:NAMED]]
+    pale = [tuple(PALE + (1.0 - PALE) * part for part in tint) for tint in full]
+    return (rgb(NO_FRAGMENT), *full, *pale)
+
+
+def fragment_names(numbers):
+    """Lines of a legend for these numbers of fragments: the heaviest, all others in one line, none."""
+    most = int(max(numbers, default=0))
+    names = [str(number) for number in range(1, min(most, NAMED) + 1)]
+    if names:
+        names[0] += ", the heaviest"
+    return tuple(names) + ("others",) * (most > NAMED) + ("none",) * (0 in numbers)
+
+
+def fragment_patches(colour):
+    """A coloured patch for each line of the legend of fragments, several for the others."""
+    from matplotlib.patches import Patch
+    patch = [Patch(color=tint) for tint in colour.tints]
+    return [patch[0] if name == "none" else tuple(patch[NAMED + 1:NAMED + 5]) if name == "others"
+            else patch[row + 1] for row, name in enumerate(colour.names)]
+
+
 def sensible(values):
     """A range that a few stray particles do not stretch."""
     if len(values) == 0:
@@ -130,6 +163,10 @@ def sensible(values):
 def paint(colour, values):
     """Colours (n, 4) of numbers [SI]; not-a-number is grey."""
     plot = look.pyplot()
+    if colour.tints:
+        tints = np.array([plot.matplotlib.colors.to_rgba(tint) for tint in colour.tints])
+        number = values.astype(int)
+        return tints[np.where(number > NAMED, NAMED + 1 + (number - 1) % NAMED, number)]
     if colour.names:
         tints = np.array([plot.matplotlib.colors.to_rgba(tint) for tint in tints_of(colour)])
         return tints[np.clip(values.astype(int), 0, len(colour.names) - 1) % len(tints)]
@@ -149,11 +186,14 @@ def legend(figure, axes, colour, slot=None):
     """Colour bar (into the axes `slot`), or names with their colours, right of the axes."""
     plot = look.pyplot()
     if colour.names:
+        from matplotlib.legend_handler import HandlerTuple
         from matplotlib.patches import Patch
-        patches = [Patch(color=tints_of(colour)[row % len(tints_of(colour))], label=name)
-                   for row, name in enumerate(colour.names)]
-        axes.legend(handles=patches, loc="upper left", bbox_to_anchor=(1.01, 1.0),
-                    borderaxespad=0.0, handlelength=1.0, handleheight=1.0)
+        patches = fragment_patches(colour) if colour.tints else [
+            Patch(color=tints_of(colour)[row % len(tints_of(colour))]) for row in range(len(colour.names))]
+        axes.legend(patches, colour.names, loc="upper left", bbox_to_anchor=(1.01, 1.0),
+                    borderaxespad=0.0, handlelength=1.0, handleheight=1.0,
+                    title="fragment" if colour.tints else None, alignment="left",
+                    handler_map={tuple: HandlerTuple(ndivide=None, pad=0.0)})
         return
     scale = plot.matplotlib.cm.ScalarMappable(
         plot.matplotlib.colors.Normalize(colour.low, colour.high), colour.map)

@@ -2,8 +2,9 @@
 !> From the pieces of a deck to groups with values: every unknown, repeated or wrong piece is told.
 module base_deck_fill
    use base_deck_group, only: group_t
-   use base_deck_problems, only: problems_t
+   use base_deck_problems, only: command_line, problems_t
    use base_deck_value, only: convert, read_default, value_t
+   use base_former, only: find_former, tell_former
    use base_namelist, only: block_t, namelist_t, piece_t, token_t
    use base_schema, only: group_rule_t, kind_integer, kind_logical, kind_real, key_t, schema_t
    use base_text, only: closest, join, number, shortened
@@ -105,7 +106,8 @@ contains
             place = rule%find(piece%key)
             if (piece%key == "") cycle
             if (place == 0) then
-               call problems%error(block%file, piece%line, unknown_key(rule, piece%key))
+               call problems%error(block%file, piece%line, unknown_key(rule, piece%key, &
+                  written(piece%tokens), block%file))
                cycle
             end if
             if (group%values(place)%given .and. piece%subscript == "") then
@@ -118,12 +120,20 @@ contains
       end do
    end subroutine fill_group
 
-   !> What to say of a key that does not exist.
-   function unknown_key(rule, key) result(text)
+   !> What to say of a key that does not exist, or does not any more.
+   function unknown_key(rule, key, value, file) result(text)
       type(group_rule_t), intent(in) :: rule             !! What is allowed
       character(len=*), intent(in) :: key                !! As written
+      character(len=*), intent(in) :: value              !! As written
+      character(len=*), intent(in) :: file               !! Where, empty: on the command line
       character(len=:), allocatable :: text
+      integer :: former
 
+      former = find_former(rule%formers, key(:index(key//"(", "(") - 1), value)
+      if (former > 0) then
+         text = tell_former(rule%formers(former), rule%name, value, file)
+         return
+      end if
       text = meant("'", closest(key, rule%names()), "'")
       if (text == "") text = "; scree --explain "//rule%name//" shows those that there are"
       text = "&"//rule%name//": unknown key '"//key//"'"//text
@@ -139,7 +149,7 @@ contains
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       type(group_t), intent(inout) :: group              !! Gets the value
       character(len=:), allocatable :: complaint, hint
-      integer :: subscript
+      integer :: former, subscript
 
       associate (key => rule%keys(place), value => group%values(place))
          value%given = .true.
@@ -158,11 +168,26 @@ contains
          end if
          call convert(key, piece%tokens, subscript, system, value, complaint)
          if (complaint == "") return
+         former = find_former(rule%formers, key%name, written(piece%tokens))
+         if (former > 0) then
+            call problems%error(file, piece%line, tell_former(rule%formers(former), rule%name, &
+               written(piece%tokens), deck_of(file)))
+            return
+         end if
          hint = lost_sign(rule, piece%tokens)
          call problems%error(file, piece%line, "&"//rule%name//": "//key%name//piece%subscript// &
             " = "//written(piece%tokens)//complaint//hint)
       end associate
    end subroutine store
+
+   !> The file of a deck, empty for the command line, which no command can rewrite.
+   pure function deck_of(file) result(name)
+      character(len=*), intent(in) :: file               !! Where a piece stands
+      character(len=:), allocatable :: name
+
+      name = file
+      if (file == command_line) name = ""
+   end function deck_of
 
    !> The number in brackets, 0 without brackets, -1 if there is no number.
    pure integer function number_in(subscript) result(place)

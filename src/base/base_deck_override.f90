@@ -37,7 +37,7 @@ contains
       end if
       place = schema%groups(rule)%find(key(:index(key//"(", "(") - 1))
       if (place == 0) then
-         call problems%error(command_line, 0, unknown_key(schema%groups(rule), key))
+         call problems%error(command_line, 0, unknown_key(schema%groups(rule), key, value, ""))
          return
       end if
       call choose(schema%groups(rule), choice, problems, groups, filled, which)

@@ -19,7 +19,8 @@ module ddmp_alpha
 
 contains
 
-   !> alpha of each particle of a tile for the derivative along each direction.
+   !> alpha of each particle of a tile for the derivative along each direction. Equations (M.8),
+   !! (M.9) and (M.10) of doc/theory/method.md.
    pure subroutine find_alpha(grid, kind, centre, number, local, alpha)
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: kind                    !! One of the kinds above
@@ -71,7 +72,7 @@ contains
    !! bubbles
    !! of neighbouring cells cancel there, and what is left is the kink of a linear interpolation of
    !! the node gradient. All sums over nodes remain, because the functions still add up to one and
-   !! force and strain use the same.
+   !! force and strain use the same. Equation (M.11).
    pure subroutine find_blend(grid, number, local, blend)
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: number                  !! Particles of the tile

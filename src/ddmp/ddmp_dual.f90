@@ -10,7 +10,8 @@
 !! at most 1: a cell with an empty node takes no part, so no force falls on a node without mass, and
 !! the fill may waver round one inside of a body without any effect. Nor is it above four times the
 !! least density of the nodes over the greatest: a node of light matter beside heavy matter has
-!! no mass for the stress of the latter, which would tear it away at any useful time step.
+!! no mass for the stress of the latter, which would tear it away at any useful time step. Equations
+!! (M.3) and (M.14) of doc/theory/method.md.
 module ddmp_dual
    use base_kinds, only: wp
    use ddmp_lattice, only: lattice_t, spread_force, spread_gradient
@@ -73,7 +74,7 @@ contains
 
    !> Weight of each cell of a tile: twice the least fill of its nodes, at most 1, and less where
    !! the densities of its nodes are very different; or by another rule. Cells beyond the box count
-   !! nothing.
+   !! nothing. Equations (M.12) and (M.13).
    pure subroutine dual_cell_weights(self, grid, total, row, node_volume, weight)
       class(dual_t), intent(in) :: self              !! The integrals
       type(grid_t), intent(in) :: grid               !! The grid
@@ -166,6 +167,7 @@ contains
    end subroutine dual_add_volume
 
    !> Add the force of the node stress, - sum_j sigma_j . D_ji, of the cells of a tile to a patch.
+   !! The last sum of (M.4).
    pure subroutine dual_add_force(self, grid, coordinate, weight, stress, patch)
       class(dual_t), intent(in) :: self              !! The integrals
       type(grid_t), intent(in) :: grid               !! The grid
@@ -178,7 +180,7 @@ contains
          weight, stress, patch)
    end subroutine dual_add_force
 
-   !> Add sum_i u_i D_ji of the cells of a tile to a patch.
+   !> Add sum_i u_i D_ji of the cells of a tile to a patch. The sum of (M.6).
    pure subroutine dual_add_gradient(self, grid, coordinate, weight, velocity, patch)
       class(dual_t), intent(in) :: self              !! The integrals
       type(grid_t), intent(in) :: grid               !! The grid

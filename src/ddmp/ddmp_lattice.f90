@@ -9,7 +9,7 @@
 !! In a plane and on a line vectors have no component along y, so a node has two numbers, and
 !! integrals of products are those along a single other direction. In space all cells have the same
 !! integrals: those of products are 2 or 1 times h/6, so that sums take their place, and what is
-!! left is one factor that goes into the weights.
+!! left is one factor that goes into the weights. Equation (M.3) of doc/theory/method.md.
 module ddmp_lattice
    use base_kinds, only: wp
    use mesh_grid, only: grid_t

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> How the modified gradient is taken at a particle: the part of it on the cell, and the part that
 !! goes by way of the nodes. The same rule serves force and strain, so that the power of the force
-!! is that of the stress.
+!! is that of the stress. Equations (M.2) and (M.15) of doc/theory/method.md.
 module ddmp_quadrature
    use base_kinds, only: wp
    use ddmp_alpha, only: alpha_split

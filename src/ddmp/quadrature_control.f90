@@ -7,7 +7,7 @@
 !! parts vanishes; the power of the force is not exactly that of the stress.
 !!
 !! The idea of a stress difference is that of A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys.
-!! (2023) 112681, whose form does not keep momentum.
+!! (2023) 112681, whose form does not keep momentum. Equation (Q.3) of doc/theory/quadratures.md.
 module quadrature_control
    use quadrature_point, only: quadrature_point_t
    implicit none

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The modified gradient at the particle itself: D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys.
-!! 230 (2011) 6379, in the two-step form.
+!! 230 (2011) 6379, in the two-step form. Equation (M.2) of doc/theory/method.md.
 module quadrature_point
    use base_kinds, only: wp
    use ddmp_alpha, only: find_alpha, find_blend

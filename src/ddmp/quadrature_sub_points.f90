@@ -4,6 +4,7 @@
 !! lie on a lattice in the box of the particle, which stretches along the directions of the grid, so
 !! the means are products of means along the directions. Mass and velocity go to the nodes by means
 !! over the same box (basis cpgimp): else a node at a free surface would feel force without mass.
+!! Equation (Q.1) of doc/theory/quadratures.md.
 module quadrature_sub_points
    use base_kinds, only: wp
    use ddmp_quadrature, only: quadrature_t

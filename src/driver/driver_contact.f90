@@ -159,7 +159,7 @@ contains
       end associate
    end subroutine survey_node
 
-   !> The normal along which two fields are farthest apart at a node.
+   !> The normal along which two fields are farthest apart at a node. Equation (C.2).
    subroutine choose_normal(simulation, tile, node, pair, reach, area, normal, gap)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
@@ -204,7 +204,7 @@ contains
    end function holds
 
    !> Give the fields at a node what pushes them. The work that the pushes take from all of them
-   !! together becomes heat, the same for each mass.
+   !! together becomes heat, the same for each mass. Equation (C.6).
    subroutine give_push(contact, tile, node, who, mass, push, dt)
       type(contact_t), intent(inout) :: contact      !! The fields
       integer, intent(in) :: tile                    !! Which tile

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The mean stress of the nodes that is taken out of the particles (`quadrature = 'control'`).
+!! Equations (Q.2) and (Q.3) of doc/theory/quadratures.md.
 module driver_control
    use base_kinds, only: wp
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
@@ -80,7 +81,8 @@ contains
    end subroutine scatter_tile
 
    !> Mean stress of the nodes of a tile, times the least fill of all nodes around: twice their
-   !! volume of particles over their own, at most 1. Nodes beyond the box do not count.
+   !! volume of particles over their own, at most 1. Nodes beyond the box do not count. Equation
+   !! (Q.2).
    subroutine divide_tile(simulation, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile

@@ -3,7 +3,8 @@
 !! f - s . (f[I] - f_w[I]) with its mean stress s, the force f[I] of the same particles under unit
 !! stress, and the exact force f_w[I] of unit stress in cells with their weights, which vanishes
 !! but at faces (A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys. (2023) 112681). Towards free
-!! surfaces the change fades: there the force stays that of the point rule.
+!! surfaces the change fades: there the force stays that of the point rule. Equations (Q.4) and
+!! (Q.5) of doc/theory/quadratures.md.
 module driver_difference
    use base_kinds, only: wp
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
@@ -132,7 +133,7 @@ contains
       end associate
    end subroutine unit_tile
 
-   !> Change of the force of the nodes of a tile.
+   !> Change of the force of the nodes of a tile. Equation (Q.4).
    subroutine difference_tile(simulation, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
@@ -165,7 +166,7 @@ contains
 
    !> How far the nodes of a tile are inside of bodies: 1 if all cells around count in full, and 0
    !! once one of them does not count. The weights do not tell where in its cells a surface is, so
-   !! the exact force is wrong there.
+   !! the exact force is wrong there. Equation (Q.6).
    pure subroutine find_inside(simulation, tile, inside)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile

@@ -187,7 +187,8 @@ contains
       call gradient%put(simulation%grid, simulation%nodes%weighted, tile, 1, patch)
    end subroutine put_gradient
 
-   !> Sum of the pieces of a node gradient, divided by the volumes of the nodes.
+   !> Sum of the pieces of a node gradient, divided by the volumes of the nodes. Equation (M.6) of
+   !! doc/theory/method.md.
    subroutine node_gradient(simulation, tile, pieces, gradient)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile

@@ -268,7 +268,7 @@ contains
    end subroutine look_steep
 
    !> The node fields that move the particles of a tile, and those of the kinetic energy that the
-   !! way to the nodes and back loses.
+   !! way to the nodes and back loses. Without leapfrog (M.21) of doc/theory/method.md moves them.
    subroutine look_motion(simulation, tile, dt, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
@@ -379,7 +379,7 @@ contains
    end function strained
 
    !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
-   !! what the nodes lose in kinetic energy is what the particles gain in internal energy.
+   !! what nodes lose in kinetic energy particles gain: (T.8) of doc/theory/transfers.md.
    subroutine add_work(simulation, scratch, store, tile, view)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread

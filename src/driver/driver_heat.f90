@@ -8,7 +8,7 @@
 !! see; it fades at the rate of the shortest wave that they do see, by a term without any effect on
 !! the nodes, of second order as in the filtered transfers of C. C. Hammerquist, J. A. Nairn,
 !! Comput. Methods Appl. Mech. Eng. 318 (2017) 724. Materials without a conductivity take no part.
-!! Free surfaces are insulated, and faces of the box that are held at no temperature.
+!! Free surfaces are insulated, and faces that have no temperature. See doc/theory/matter.md.
 module driver_heat
    use base_constants, only: pi
    use base_kinds, only: wp
@@ -121,7 +121,7 @@ contains
    end subroutine find_flow
 
    !> Greatest time step that conduction bears [s]: half of the square of the spacing over the
-   !! diffusivity and the number of directions.
+   !! diffusivity and the number of directions. Equation (A.16).
    pure real(wp) function conduction_step(spacing, dimensions, diffusivity) result(dt)
       real(wp), intent(in) :: spacing                !! Of the grid [m]
       integer, intent(in) :: dimensions              !! Of the grid
@@ -281,7 +281,7 @@ contains
       vector(1, :) = scalar(1, :)
    end subroutine as_vector
 
-   !> What the particles of a tile hand to the nodes: heat, heat that the nodes do not see, flux.
+   !> What the particles of a tile hand to the nodes: heat, heat that nodes do not see: (A.14).
    subroutine spread_flow(simulation, scratch, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -362,7 +362,7 @@ contains
    end subroutine push_particles
 
    !> What the nodes do not see of the temperature of particles, as far as it fades in this step, in
-   !! the first column of the scratch vector [K].
+   !! the first column of the scratch vector [K]. The second of (A.15).
    subroutine find_hidden(simulation, scratch, index, tile, dt)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
@@ -423,7 +423,7 @@ contains
    end subroutine push_tile
 
    !> New temperatures of the particles of a tile. Heat that goes into or out of matter without an
-   !! internal energy is booked, so that the energy of the run stays whole.
+   !! internal energy is booked, so that the energy of the run stays whole. The first of (A.15).
    subroutine give_heat(simulation, scratch, tile, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread

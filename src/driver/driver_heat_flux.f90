@@ -6,7 +6,8 @@
 !!
 !! Energies of a material go to the nodes weighted with mass. What the flux takes from a node it
 !! gives to others, and particles get the changes of their nodes, so the sum is kept to round-off.
-!! Materials do not heat each other, and no flux crosses surfaces and faces.
+!! Materials do not heat each other, and no flux crosses surfaces and faces. Equation (M.23) of
+!! doc/theory/method.md.
 module driver_heat_flux
    use base_kinds, only: wp
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches

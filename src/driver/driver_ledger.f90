@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The books of a run: mass, momentum and energy in the box, lost through its faces, and brought in
-!! from outside. All sums are exact, so they are the same for any ranks and threads.
+!! from outside. All sums are exact, so they are the same for any ranks and threads. Equations (L.5)
+!! and (L.6) of doc/theory/ledger.md.
 module driver_ledger
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
@@ -149,7 +150,8 @@ contains
 
    !> Entries of now, summed over all particles and ranks, and the errors against the start.
    !!
-   !! In axisymmetry particles are rings, so only the axial momentum has a meaning.
+   !! In axisymmetry particles are rings, so only the axial momentum has a meaning. Equations (L.5)
+   !! and (L.6).
    subroutine ledger_balance(self, communicator, grid, stores, materials, now)
       class(ledger_t), intent(inout) :: self         !! The books
       type(communicator_t), intent(in) :: communicator !! The ranks
@@ -228,7 +230,7 @@ contains
       end do
    end subroutine clear_meaningless
 
-   !> Sums over the particles of one tile in their order.
+   !> Sums over the particles of one tile in their order. Equation (L.1).
    subroutine sum_tile(store, material, tile, sums, scales)
       type(store_t), intent(in) :: store             !! The particles
       type(material_t), intent(in) :: material       !! Their material

@@ -25,7 +25,8 @@ contains
    !> Bound what a light node gains in the step in the velocity that strains: its force over its
    !! mass has no bound, while particles near it gain only their share of the force.
    !! Node volumes count with the weights of cells, so they tell how light a node and its cells are.
-   !! Gains that move a node by less than a small share of a cell stay.
+   !! Gains that move a node by less than a small share of a cell stay. Equation (M.17) of
+   !! doc/theory/method.md.
    pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0

@@ -1,11 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What the program can list of itself: materials, fields, shapes.
+!> What the program can list of itself: materials, fields, shapes, former names of decks.
 module driver_lists
+   use base_former, only: former_line
    use base_schema, only: schema_t
+   use base_text, only: join, number
    use exact_catalogue, only: exact_names
+   use io_deck_schema, only: deck_version
    use io_fields, only: field_names
    use material_catalogue, only: damage_names, eos_names, law_names
-   use material_type, only: declare_material_keys
    implicit none
    private
 
@@ -14,37 +16,57 @@ module driver_lists
 contains
 
    !> The list of a name that the command line allows.
-   function list_text(name) result(text)
-      character(len=*), intent(in) :: name           !! materials, fields or shapes
+   function list_text(name, schema) result(text)
+      character(len=*), intent(in) :: name           !! materials, fields, shapes or former
+      type(schema_t), intent(in) :: schema           !! All keys of a deck
       character(len=:), allocatable :: text
 
       select case (name)
       case ("fields")
          text = joined(field_names)
       case ("shapes")
-         text = joined([character(len=12) :: "box", "sphere", "cylinder", "cone", "ellipsoid", &
-            "torus", "halfspace", "stl", "union", "difference", "intersection"])
+         associate (region => schema%groups(schema%find("region")))
+            text = join(region%keys(region%find("shape"))%words, " ")
+         end associate
+      case ("former")
+         text = former_lines(schema)
       case default
          text = "strength_model: "//joined(law_names)//new_line("a")//"eos_model: " &
             //joined(eos_names)//new_line("a")//"damage_model: "//joined(damage_names) &
             //new_line("a")//"solution: "//joined(exact_names)//new_line("a")// &
-            "preset:"//preset_lines()
+            "preset:"//preset_lines(schema)
       end select
    end function list_text
 
    !> One line a preset.
-   function preset_lines() result(text)
+   pure function preset_lines(schema) result(text)
+      type(schema_t), intent(in) :: schema           !! All keys of a deck
       character(len=:), allocatable :: text
-      type(schema_t) :: schema
       integer :: n
 
-      call declare_material_keys(schema)
       text = ""
       do n = 1, size(schema%presets)
          text = text//new_line("a")//"   "//schema%presets(n)%name// &
             repeat(" ", max(20 - len(schema%presets(n)%name), 1))//schema%presets(n)%title
       end do
    end function preset_lines
+
+   !> The format of decks, and a line a name that they are not written with any more. What
+   !! scree-deck migrate does follows from it.
+   function former_lines(schema) result(text)
+      type(schema_t), intent(in) :: schema           !! All keys of a deck
+      character(len=:), allocatable :: text
+      integer :: group, n
+
+      text = "deck_version "//number(deck_version)
+      do group = 1, size(schema%groups)
+         associate (rule => schema%groups(group))
+            do n = 1, size(rule%formers)
+               text = text//new_line("a")//former_line(rule%name, rule%formers(n))
+            end do
+         end associate
+      end do
+   end function former_lines
 
    !> Words with blanks between them.
    pure function joined(words) result(text)

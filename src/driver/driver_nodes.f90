@@ -171,7 +171,8 @@ contains
       end associate
    end subroutine ensure_moved
 
-   !> Velocity and acceleration of the nodes of a tile, and the velocity that strains.
+   !> Velocity and acceleration of the nodes of a tile, and the velocity that strains. Equation
+   !! (M.16) of doc/theory/method.md.
    subroutine start_tile(simulation, scratch, tile, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger

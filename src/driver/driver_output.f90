@@ -12,7 +12,7 @@ module driver_output
    use driver_simulation, only: simulation_t
    use driver_streams, only: of_bins, of_cells, of_fragments, of_particles, plan_streams, &
       snapshots_t, tables_t
-   use io_fragments, only: fragment_columns, fragment_rows
+   use io_fragments, only: fragment_columns, fragment_labels, fragment_rows, labels_t
    use io_grid, only: grid_write
    use io_profile, only: profile_columns, profile_rows
    use io_snapshot, only: snapshot_header_t, snapshot_write
@@ -197,6 +197,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       character(len=:), allocatable, intent(inout) :: note !! What the log should say
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
+      type(labels_t), allocatable :: labels(:)
       character(len=:), allocatable :: path
       character(len=16) :: text
 
@@ -211,8 +212,11 @@ contains
             simulation%tiles%coordinate(:, :simulation%tiles%own), simulation%stores, &
             stream%means, stream%format, self%header, error)
       else
+         if (any(stream%fields == "fragment")) call fragment_labels(simulation%communicator, &
+            simulation%grid, simulation%tiles%coordinate(:, :simulation%tiles%own), &
+            simulation%stores, stream%fragments, labels)
          call snapshot_write(simulation%communicator, path, simulation%stores, stream%fields, &
-            stream%format, self%header, error)
+            stream%format, self%header, error, labels)
       end if
       if (allocated(error)) return
       call stream%series%add(simulation%communicator, path, error)

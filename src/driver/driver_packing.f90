@@ -35,6 +35,7 @@ module driver_packing
 contains
 
    !> Fill of the nodes of a tile above 1, or below it where no surface is near; without the noise.
+   !! Equation (Y.28) of doc/theory/strength.md.
    pure subroutine excess_fill(grid, boundary, coordinate, filled, counted, excess)
       type(grid_t), intent(in) :: grid               !! The grid
       type(boundary_t), intent(in) :: boundary       !! Its faces
@@ -59,7 +60,7 @@ contains
    end subroutine excess_fill
 
    !> Let the particles of a tile grow and shrink. What pressed ones lose of their elastic energy is
-   !! booked, where they carry no internal energy that would keep it.
+   !! booked, where they carry no internal energy that would keep it. Equation (Y.29).
    pure subroutine repack(store, tile, material, excess, ledger)
       type(store_t), intent(inout) :: store          !! The particles
       integer, intent(in) :: tile                    !! Which tile

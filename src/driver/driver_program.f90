@@ -96,7 +96,7 @@ contains
             if (command%list == "examples") then
                call examples_text(text, error)
             else
-               text = list_text(command%list)
+               text = list_text(command%list, session%schema)
             end if
          else
             call file_digest(session%simulation%communicator, command%digest, digest, error)

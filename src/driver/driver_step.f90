@@ -181,6 +181,7 @@ contains
    end subroutine agree
 
    !> Stable time step for the fastest signal and the steepest gradient, not growing too fast.
+   !! Equations (S.1) and (S.3) of doc/theory/time_step.md.
    pure subroutine set_next_step(simulation, fastest, rate)
       type(simulation_t), intent(inout) :: simulation !! The run, gets the step and its rule
       real(wp), intent(in) :: fastest                !! Fastest signal and motion [m/s]

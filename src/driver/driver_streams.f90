@@ -43,6 +43,7 @@ module driver_streams
       character(len=:), allocatable :: prefix        !! CASE_p, or CASE_NAME_p for further streams
       character(len=64), allocatable :: fields(:)    !! Names, or "default"
       type(mean_t), allocatable :: means(:)          !! On grids: what is averaged
+      type(fragments_t) :: fragments                 !! What the field fragment numbers
       type(snapshot_format_t) :: format              !! Precision, compression, which particles
       real(wp) :: cells = 0.0_wp                     !! On grids: most cells of a file
       type(schedule_t) :: schedule                   !! When
@@ -106,7 +107,24 @@ contains
             call read_schedule(group, time_end, tables(rows)%schedule)
          end if
       end do
+      call share_fragments(tables, snapshots)
    end subroutine plan_streams
+
+   !> The field `fragment` of snapshots numbers what the first table of fragments lists; without a
+   !! table all matter, parted by gaps alone.
+   subroutine share_fragments(tables, snapshots)
+      type(tables_t), intent(in) :: tables(:)        !! Tables
+      type(snapshots_t), intent(inout) :: snapshots(:) !! Gets the definition
+      integer :: n, table
+
+      do table = 1, size(tables)
+         if (tables(table)%kind == of_fragments) exit
+      end do
+      if (table > size(tables)) return
+      do n = 1, size(snapshots)
+         snapshots(n)%fragments = tables(table)%fragments
+      end do
+   end subroutine share_fragments
 
    !> Kind of a stream, 0 if the deck has none that is known.
    integer function kind_of(group) result(kind)

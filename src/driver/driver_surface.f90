@@ -109,7 +109,7 @@ contains
    end subroutine spread
 
    !> Outward areas of the particles of a tile: what they would push the nodes with under unit
-   !! pressure. With bonds also the mass of those that hold.
+   !! pressure. With bonds also the mass of those that hold. Equation (C.1).
    subroutine spread_area(simulation, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread

@@ -65,7 +65,8 @@ contains
    end function walls_touch
 
    !> Impose the walls on the velocities of a tile, and give what the particles will gain in
-   !! velocity through each node because of them.
+   !! velocity through each node because of them. Equation (R.5) of doc/theory/rigid.md. Equation
+   !! (L.3) of doc/theory/ledger.md.
    pure subroutine impose_walls(simulation, tile, dt, velocity, acceleration, push, &
       work)
       type(simulation_t), intent(in) :: simulation   !! The run

@@ -2,7 +2,9 @@
 !> All groups of a deck and the keys that are not those of materials.
 module io_deck_schema
    use base_schema, only: schema_t
+   use base_text, only: number
    use base_units, only: system_names
+   use base_version, only: version_text
    use io_deck_output, only: declare_checkpoint, declare_log, declare_output, declare_parallel
    use io_deck_scene, only: declare_body, declare_boundary, declare_contact, &
       declare_region
@@ -10,6 +12,10 @@ module io_deck_schema
    private
 
    public :: declare_deck
+
+   !> Format of decks. It rises where a deck of before would mean something else without a word;
+   !! names that were given up are told by the reader anyway.
+   integer, parameter, public :: deck_version = 1
 
 contains
 
@@ -54,7 +60,10 @@ contains
       call schema%text("run", "method", "gradient of the node functions", default="ddmp", &
          words="ddmp mpm")
       call schema%integer("run", "deck_version", "format of this deck", default="1", &
-         range="> 0 <= 1")
+         range="> 0 <= "//number(deck_version))
+      call schema%explain_range("run", "deck_version", "this is scree "//version_text//", "// &
+         "which knows decks up to deck_version "//number(deck_version)//"; a deck of a "// &
+         "higher one needs a later scree")
    end subroutine declare_run
 
    !> Declare &units.
@@ -85,6 +94,10 @@ contains
       call schema%integer("grid", "block", "cells along the edge of a tile, 0 = automatic", &
          default="0", range=">= 0 <= 64")
       call schema%require("grid", "lo hi")
+      call schema%former("grid", "sparse", becomes="", doc="tiles exist only where matter is")
+      call schema%former("grid", "grow = .false.", becomes="", doc="the box keeps its size")
+      call schema%former("grid", "grow", doc="the box keeps its size; choose lo and hi for all "// &
+         "of the run, empty space costs nothing")
    end subroutine declare_grid
 
    !> Declare &time.
@@ -143,5 +156,9 @@ contains
          default=".false.")
       call schema%logical("effects", "erosion", "failed particles are taken out and booked", &
          default=".false.", owner="effects.damage")
+      call schema%former("effects", "conduction", becomes="", doc="materials with a "// &
+         "conductivity conduct")
+      call schema%former("effects", "granular", becomes="", doc="strength_model = 'granular' "// &
+         "of a material says so")
    end subroutine declare_effects
 end module io_deck_schema

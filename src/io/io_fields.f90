@@ -14,13 +14,13 @@ module io_fields
 
    integer, parameter, public :: field_name_length = 32  !! Longest name of a field
    !> All names that `fields` of an output may hold, beside "default" and "state".
-   character(len=field_name_length), parameter, public :: field_names(31) = &
+   character(len=field_name_length), parameter, public :: field_names(32) = &
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
       "density", "velocity", "speed", "reference", "stress", "pressure", "mises", &
       "viscous_pressure", "energy", "temperature", "plastic_strain", "plastic_rate", "damage", &
       "failed", "deformation_gradient", "plastic_dilation", "distension", &
       "scatter", "overload", "bulking", "solid_fraction", "bond", "extent", "domain", "affine", &
-      "spin"]
+      "spin", "fragment"]
    !> Those of "default", as far as there are.
    character(len=field_name_length), parameter :: usual_names(12) = &
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
@@ -38,6 +38,7 @@ module io_fields
    !> Places of the particles of a store that are written.
    type :: picks_t
       integer, allocatable :: order(:)                   !! In the order of the file
+      integer(int64), allocatable :: fragment(:)         !! Number in the table, 0 = none, if asked
    end type picks_t
 
    !> Collects what fields there are.
@@ -152,7 +153,7 @@ contains
       column%name = name
       column%derived = .true.
       select case (name)
-      case ("material")
+      case ("material", "fragment")
          column%is_real = .false.
       case ("pressure", "mises")
          column%unit = "Pa"
@@ -223,7 +224,9 @@ contains
       if (.not. column%derived) call move_alloc(values, fetcher%wholes)
       do store = 1, size(stores)
          last = before + size(picks(store)%order)
-         if (column%derived) then
+         if (column%name == "fragment") then
+            if (allocated(picks(store)%fragment)) values(before + 1:last) = picks(store)%fragment
+         else if (column%derived) then
             values(before + 1:last) = store
          else
             fetcher%name = column%name

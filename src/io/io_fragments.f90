@@ -19,7 +19,7 @@ module io_fragments
    implicit none
    private
 
-   public :: fragment_columns, fragment_rows, fragments_t
+   public :: fragment_columns, fragment_labels, fragment_rows, fragments_t, labels_t
 
    integer, parameter :: column_length = 40              !! Longest heading of a column
 
@@ -29,11 +29,17 @@ module io_fragments
       real(wp) :: velocity_cut = huge(1.0_wp)            !! Cells that differ by more part [m/s]
    end type fragments_t
 
+   !> The fragments of the particles of a store.
+   type :: labels_t
+      integer(int64), allocatable :: fragment(:)         !! (particle) Number in the table, 0 = none
+   end type labels_t
+
    !> All cells with particles, the same on all ranks.
    type :: map_t
       integer(int64), allocatable :: key(:)              !! (cell) Number in the box, ascending
       real(wp), allocatable :: velocity(:, :)            !! (3, cell) If it matters [m/s]
       integer, allocatable :: fragment(:)                !! (cell) From 1
+      integer, allocatable :: number(:)                  !! (fragment) In the table, by mass
       integer, allocatable :: image(:, :)                !! (3, cell) Boxes that it is moved by
       type(key_table_t) :: table                         !! From key to cell
    end type map_t
@@ -65,6 +71,51 @@ contains
       type(picks_t), allocatable :: picks(:)
       type(cells_t) :: cells
       type(map_t) :: map
+
+      call find_fragments(communicator, grid, tiles, stores, wanted, picks, cells, map, rows)
+   end subroutine fragment_rows
+
+   !> The number that each particle's fragment has in the table of this time. Collective.
+   subroutine fragment_labels(communicator, grid, tiles, stores, wanted, labels)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(grid_t), intent(in) :: grid                   !! The grid
+      integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
+      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(fragments_t), intent(in) :: wanted            !! What is looked for
+      type(labels_t), allocatable, intent(out) :: labels(:) !! (store)
+      type(picks_t), allocatable :: picks(:)
+      type(cells_t) :: cells
+      type(map_t) :: map
+      real(wp), allocatable :: rows(:, :)
+      integer, allocatable :: number(:)
+      integer :: cell, filled, n, row
+
+      call find_fragments(communicator, grid, tiles, stores, wanted, picks, cells, map, rows)
+      allocate (labels(size(stores)), number(cells%count))
+      do cell = 1, cells%count
+         number(cell) = map%number(map%fragment(map%table%find(cells%key(grid, cell))))
+      end do
+      filled = 0
+      do n = 1, size(stores)
+         allocate (labels(n)%fragment(size(stores(n)%identity)), source=0_int64)
+         do row = 1, size(picks(n)%order)
+            filled = filled + 1
+            labels(n)%fragment(picks(n)%order(row)) = number(cells%of_row(filled))
+         end do
+      end do
+   end subroutine fragment_labels
+
+   !> Find the fragments and what they hold. Collective.
+   subroutine find_fragments(communicator, grid, tiles, stores, wanted, picks, cells, map, rows)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(grid_t), intent(in) :: grid                   !! The grid
+      integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
+      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(fragments_t), intent(in) :: wanted            !! What is looked for
+      type(picks_t), allocatable, intent(out) :: picks(:) !! (store) Particles that count
+      type(cells_t), intent(out) :: cells                !! Their cells on this rank
+      type(map_t), intent(out) :: map                    !! All cells with their fragments
+      real(wp), allocatable, intent(out) :: rows(:, :)   !! The table
       real(wp), allocatable :: sums(:, :), here(:, :)
       integer(int64), allocatable :: key(:)
       integer :: n
@@ -79,8 +130,8 @@ contains
       call connect(grid, wanted%velocity_cut, map)
       call hand_over(communicator, grid, cells, sums, map, key, here)
       call add_all(grid, map, key, here, rows)
-      call collect(communicator, rows)
-   end subroutine fragment_rows
+      call collect(communicator, rows, map%number)
+   end subroutine find_fragments
 
    !> Tell all ranks all cells. Collective.
    subroutine learn_cells(communicator, grid, cells, sums, velocity_cut, map)
@@ -240,7 +291,7 @@ contains
       type(map_t), intent(in) :: map                     !! All cells
       integer(int64), intent(in) :: key(:)               !! Cells of the fragments, ascending
       real(wp), intent(inout) :: here(:, :)              !! (sum, cell); moved to their images
-      real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, fragment)
+      real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, fragment) As found, by cells
       integer, allocatable :: cell(:), order(:)
       real(wp), allocatable :: sorted(:, :)
       integer :: first, fragments, last, n
@@ -269,14 +320,16 @@ contains
          end do
          call add_fragment(sorted(:, first:last), map%image(:, cell(order(first:last))), &
             grid%upper - grid%lower, grid%axisymmetric, rows(:, n))
+         rows(1, n) = real(map%fragment(cell(order(first))), wp)
          first = last + 1
       end do
    end subroutine add_all
 
    !> Give all ranks all fragments, sorted by mass, the heaviest first. Collective.
-   subroutine collect(communicator, rows)
+   subroutine collect(communicator, rows, number)
       type(communicator_t), intent(in) :: communicator   !! The ranks
       real(wp), allocatable, intent(inout) :: rows(:, :) !! (column, fragment) Own in, all out
+      integer, allocatable, intent(out) :: number(:)     !! In the table, of each as found
       integer(int64), allocatable :: whole(:)
       integer(int64) :: none(0)
       real(wp), allocatable :: unsorted(:, :)
@@ -289,9 +342,10 @@ contains
       by_identity = sort_order(nint(unsorted(fragment_words, :), int64))
       by_mass = sort_order(-transfer(unsorted(3, by_identity), none))
       deallocate (rows)
-      allocate (rows(fragment_words, size(by_mass)))
+      allocate (rows(fragment_words, size(by_mass)), number(size(by_mass)))
       do n = 1, size(by_mass)
          rows(:, n) = unsorted(:, by_identity(by_mass(n)))
+         number(nint(rows(1, n))) = n
          rows(1, n) = real(n, wp)
       end do
    end subroutine collect

@@ -9,6 +9,7 @@ module io_snapshot
    use base_kinds, only: int32, int64, wp
    use base_units, only: output_units_t, system_si
    use io_fields, only: choose_columns, column_t, fill_reals, fill_wholes, picks_t
+   use io_fragments, only: labels_t
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_write, only: data_bytes, rows_of_root, rows_t, write_bytes, write_data, &
       write_names
@@ -69,7 +70,7 @@ module io_snapshot
 contains
 
    !> Write a snapshot. Collective.
-   subroutine snapshot_write(communicator, path, stores, fields, format, header, error)
+   subroutine snapshot_write(communicator, path, stores, fields, format, header, error, labels)
       type(communicator_t), intent(in) :: communicator   !! The ranks
       character(len=*), intent(in) :: path               !! The file
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
@@ -77,6 +78,7 @@ contains
       type(snapshot_format_t), intent(in) :: format      !! How it is written
       type(snapshot_header_t), intent(in) :: header      !! What else is written
       type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
+      type(labels_t), intent(in), optional :: labels(:)  !! (store) Fragments, 0 without them
       type(column_t), allocatable :: columns(:)
       type(picks_t), allocatable :: picks(:)
       type(hdf5_file_t) :: file
@@ -91,6 +93,7 @@ contains
       allocate (picks(size(stores)))
       do index = 1, size(stores)
          call format%pick(stores(index), picks(index)%order)
+         if (present(labels)) picks(index)%fragment = labels(index)%fragment(picks(index)%order)
          counts(index) = size(picks(index)%order)
       end do
       rows = store_rows(communicator, counts, format%compress)

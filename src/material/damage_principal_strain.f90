@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Brittle failure where the greatest principal value of the elastic strain, s/(2 G) - p/(3 K),
-!! reaches a limit.
+!! reaches a limit. Equation (F.2) of doc/theory/failure.md.
 module damage_principal_strain
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Brittle failure where the greatest principal stress reaches the strength, or, in compression,
-!! where half the difference of the principal stresses reaches that of shear.
+!! where half the difference of the principal stresses reaches that of shear. Equation (F.1) of
+!! doc/theory/failure.md.
 module damage_principal_stress
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Linear equation of state: p = K (rho/rho0 - 1).
+!> Linear equation of state: p = K (rho/rho0 - 1). Equation (E.3) of
+!! doc/theory/equations_of_state.md.
 module eos_linear
    use base_kinds, only: wp
    use material_eos, only: eos_t

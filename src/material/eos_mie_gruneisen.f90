@@ -3,7 +3,8 @@
 !!
 !! With eta = 1 - rho0/rho and Gamma rho = Gamma0 rho0: in compression
 !! p = pH (1 - Gamma0 eta/2) + Gamma0 rho0 e with pH = rho0 c0**2 eta/(1 - s eta)**2, in expansion
-!! p = rho0 c0**2 (rho/rho0 - 1) + Gamma0 rho0 e.
+!! p = rho0 c0**2 (rho/rho0 - 1) + Gamma0 rho0 e. Equation (E.5) of
+!! doc/theory/equations_of_state.md.
 module eos_mie_gruneisen
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -135,7 +136,8 @@ contains
       end do
    end subroutine pressure_of_state
 
-   !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de, of one state.
+   !> Pressure and square of the sound speed, dp/drho + max(p, 0)/rho**2 dp/de, of one state.
+   !! Equations (E.1), (E.5) and (E.6).
    pure subroutine mie_gruneisen_state(density, sound, slope, gamma, ratio, energy, pressure, &
       square)
       real(wp), intent(in) :: density                !! Of the reference state [kg/m3]

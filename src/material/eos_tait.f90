@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Equation of state of Tait and Murnaghan: p = K/n ((rho/rho0)**n - 1).
+!> Equation of state of Tait and Murnaghan: p = K/n ((rho/rho0)**n - 1). Equation (E.4) of
+!! doc/theory/equations_of_state.md.
 module eos_tait
    use base_deck_group, only: group_t
    use base_kinds, only: wp

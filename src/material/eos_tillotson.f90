@@ -5,7 +5,8 @@
 !! With eta = rho/rho0, mu = eta - 1, w = 1 + e/(e0 eta**2): condensed, for mu >= 0 or e <= e_iv,
 !! p = (a + b/w) rho e + A mu + B mu**2, where B = 0 for mu < 0; expanded, for mu < 0 and e >= e_cv,
 !! with x = 1/eta - 1, p = a rho e + (b rho e/w + A mu exp(-beta x)) exp(-alpha x**2); between the
-!! two energies linear in e from one to the other.
+!! two energies linear in e from one to the other. Equations (E.7), (E.8) and (E.9) of
+!! doc/theory/equations_of_state.md.
 module eos_tillotson
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -112,7 +113,7 @@ contains
       call wishes%ask("energy", "equation of state tillotson", 1)
    end subroutine tillotson_request
 
-   !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de.
+   !> Pressure and square of the sound speed, dp/drho + max(p, 0)/rho**2 dp/de: (E.1).
    pure subroutine tillotson_update(self, matter, deformation, first, last)
       class(eos_tillotson_t), intent(in) :: self           !! The equation of state
       type(matter_t), intent(in) :: matter                 !! State of the store

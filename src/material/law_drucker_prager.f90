@@ -3,7 +3,8 @@
 !! 157): the equivalent stress q is not above M p + k, which ends in an apex at the pressure -k/M.
 !!
 !! Flow loosens by b for each unit of equivalent plastic strain. M, k and b are those of the cone
-!! that touches the surface of Mohr and Coulomb where dp_cone says.
+!! that touches the surface of Mohr and Coulomb where dp_cone says. Equation (Y.20) of
+!! doc/theory/strength.md.
 module law_drucker_prager
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -89,7 +90,7 @@ contains
       self%heat_share = 1.0_wp
    end subroutine drucker_prager_set
 
-   !> Slope of the cone of an angle.
+   !> Slope of the cone of an angle. Equation (Y.21).
    pure real(wp) function cone(angle, where_cone) result(slope)
       real(wp), intent(in) :: angle                  !! Of friction or dilation [rad]
       character(len=*), intent(in) :: where_cone     !! Where it touches Mohr-Coulomb
@@ -132,7 +133,7 @@ contains
 
    !> Kernel of the above (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods for
    !! plasticity", 2008, section 8.3). Flow loosens only on the cone: what has come apart has no
-   !! grains that climb over each other.
+   !! grains that climb over each other. Equation (Y.22).
    pure subroutine return_to_cone(first, last, law, mass, volume, tangent, stress, pressure, &
       plastic_increment, plastic_work, loosening)
       integer, intent(in) :: first                   !! First particle of the range

@@ -7,7 +7,7 @@
 !! with the spin W and the rate of strain D, and 1/tau = 1/gr_tau + rate/gr_gamma_c, where the rate
 !! is sqrt(2 D' : D'). With gr_gamma_c alone the stress does not depend on the rate and does not
 !! relax at rest. In mode seed the whole stress relaxes, in mode deviator the pressure is left to
-!! the equation of state.
+!! the equation of state. Equations (Y.15) and (Y.16) of doc/theory/strength.md.
 module law_granular
    use base_deck_group, only: group_t
    use base_kinds, only: wp

@@ -2,6 +2,7 @@
 !> Flow stress of Johnson and Cook (1983): (A + B ep**n) (1 + C ln(rate/rate0)) (1 - T***m).
 !!
 !! The logarithm is not less than 0, so that slow flow is not weaker than the static yield stress.
+!! Equation (Y.4) of doc/theory/strength.md.
 module law_johnson_cook
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -120,7 +121,7 @@ contains
    !!
    !! The left side falls and the right side grows, so the root lies between 0 and the increment of
    !! a stress at rest, and Newton steps that leave the bracket are replaced by bisection. A melted
-   !! particle flows without resistance and its plastic strain is left alone.
+   !! particle flows without resistance and its plastic strain is left alone. Equation (Y.5).
    pure subroutine flow(law, trial, strain, dt, homologous, limit, increment)
       class(law_johnson_cook_t), intent(in) :: law   !! The law
       real(wp), intent(in) :: trial                  !! Equivalent trial stress [Pa]

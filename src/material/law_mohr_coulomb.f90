@@ -3,7 +3,8 @@
 !> c + tan(phi) times the pressure on it. In principal stresses, s1 the greatest tension,
 !> (s1 - s3) + (s1 + s3) sin(phi) is not above 2 c cos(phi).
 !!
-!! Flow follows the same surface with the angle of dilation in place of that of friction.
+!! Flow follows the same surface with the angle of dilation in place of that of friction. Equation
+!! (Y.23) of doc/theory/strength.md.
 module law_mohr_coulomb
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -161,7 +162,7 @@ contains
    !> Deviator after the return to the plane of the greatest and the least stress, or, where that
    !! would change their order, to the edge with the plane next to it (E. A. de Souza Neto, D.
    !! Peric, D. R. J. Owen, "Computational methods for plasticity", 2008, section 8.2; here without
-   !! hardening and so in closed form).
+   !! hardening and so in closed form). Equation (Y.24).
    pure subroutine return_principal(law, bulk, pressure, trial, values, multipliers)
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: bulk                   !! Tangent bulk modulus [Pa]

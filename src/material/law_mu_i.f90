@@ -4,7 +4,7 @@
 !! I = rate d sqrt(rho_s/p) has the diameter d and the density rho_s of a grain.
 !!
 !! Below mu_s the grains are an elastic solid, and without pressure they bear nothing (S. Dunatunga,
-!! K. Kamrin, J. Fluid Mech. 779 (2015) 483).
+!! K. Kamrin, J. Fluid Mech. 779 (2015) 483). Equation (Y.25) of doc/theory/strength.md.
 module law_mu_i
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -99,6 +99,7 @@ contains
    !> Kernel of the above. The shear stress t after the step, t' before the flow, solves
    !! t' - t = G dt rate and t = mu(I) p at once: with a = G dt I0/d sqrt(p/rho_s) it is the smaller
    !! root of t**2 - (mu_2 p + t' + a) t + mu_2 p t' + mu_s p a = 0 (Dunatunga and Kamrin, there).
+   !! Equation (Y.26).
    pure subroutine return_to_flow(first, last, law, dt, volume, stress, pressure, &
       plastic_increment, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range

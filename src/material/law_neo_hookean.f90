@@ -4,7 +4,8 @@
 !!
 !! The energy of a unit of reference volume is mu/2 (tr F^T F - 3) - mu ln J + lambda/2 (ln J)**2
 !! (J. Bonet, R. D. Wood, "Nonlinear continuum mechanics for finite element analysis", 1997). The
-!! stress does not depend on the path, so what was deformed and let go comes back to rest.
+!! stress does not depend on the path, so what was deformed and let go comes back to rest. Equations
+!! (Y.9) and (Y.10) of doc/theory/strength.md.
 module law_neo_hookean
    use base_kinds, only: wp
    use material_kinematics, only: deform
@@ -175,7 +176,7 @@ contains
    !! ((lambda + mu - lambda ln J) n n + mu (n b n) I)/J, so that waves of pressure have
    !! rho0 c**2 = lambda + mu - lambda ln J + mu n b n. The greatest eigenvalue of b is bounded by
    !! tr b/3 + sqrt(2/3 b' : b'), which is that of a stretch along one axis. The speed is not less
-   !! than at rest.
+   !! than at rest. Equation (Y.12).
    pure subroutine fastest_wave(first, last, lambda, mu, mass, volume, deformation_gradient, &
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range

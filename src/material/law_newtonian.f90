@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Viscous fluid of Newton: the deviator of the stress is 2 eta times that of the rate of strain.
+!! Equation (Y.13) of doc/theory/strength.md.
 module law_newtonian
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -145,7 +146,7 @@ contains
 
    !> Explicit steps with a viscosity eta along a wave, here 4/3 of that of shear, are stable up to
    !! h/(Q + sqrt(Q**2 + c**2)) with Q = eta/(rho h), as for the artificial viscosity. Both together
-   !! are not less than the wave speed found before plus 2 Q.
+   !! are not less than the wave speed found before plus 2 Q. Equation (Y.14).
    pure subroutine newtonian_damp(self, matter, deformation, first, last, spacing)
       class(law_newtonian_t), intent(in) :: self           !! The law
       type(matter_t), intent(in) :: matter                 !! State of the store

@@ -7,7 +7,8 @@
 !!    Y = min(Y0 (1 + beta (ep + ei))**n, Ymax) G/G0
 !!    Tm = Tm0 exp(2 a (1 - 1/eta)) eta**(2 (gamma - a - 1/3))
 !!
-!! Without temperature B is 0 and nothing melts.
+!! Without temperature B is 0 and nothing melts. Equations (Y.6), (Y.7) and (Y.8) of
+!! doc/theory/strength.md.
 module law_steinberg_guinan
    use base_deck_group, only: group_t
    use base_kinds, only: wp

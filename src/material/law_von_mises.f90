@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Plasticity of von Mises with linear isotropic hardening: Y = yield + hardening ep.
+!> Plasticity of von Mises with linear isotropic hardening: Y = yield + hardening ep. Equation (Y.3)
+!! of doc/theory/strength.md.
 module law_von_mises
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -78,7 +79,7 @@ contains
       end if
    end subroutine von_mises_update
 
-   !> Radial return without hardening.
+   !> Radial return without hardening. Equations (Y.1) and (Y.2).
    pure subroutine return_perfect(first, last, shear, yield, volume, stress, plastic_increment, &
       plastic_work)
       integer, intent(in) :: first                   !! First particle of the range
@@ -111,7 +112,7 @@ contains
    end subroutine return_perfect
 
    !> Radial return with linear hardening (M. L. Wilkins, "Calculation of elastic-plastic flow",
-   !! 1964; closed form).
+   !! 1964; closed form). Equations (Y.1) and (Y.3).
    pure subroutine return_hardening(first, last, shear, yield, hardening, volume, stress, &
       plastic_strain, plastic_increment, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range

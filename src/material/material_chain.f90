@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The chain of laws that a time step of a material runs through, each link only if asked for.
+!! Its links are equations (A.1) to (A.13) of doc/theory/matter.md and those of the laws.
 module material_chain
    use base_kinds, only: int64, wp
    use material_heat, only: heat, melt
@@ -341,6 +342,7 @@ contains
    end function gone
 
    !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.
+   !! Equation (L.2) of doc/theory/ledger.md.
    pure subroutine chain_stored_energy(self, matter, first, last, energy)
       class(chain_t), intent(in) :: self             !! The material
       type(matter_t), intent(in) :: matter           !! State of the store

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What an equation of state is: pressure and sound speed from density and energy.
+!> What an equation of state is: pressure and sound speed from density and energy. Equations (E.1)
+!! and (E.2) of doc/theory/equations_of_state.md.
 module material_eos
    use base_deck_group, only: group_t
    use base_kinds, only: wp

@@ -160,7 +160,8 @@ contains
 
    !> Take the volume that shear gained out of the pressure: p + rho c**2 (exp(gained) - 1), exact
    !! for p = K (rho/rho0 - 1). What the flow of the step gains, x times the volume gained before,
-   !! then raises the pressure by exactly rho c**2 exp(gained) x.
+   !! then raises the pressure by exactly rho c**2 exp(gained) x. Equation (Y.27) of
+   !! doc/theory/strength.md.
    pure subroutine loosen(first, last, gained, mass, volume, wave_speed, pressure, tangent)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -182,7 +183,7 @@ contains
       end do
    end subroutine loosen
 
-   !> Add what the flow of a step gained, as a share of the volume gained before.
+   !> Add what the flow of a step gained, as a share of the volume gained before. Equation (Y.27).
    pure subroutine gain(first, last, share, gained)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

@@ -38,7 +38,7 @@ contains
    !! (v/v')**Gamma, where ln(v/v') is 2 (v - v')/(v + v') to third order. To it the heat of the
    !! work of plastic flow and of artificial viscosity is added. Where the material is at the least
    !! pressure it can bear, voids open or close and the material itself keeps its volume and
-   !! temperature.
+   !! temperature. Equations (A.12) and (A.13) of doc/theory/matter.md.
    pure subroutine heat(first, last, specific_heat, gamma_density, gamma, plastic_share, mass, &
       volume, old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
       integer, intent(in) :: first                   !! First particle of the range
@@ -72,7 +72,8 @@ contains
       end do
    end subroutine heat
 
-   !> Temperature on a scale from 0 at the reference to 1 at melting, clipped to it.
+   !> Temperature on a scale from 0 at the reference to 1 at melting, clipped to it. Equation
+   !! (A.11).
    pure subroutine homologous_temperature(first, last, range, temperature, homologous)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

@@ -15,7 +15,8 @@ contains
    !! The places of a step are x + G x. A rotation then has no strain, however long the step, and
    !! the
    !! volume grows by det(I + G) to third order, so that volume and places stay together in a
-   !! shock (T. J. R. Hughes, J. Winget, Int. J. Numer. Methods Eng. 15 (1980) 1862).
+   !! shock (T. J. R. Hughes, J. Winget, Int. J. Numer. Methods Eng. 15 (1980) 1862). Equation
+   !! (M.18) of doc/theory/method.md.
    ! gate: long kernel because the inverse of a matrix is nine numbers
    pure subroutine centre_gradient(count, plane, gradient)
       integer, intent(in) :: count                         !! Particles
@@ -97,7 +98,7 @@ contains
    end subroutine centre_plane
 
    !> Gradient at the middle of a step whose motion is over: places were x - G x with the gradient
-   !! at the new places, so it is G (I - G/2)**-1.
+   !! at the new places, so it is G (I - G/2)**-1. Equation (M.19).
    pure subroutine centre_backward(count, plane, gradient)
       integer, intent(in) :: count                   !! Particles
       logical, intent(in) :: plane                   !! Is y a direction of its own?
@@ -119,6 +120,7 @@ contains
 
    !> Exponential function for the growth of a volume or a temperature in a step, by the Pade
    !! approximant of order (2, 2): relative error x**5/720, positive for every x, vectorises.
+   !! Equation (A.1) of doc/theory/matter.md.
    elemental real(wp) function growth(x) result(factor)
       real(wp), intent(in) :: x                      !! Exponent [1]
 
@@ -144,7 +146,8 @@ contains
    end subroutine dilate
 
    !> Volume and deformation gradient after the step: F becomes (I + G) F and the volume grows by
-   !! det(I + G), where C = G (I + G/2)^-1 is given and so G = (I - C/2)^-1 C.
+   !! det(I + G), where C = G (I + G/2)^-1 is given and so G = (I - C/2)^-1 C. Equation (Y.11) of
+   !! doc/theory/strength.md.
    ! gate: long kernel because the inverse of a matrix is nine numbers
    pure subroutine deform(first, last, gradient, volume, deformation_gradient, old_volume, &
       dilatation)
@@ -212,6 +215,7 @@ contains
    !!
    !! From exp(dt L) = I + G follows dt L = 2 artanh(C/2) = C + C**3/12 + C**5/80 + C**7/448 +
    !! C**9/2304 + ... The next term is C**11/11264; in turns of 50 steps a stress lags by 1e-14.
+   !! Equation (Y.17).
    pure subroutine follow_motion(first, last, gradient, volume, stress, old_volume, dilatation, &
       pressure)
       integer, intent(in) :: first                   !! First particle of the range
@@ -265,7 +269,7 @@ contains
    !! Numer. Meth. Eng. 15 (1980) 1862, in closed form and orthogonal to round-off. Half of the
    !! strain is added before the rotation and half after it, which makes the step of second order.
    !! On return the stress is a deviator and the pressure is the old mean pressure with its viscous
-   !! part.
+   !! part. Equation (A.2).
    pure subroutine predict_deviator(first, last, plane, shear, gradient, volume, stress, &
       old_volume, dilatation, pressure)
       integer, intent(in) :: first                   !! First particle of the range
@@ -371,7 +375,7 @@ contains
    end subroutine predict_plane
 
    !> Rotate a symmetric tensor by the rotation Q = I + (W + W W/2)/(1 + w w/4) that belongs to the
-   !! spin increment W with axial vector w.
+   !! spin increment W with axial vector w. Equation (A.3).
    ! gate: long kernel because a tensor in registers is six numbers
    pure subroutine rotate(wx, wy, wz, sxx, syy, szz, sxy, syz, sxz)
       real(wp), intent(in) :: wx, wy, wz             !! Rotation vector of the step [1]

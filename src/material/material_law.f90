@@ -224,7 +224,7 @@ contains
    !> Work a volume that a radial return does on the plastic strain: that of the mean of the
    !! stresses before and after the step, (s + s') : (s* - s')/(4 G), so that the books are of
    !! second order. It is not negative: matter that softens under a load that turns would take
-   !! energy.
+   !! energy. Equation (Y.2) of doc/theory/strength.md.
    elemental real(wp) function mean_work(shear, trial, limit, increment, product_of_both) &
       result(work)
       real(wp), intent(in) :: shear                        !! Shear modulus of the trial [Pa]

@@ -9,7 +9,8 @@ module material_stress
 
 contains
 
-   !> Mean stress in rate form, dp = -K tr(strain), and the square of the bulk sound speed.
+   !> Mean stress in rate form, dp = -K tr(strain), and the square of the bulk sound speed. Equation
+   !! (A.4) of doc/theory/matter.md.
    pure subroutine follow_rate(first, last, bulk, mass, volume, dilatation, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -39,7 +40,7 @@ contains
       end do
    end subroutine square_root
 
-   !> Stress from deviator and pressure.
+   !> Stress from deviator and pressure. Equation (A.6).
    pure subroutine assemble(first, last, pressure, stress)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

@@ -71,7 +71,8 @@ contains
    end subroutine cut_tension
 
    !> Let particles fail whose damage or tension is complete, and make rubble of the failed ones.
-   !! The elastic energy that a particle loses on failing is booked as plastic work.
+   !! The elastic energy that a particle loses on failing is booked as plastic work. Equations (A.7)
+   !! and (A.8) of doc/theory/matter.md.
    pure subroutine break(first, last, strength, shear, bulk, volume, stress, pressure, &
       pressure_floor, damage, failed, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range
@@ -163,7 +164,7 @@ contains
       end do
    end subroutine open_voids
 
-   !> Add the share of the shear modulus to the square of the wave speed.
+   !> Add the share of the shear modulus to the square of the wave speed. Equation (A.5).
    pure subroutine stiffen(first, last, shear, mass, volume, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

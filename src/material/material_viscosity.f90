@@ -17,6 +17,7 @@ contains
 
    !> Work of the viscous pressure that was part of the force of the step, so that it balances the
    !! work that the force did. It can be negative for the one step in which compression ends.
+   !! Equation (L.4) of doc/theory/ledger.md.
    pure subroutine viscous_losses(first, last, viscous_pressure, old_volume, dilatation, &
       viscous_work)
       integer, intent(in) :: first                   !! First particle of the range
@@ -38,6 +39,7 @@ contains
    !! a row of cells, frequency w = 2 c/h, the viscosity is a damping ratio Q/c with
    !! Q = q1 c + 2 q2 h D, the derivative of q to D. Explicit steps with a force that lags by
    !! half a step are stable up to 2/w (sqrt(1 + (Q/c)**2) - Q/c) = h/(Q + sqrt(Q**2 + c**2)).
+   !! Equation (M.22) of doc/theory/method.md. Equation (S.2) of doc/theory/time_step.md.
    pure subroutine resist(first, last, viscosity, dt, spacing, mass, volume, dilatation, &
       viscous_pressure, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range

@@ -248,7 +248,7 @@ contains
    !> Walls with friction after Coulomb. Where the forces of a step press a node on such a wall, the
    !! wall takes its normal velocity and acceleration, and from its velocity along the wall at the
    !! end of the step up to mu times what it took, but no more than all of it: then the node sticks.
-   !! A wall does not pull: a node that moves away is free.
+   !! A wall does not pull: a node that moves away is free. Equation (M.24) of doc/theory/method.md.
    pure subroutine boundary_rub(self, grid, coordinate, dt, share, free, velocity, acceleration)
       class(boundary_t), intent(in) :: self          !! The conditions
       type(grid_t), intent(in) :: grid               !! The grid

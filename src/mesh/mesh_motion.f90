@@ -55,7 +55,7 @@ contains
    end function motion_velocity
 
    !> Way from the time at which the wall began, or from 0, to another time: the integral of the
-   !! velocity, exact but for rounding [m].
+   !! velocity, exact but for rounding [m]. Equation (R.4) of doc/theory/rigid.md.
    pure function motion_shift(self, time) result(shift)
       class(motion_t), intent(in) :: self            !! The motion
       real(wp), intent(in) :: time                   !! [s]

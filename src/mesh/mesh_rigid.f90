@@ -172,6 +172,7 @@ contains
    end function rigid_holds
 
    !> Set the velocity of the nodes in regions that hold on, and stop what moves into others.
+   !! Equation (R.1) of doc/theory/rigid.md.
    pure subroutine rigid_constrain(self, tile, velocity, acceleration, at_end)
       class(rigid_t), intent(in) :: self             !! The regions
       integer, intent(in) :: tile                    !! Index of the tile
@@ -201,7 +202,7 @@ contains
    end subroutine rigid_constrain
 
    !> Regions that press after Coulomb, as faces with friction do: see there. The velocities are
-   !! those that the region sees.
+   !! those that the region sees. Equations (R.2) and (R.3).
    pure subroutine rigid_rub(self, tile, dt, share, free, velocity, acceleration)
       class(rigid_t), intent(in) :: self             !! The regions
       integer, intent(in) :: tile                    !! Index of the tile

@@ -175,7 +175,7 @@ contains
    end subroutine list_long
 
    !> Edge along which a particle is to be halved, 0 = none. It waits until it is in its tile, and
-   !! where a half would lie outside of the box.
+   !! where a half would lie outside of the box. Equation (P.1) of doc/theory/splitting.md.
    pure integer function too_long(splitting, grid, store, p) result(edge)
       type(splitting_t), intent(in) :: splitting     !! What is too long
       type(grid_t), intent(in) :: grid               !! The grid
@@ -201,7 +201,7 @@ contains
       end do
    end function too_long
 
-   !> Make halves of two equal particles.
+   !> Make halves of two equal particles. Equations (P.2) and (P.3).
    pure subroutine halve(grid, store, low, high, edge, opening, gain)
       type(grid_t), intent(in) :: grid               !! The grid
       type(store_t), intent(inout) :: store          !! The particles

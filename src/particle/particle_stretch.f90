@@ -24,7 +24,8 @@ contains
          gradient, store%domain)
    end subroutine stretch_tile
 
-   !> Of boxes, P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628.
+   !> Of boxes, P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628. Equation (N.3) of
+   !! doc/theory/node_functions.md.
    pure subroutine stretch_boxes(first, count, gradient, extent)
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: count                           !! Particles of the tile
@@ -40,7 +41,7 @@ contains
    end subroutine stretch_boxes
 
    !> Of parallelepipeds r <- r + G r for each edge (A. Sadeghirad, R. M. Brannon, J. Burghardt,
-   !! Int. J. Numer. Methods Eng. 86 (2011) 1435).
+   !! Int. J. Numer. Methods Eng. 86 (2011) 1435). Equation (N.8).
    pure subroutine carry_domains(first, count, gradient, domain)
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: count                           !! Particles of the tile

@@ -6,7 +6,7 @@
 !! With the half edges r_a and the signs s_ca of the corners, x_c = x + sum_a s_ca r_a, the
 !! functions are S_i = mean of N_i(x_c) and their gradients mean of N_i(x_c) sum_a s_ca R^-1_al,
 !! R = (r_1 r_2 r_3), in one, two and three dimensions. Both are exact for linear fields whatever
-!! the edges are.
+!! the edges are. Equation (N.7) of doc/theory/node_functions.md.
 module basis_cpdi
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
@@ -111,7 +111,7 @@ contains
    !! A domain that reaches further than a cell, or than a wall, is scaled, as M. A. Homel, R. M.
    !! Brannon, J. Guilkey, Int. J. Numer. Methods Eng. (2016) do; here along the directions of the
    !! grid in which it is too long, so that it stays a parallelepiped. If the edges lie nearly in a
-   !! plane, a cube stands in.
+   !! plane, a cube stands in. Equation (N.9).
    pure subroutine find_domain(grid, store, q, room, edge, inverse)
       type(grid_t), intent(in) :: grid                       !! The grid
       type(store_t), intent(in) :: store                     !! The particles
@@ -323,7 +323,7 @@ contains
    end subroutine cpdi_collect_gradient
 
    !> Linear velocity field: sum S_i u_i (x_i - x) times the inverse of the second moments, which
-   !! keeps angular momentum (C. Jiang and others, 2015, as above).
+   !! keeps angular momentum (C. Jiang and others, 2015, as above). Equation (N.10).
    pure subroutine cpdi_collect_affine(self, grid, start, places, nodes, affine)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Linear functions averaged over the box of a particle, whose edges follow the stretch along the
 !! directions of the grid (cpGIMP): S. G. Bardenhagen, E. M. Kober, Comput. Model. Eng. Sci. 5
-!! (2004) 477; P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628.
+!! (2004) 477; P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628. Equations (N.2) and
+!! (N.3) of doc/theory/node_functions.md.
 module basis_cpgimp
    use basis_gimp, only: basis_gimp_t
    use particle_store, only: traits_t

@@ -29,6 +29,7 @@ contains
    end function cubic_reach
 
    !> With the distance d from a node in cells: 2/3 - d**2 + d**3/2 up to 1, (2 - d)**3/6 up to 2.
+   !! Equation (N.5) of doc/theory/node_functions.md.
    pure subroutine cubic_weigh(self, grid, store, tile, direction, places)
       class(basis_cubic_t), intent(in) :: self               !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid

@@ -35,7 +35,7 @@ contains
    !! line. With the distance d from a node and half the box l in cells the mean is the hat function
    !! 1 - d, less (l - d)**2/(2 l) where the box holds the top, more (l - |1 - d|)**2/(4 l) where it
    !! holds the foot. That is the form without branches of 1 - (d**2 + l**2)/(2 l), 1 - d and
-   !! (1 + l - d)**2/(4 l).
+   !! (1 + l - d)**2/(4 l). Equation (N.2) of doc/theory/node_functions.md.
    pure subroutine gimp_weigh(self, grid, store, tile, direction, places)
       class(basis_gimp_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Linear functions of the cell, of the material point method of D. Sulsky, Z. Chen, H. L. Schreyer,
 !> Comput. Methods Appl. Mech. Eng. 118 (1994) 179. A particle touches only the nodes of its cell.
+!! Equation (N.1) of doc/theory/node_functions.md.
 module basis_linear
    use base_kinds, only: wp
    use mesh_grid, only: grid_t

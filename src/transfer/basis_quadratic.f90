@@ -21,7 +21,7 @@ module basis_quadratic
 contains
 
    !> With the distance d from a node in cells: (3/2 - d)**2/2, less 3 (1/2 - d)**2/2 where d < 1/2,
-   !! which is 3/4 - d**2.
+   !! which is 3/4 - d**2. Equation (N.4) of doc/theory/node_functions.md.
    pure subroutine quadratic_weigh(self, grid, store, tile, direction, places)
       class(basis_quadratic_t), intent(in) :: self           !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid

@@ -256,7 +256,8 @@ contains
       call self%spread(grid, start, places, 3, places%values, before, patch)
    end subroutine basis_scatter_product
 
-   !> Add the force of the hoop stress in axisymmetry, - sum v sigma_yy S / r, to column 5.
+   !> Add the force of the hoop stress in axisymmetry, - sum v sigma_yy S / r, to column 5. Equation
+   !! (M.25) of doc/theory/method.md.
    pure subroutine basis_scatter_hoop(self, grid, start, first, places, position, volume, stress, &
       patch)
       class(basis_t), intent(in) :: self                     !! The basis
@@ -320,7 +321,8 @@ contains
       end do
    end subroutine basis_gather_vector
 
-   !> Hoop rate of axisymmetry, scale u_r / r, into component (2, 2) of the gradient.
+   !> Hoop rate of axisymmetry, scale u_r / r, into component (2, 2) of the gradient. Equation
+   !! (M.25).
    ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine basis_gather_hoop(self, grid, start, first, places, position, nodes, scale, &
       gradient)
@@ -347,7 +349,7 @@ contains
    !! share of pic, loses per mass 1/2 var(a) + g (r.r + var(u) + cov(u, a)) - 1/2 g^2 r.r, where
    !! var and cov are those of the node values under the weights S_i. Terms that only carry energy
    !! from particle to particle, and add up to zero, are left out; the rest is not negative for
-   !! g <= 1.
+   !! g <= 1. Equation (T.9) of doc/theory/transfers.md.
    ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine basis_gather_heat(self, grid, start, first, places, nodes, share, velocity, &
       energy)

@@ -44,7 +44,7 @@ module transfer_contact
 contains
 
    !> Pushes that keep the bodies at a node from approaching. The sum of the pushes of a pair is
-   !! zero to the last bit.
+   !! zero to the last bit. Equation (C.3) of doc/theory/contact.md.
    pure subroutine push_apart(mass, velocity, normal, state, law, push)
       real(wp), intent(in) :: mass(:)                !! (body) At the node [kg]
       real(wp), intent(in) :: velocity(:, :)         !! (3, body) At the end of the step [m/s]
@@ -81,7 +81,7 @@ contains
    end subroutine push_apart
 
    !> Of the push that would stop all relative motion leave what surfaces can bear: no pull, and
-   !! along the surface no more than friction.
+   !! along the surface no more than friction. Equation (C.4).
    pure subroutine restrict(law, normal, push)
       type(pair_law_t), intent(in) :: law            !! What holds between the two
       real(wp), intent(in) :: normal(3)              !! Towards the body that is pushed [1]
@@ -103,6 +103,7 @@ contains
    end subroutine restrict
 
    !> Stress [Pa] with which a push pulls at a bond and shears it; pressure does not harm it.
+   !! Equation (C.5).
    pure real(wp) function bond_traction(push, normal, area, dt) result(stress)
       real(wp), intent(in) :: push(3)                !! On the body that n leads to [kg m/s]
       real(wp), intent(in) :: normal(3)              !! [1]
@@ -143,7 +144,8 @@ contains
    end subroutine particle_widths
 
    !> How far the particles of a tile reach along the normals of its nodes: the greatest place of
-   !! those in the cells around, seen from the node. Nodes without a normal are passed over.
+   !! those in the cells around, seen from the node. Nodes without a normal are passed over. One
+   !! side of (C.2).
    ! gate: long kernel because a tile is told by its grid, corner, range and places
    pure subroutine spread_reach(grid, corner, start, first, position, half, normal, reach)
       type(grid_t), intent(in) :: grid               !! The grid

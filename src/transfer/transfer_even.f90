@@ -6,7 +6,7 @@
 !! Coombs and others, Comput. Methods Appl. Mech. Eng. 333 (2018) 115, for material points).
 !!
 !! Both means are weighted with the volume, so the power of the even stress on the raw gradient is
-!! that of the raw stress on the even gradient.
+!! that of the raw stress on the even gradient. Equation (M.20) of doc/theory/method.md.
 module transfer_even
    use base_kinds, only: wp
    use mesh_grid, only: grid_t

@@ -87,6 +87,7 @@ contains
 
    !> The gradient of the cell, blended with that of the nodes:
    !! gradient_kl = alpha_l scale sum u_k dS/dx_l + (1 - alpha_l) scale sum S_j (grad u)_j,kl.
+   !! Equation (M.7) of doc/theory/method.md.
    pure subroutine gather_dual_gradient(grid, start, local, alpha, velocity, nodes, scale, &
       gradient)
       type(grid_t), intent(in) :: grid                       !! The grid

@@ -12,7 +12,8 @@ module transfer_gather_values
 
 contains
 
-   !> Hoop rate of axisymmetry, scale u_r / r, into component (2, 2) of the gradient.
+   !> Hoop rate of axisymmetry, scale u_r / r, into component (2, 2) of the gradient. Equation
+   !! (M.25) of doc/theory/method.md.
    pure subroutine gather_hoop(grid, start, first, local, position, nodes, scale, gradient)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell

@@ -5,6 +5,7 @@
 !! tile. Columns of the patch: 1 mass, 2-4 momentum, 5-7 internal force, and for the dual domain
 !! method 8 volume, 9-17 stress that stays on the nodes. What is summed is the same in all
 !! dimensions; how, is chosen here once a tile: nodes of missing directions are not worked on.
+!! Equations (M.1), (M.4) and (M.5) of doc/theory/method.md.
 module transfer_scatter
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -23,7 +24,7 @@ module transfer_scatter
 
 contains
 
-   !> Add mass and momentum to columns 1 to 4 of a patch.
+   !> Add mass and momentum to columns 1 to 4 of a patch. Equation (M.1).
    pure subroutine scatter_motion(grid, start, first, local, mass, velocity, patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
@@ -59,7 +60,7 @@ contains
 
    !> Add mass and momentum of linear velocity fields, sum m S_i (v + C (x_i - x)), to columns 1 to
    !! 4 of a patch (C. Jiang, C. Schroeder, A. Selle, J. Teran, A. Stomakhin, ACM Trans. Graph. 34
-   !! (2015) 51).
+   !! (2015) 51). Equation (T.3) of doc/theory/transfers.md.
    pure subroutine scatter_affine(grid, start, first, local, mass, velocity, affine, patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
@@ -78,7 +79,7 @@ contains
    end subroutine scatter_affine
 
    !> Add mass and momentum of particles that turn, sum m S_i (v + w x (x_i - x)), to columns 1 to 4
-   !! of a patch.
+   !! of a patch. Equation (T.4).
    pure subroutine scatter_turning(grid, start, first, local, mass, velocity, spin, patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
@@ -97,6 +98,7 @@ contains
    end subroutine scatter_turning
 
    !> Add the internal force of the plain method, - sum v sigma . grad S, to columns 5 to 7.
+   !! Equation (M.4).
    pure subroutine scatter_force(grid, start, first, local, volume, stress, patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
@@ -117,7 +119,8 @@ contains
    !! column 8, and the stress handed to the nodes, sum v (1 - alpha_l) sigma_kl S, to column
    !! 8 + k + 3 (l - 1).
    !!
-   !! D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379, in the two-step form.
+   !! D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379, in the two-step form. The
+   !! first sum of (M.4), and the sum of (M.5).
    pure subroutine scatter_dual_force(grid, start, first, local, alpha, volume, stress, patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell

@@ -4,7 +4,7 @@
 !!
 !! Every node gets another velocity, so the four edges of a cell along y are the lanes here, with a
 !! lower and an upper node. Sums stay in registers, for which there are two loops over the lanes
-!! (`transfer_scatter_space`).
+!! (`transfer_scatter_space`). Equations (T.3) and (T.4) of doc/theory/transfers.md.
 module transfer_scatter_affine
    use base_kinds, only: wp
    use mesh_grid, only: grid_t

@@ -7,7 +7,8 @@
 !! functions do not change along it, so nothing is added for it.
 !!
 !! Where particles are added there are two loops over the lanes: were they one, the compiler would
-!! take two particles at a time (unroll and jam), and keep the sums in memory.
+!! take two particles at a time (unroll and jam), and keep the sums in memory. Equations (M.1),
+!! (M.4) and (M.5) of doc/theory/method.md.
 module transfer_scatter_plane
    use base_kinds, only: wp
    use mesh_grid, only: grid_t

@@ -8,7 +8,8 @@
 !! where a cell goes on in the next particles that are prepared.
 !!
 !! Where particles are added there are two loops over the lanes: were they one, the compiler would
-!! take two particles at a time (unroll and jam), and keep the sums in memory.
+!! take two particles at a time (unroll and jam), and keep the sums in memory. Equations (M.1),
+!! (M.4) and (M.5) of doc/theory/method.md.
 module transfer_scatter_space
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes

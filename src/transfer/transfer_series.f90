@@ -8,6 +8,7 @@
 !! for the greatest n = 2 k - 1 the variance of the last term, which needs the particles. None
 !! depends on a uniform velocity. Terms that only carry energy from particle to particle, and add up
 !! to zero, are left out. (Derived for this program; with k = 1 it is `gather_heat` of PIC.)
+!! Equations (T.11) and (T.12) of doc/theory/transfers.md.
 module transfer_series
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp

@@ -92,7 +92,8 @@ contains
    !> Give the function of a node outside a wall to the two nodes inside by linear extrapolation,
    !! 2 f to the node on the wall and -f to the next one. Linear fields stay exact, and the node on
    !! the wall has the only function that is not zero there. These are the boundary splines of M.
-   !! Steffen, R. M. Kirby, M. Berzins, Int. J. Numer. Methods Eng. 76 (2008) 922.
+   !! Steffen, R. M. Kirby, M. Berzins, Int. J. Numer. Methods Eng. 76 (2008) 922. Equation (N.6) of
+   !! doc/theory/node_functions.md.
    pure subroutine fold_walls(grid, coordinate, start, direction, weight, slope)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
@@ -238,7 +239,7 @@ contains
 
    !> Linear velocity field: C_kl = sum S_i u_k (x_i - x)_l / sum S_i (x_i - x)_l**2, which keeps
    !! angular momentum (C. Jiang and others, 2015, as above). The second moments are a diagonal
-   !! matrix, because the functions are products and have no first moments.
+   !! matrix, because the functions are products and have no first moments. Equation (N.10).
    pure subroutine tensor_collect_affine(self, grid, start, places, nodes, affine)
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid

@@ -9,7 +9,8 @@
 !! Some transfers want the series w = y_0 + y_1 + ... + y_n of node velocities with y_(s+1) = y_s -
 !! S^+ S y_s, where S^+ is the way from particles to nodes, divided by the mass of nodes. With n + 1
 !! = k it is the sum over l of (-1)**(l+1) binomial(k, l) (S^+ S)**(l-1) y_0, without its large
-!! terms of alternating sign. Each y is one sweep from nodes to particles and back.
+!! terms of alternating sign. Each y is one sweep from nodes to particles and back. Equations (T.1),
+!! (T.2) and (T.5) of doc/theory/transfers.md.
 module transfer_velocity
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -103,7 +104,7 @@ contains
       weight = 0.0_wp
    end function velocity_loss_weight
 
-   !> What nodes add to particle velocities: v <- keep v + S push.
+   !> What nodes add to particle velocities: v <- keep v + S push. Equation (T.1).
    pure subroutine velocity_push(self, dt, acceleration, filtered, push)
       class(velocity_t), intent(in) :: self                  !! The transfer
       real(wp), intent(in) :: dt                             !! Time step [s]
@@ -114,7 +115,7 @@ contains
       call combine(dt, acceleration, 1.0_wp - self%keep(), filtered, push)
    end subroutine velocity_push
 
-   !> What moves the particles: x <- x + S carry times the length of the step.
+   !> What moves the particles: x <- x + S carry times the length of the step. Equation (T.2).
    pure subroutine velocity_carry(self, dt, velocity, acceleration, filtered, carry)
       class(velocity_t), intent(in) :: self                  !! The transfer
       real(wp), intent(in) :: dt                             !! Time step [s]

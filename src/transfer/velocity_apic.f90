@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> APIC is PIC, but particles carry a linear velocity field to the nodes, so that linear fields and
 !! angular momentum are kept: C. Jiang, C. Schroeder, A. Selle, J. Teran, A. Stomakhin, ACM Trans.
-!! Graph. 34 (2015) 51.
+!! Graph. 34 (2015) 51. Equations (T.1) and (T.3) of doc/theory/transfers.md.
 module velocity_apic
    use transfer_velocity, only: velocity_t
    implicit none

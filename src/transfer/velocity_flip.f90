@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> In FLIP particles keep their velocity and take the increments of the nodes (J. U. Brackbill, H.
-!! M. Ruppel, J. Comput. Phys. 65 (1986) 314), with a share of PIC.
+!! M. Ruppel, J. Comput. Phys. 65 (1986) 314), with a share of PIC. Equations (T.1) and (T.2) of
+!! doc/theory/transfers.md.
 module velocity_flip
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp

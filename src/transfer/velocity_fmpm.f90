@@ -2,7 +2,7 @@
 !> FMPM of order k: the node velocity after the forces is replaced by the sum of k terms of the
 !! series, which approximates the inverse of the full mass matrix. J. A. Nairn, C. C. Hammerquist,
 !! Comput. Methods Appl. Mech. Eng. 377 (2021) 113667; but the position moves with the new
-!! velocity, as velocities stand between positions.
+!! velocity, as velocities stand between positions. Equation (T.7) of doc/theory/transfers.md.
 module velocity_fmpm
    use base_kinds, only: wp
    use base_schema, only: schema_t
@@ -80,7 +80,7 @@ contains
 
    !> With y the last term, r = v - S u, a for a dt, and var and cov of node values at a particle:
    !! 1/2 r**2 on the way to the nodes, 1/2 var(u) - 1/2 var(u + a) there and back, 1/2 var(y) and
-   !! the terms that nodes know. Order 1 is PIC and loses both variances.
+   !! the terms that nodes know. Order 1 is PIC and loses both variances. Equation (T.12).
    ! gate: long kernel because it sees all that the nodes know
    pure subroutine fmpm_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)

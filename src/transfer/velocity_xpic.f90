@@ -2,7 +2,8 @@
 !> XPIC of order k: the node velocity before the forces is replaced by the sum of k terms of the
 !! series, so that particles lose only what nodes cannot see; the acceleration is added to it. C.
 !! Hammerquist, J. A. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724; but the position moves
-!! with the new node velocity, as velocities stand between positions.
+!! with the new node velocity, as velocities stand between positions. Equation (T.6) of
+!! doc/theory/transfers.md.
 module velocity_xpic
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -56,7 +57,7 @@ contains
    end function xpic_loss_weight
 
    !> With y the last term, r = v - S w, a for a dt, and var and cov of node values at a particle:
-   !! 1/2 r**2 + 1/2 var(a) + cov(a, y) + var(y) and the terms that nodes know.
+   !! 1/2 r**2 + 1/2 var(a) + cov(a, y) + var(y) and the terms that nodes know. Equation (T.11).
    ! gate: long kernel because it sees all that the nodes know
    pure subroutine xpic_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)

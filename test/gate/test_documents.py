@@ -91,6 +91,11 @@ class DocumentGate(unittest.TestCase):
         self.none([f"{place(path, 1)} is linked from nowhere" for path in DOCUMENTS
                    if path.parts[len(ROOT.parts)] in ("doc", "input") and path.resolve() not in linked])
 
+    def test_shapes_are_listed(self):
+        """Would catch a shape that the deck knows and --list does not."""
+        said = scree("--explain", "region.shape")[1]
+        self.assertIn(f"one of: {scree('--list', 'shapes')[1].strip()}\n", said)
+
     def test_keys(self):
         script = ROOT / "scripts" / "document_keys.py"
         answer = subprocess.run([sys.executable, script, SCREE, "--check"], capture_output=True, text=True)

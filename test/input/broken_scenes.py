@@ -398,6 +398,8 @@ WARNINGS = [
 # Options, and what is said about them.
 COMMANDS = [
     (["--set", "grid.dxx=1"], "&grid: unknown key 'dxx'; did you mean 'dx'?"),
+    (["--set", "grid.sparse=T"], "&grid: key 'sparse' is gone: tiles exist only where matter is; "
+     "remove it"),
     (["--set", "grid.dx=abc"], "&grid: dx = abc  <- expects a number"),
     (["--set", "grid.dx=-1"], "&grid: dx = -1  <- must be > 0 m"),
     (["--set", "grid.dx="], "&grid: dx =   <- expects a number"),

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page of messages against the messages: each that the tests know is on it, and none is made up.
+"""The page of messages against the messages: each that the tests know is on it, and none is made up. The pages
+behind its rows are those of test_message_pages.
 
 Would catch a message that was reworded, or is new, and is not explained; and a row of the page that
 no message fits any more.
@@ -26,15 +27,20 @@ ALONE = re.compile(
 
 
 def rows():
-    """Messages of the page with the heading that they stand under."""
-    heading, found = "", []
+    """Messages of the page with the name of the page behind them."""
+    found = []
     for line in PAGE.splitlines():
-        if line.startswith("## "):
-            heading = line[3:]
         cells = line.split(" | ")
-        if line.startswith("| `") and len(cells) == 3:
-            found += [(heading, text) for text in re.findall("`([^`]+)`", cells[0])]
+        if line.startswith(("| `", "| [`")) and len(cells) == 3:
+            name = re.search(r"\]\((messages/[a-z0-9-]+\.md)\)", cells[0])
+            found += [(name and name.group(1), text) for text in re.findall("`([^`]+)`", cells[0])]
     return found
+
+
+def shown(name):
+    """What the program prints on a page; test_message_pages compares that with the program."""
+    text = (case.ROOT / "doc/guide" / name).read_text(encoding="utf-8")
+    return re.findall(r"^```console\n(.*?)^```", text, re.M | re.S)
 
 
 def pattern(message):
@@ -46,19 +52,20 @@ class Page(unittest.TestCase):
     """Texts are compared; test_bad_decks compares them with the program."""
 
     def test_each_row_is_said(self):
-        """Would catch a row that no message fits: decks by the tables, files by the source."""
+        """Would catch a row that no message fits: decks by the tables, others by their pages or the source."""
         said = [row[4] for table in TABLES for row in table]
         source = "".join(path.read_text(encoding="utf-8")
                          for path in sorted((case.ROOT / "src").rglob("*.f90")))
         source = re.sub(r'" *// *(&\s*)?"', "", source)
         self.assertGreater(len(rows()), 60)
-        for heading, message in rows():
+        for name, message in rows():
             with self.subTest(message):
-                if any(pattern(message).search(text) for text in said):
+                self.assertTrue(name, "the row has no page; run scripts/document_messages.py")
+                if any(pattern(message).search(text) for text in said + shown(name)):
                     continue
                 for part in message.split("..."):
                     part = part.strip(" '=()")
-                    self.assertIn(part, source, f"{heading}: nobody says this")
+                    self.assertTrue(part in source, f"nobody says '{part}'")
 
     def test_each_message_is_explained(self):
         """Would catch a message of the tables that the page does not have."""

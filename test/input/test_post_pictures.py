@@ -103,6 +103,26 @@ def test_space_picture(options):
     assert abs(found["turned"] - found["whole"]) > 0.01, found
 
 
+def test_fragment_picture(options):
+    """A colour bar from 0 to the last number, two heavy fragments of one colour, dust as bright as pieces."""
+    out = options.work / "fragments.png"
+    base = options.work / "out" / "debris_cloud_3d"
+    good(call("picture", base, "--colour", "fragment", "--camera", "z", "--title", "", "--out", out))
+    snap = scree_post.snapshot(scree_post.series(series(options.work, "debris_cloud_3d"))[-1][1])
+    assert set(snap.fields["fragment"]) == {1}, "at this time the sphere still sits in the sheet"
+    image = pixels(out)
+    heavy = np.argwhere(np.abs(image - np.array((0, 114, 178))).max(axis=2) < 40)
+    assert len(heavy) > 0.01 * image[..., 0].size, "the heaviest fragment is not blue"
+    snap.fields["fragment"] = np.arange(len(snap.points)) % 9
+    colour = colour_for("fragment", [snap])
+    assert colour.names == ("1, the heaviest", "2", "3", "4", "5", "6", "others", "none"), colour.names
+    tints = [tuple(tint) for tint in paint(colour, np.arange(14.0))]
+    assert len(set(tints[:13])) == 13 and tints[13] == tints[7], tints
+    assert max(tints[0][:3]) - min(tints[0][:3]) < 0.01, "none is not grey"
+    snap.fields["fragment"] = 1 + np.arange(len(snap.points)) % 2
+    assert colour_for("fragment", [snap]).names == ("1, the heaviest", "2")
+
+
 def frames_of(path):
     """The pages of a film."""
     import subprocess

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Closed solutions of shocks in solids and gases, independent of the program.
 
-Mie-Grueneisen matter with a straight line Us = c0 + s up and gamma rho constant, as doc/theory/matter.md
+Mie-Grueneisen matter with a straight line Us = c0 + s up and gamma rho constant, as doc/theory/equations_of_state.md
 writes it, with the strength of von Mises; and ideal gases. Roots by bisection, isentropes by Runge and Kutta.
 """
 

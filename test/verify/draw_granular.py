@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draw the figures of doc/theory/verification_granular.md and the picture of input/column_collapse.
+"""Draw the figures of doc/theory/verification_granular.md.
 
     python test/verify/draw_granular.py --scree build/bin/scree --work FOLDER [--only WORD]
 
-runs the flows of test/support/flows.py and writes doc/theory/figures/granular_*.png and
-input/column_collapse/stages.png. The run-out takes some minutes.
+runs the flows of test/support/flows.py and writes doc/theory/figures/granular_*.png. The run-out takes some minutes.
 """
 
 import argparse
@@ -25,16 +24,16 @@ import case     # noqa: E402
 import flows    # noqa: E402
 from draw_bodies import STYLE  # noqa: E402
 
-ROOT = HERE.parents[1]
+FOLDER = HERE.parents[1] / "doc" / "theory" / "figures"
 
 
-def save(figure, name, folder=ROOT / "doc" / "theory" / "figures"):
+def save(figure, name):
     """Write one figure."""
-    folder.mkdir(parents=True, exist_ok=True)
+    FOLDER.mkdir(parents=True, exist_ok=True)
     figure.tight_layout()
-    figure.savefig(folder / f"{name}.png")
+    figure.savefig(FOLDER / f"{name}.png")
     pyplot.close(figure)
-    print(f"{name}.png {(folder / f'{name}.png').stat().st_size // 1000} kB", flush=True)
+    print(f"{name}.png {(FOLDER / f'{name}.png').stat().st_size // 1000} kB", flush=True)
 
 
 def incline(options):
@@ -111,26 +110,6 @@ def runout(options):
     save(figure, "granular_runout")
 
 
-def stages(options):
-    """The deck of input/column_collapse, in stages."""
-    folder = ROOT / "input" / "column_collapse"
-    run = case.Case(options, "column_collapse", (folder / "scene.nml").read_text(encoding="utf-8")).run("-q")
-    figure, axes = pyplot.subplots(4, 1, figsize=(5.4, 6.4), sharex=True)
-    series = run.snapshots()
-    for place, wanted in zip(axes, (0.0, 0.15, 0.3, 0.75)):
-        time, snap = min(series, key=lambda pair: abs(pair[0] - wanted))
-        layers = np.searchsorted(np.sort(snap.fields["identity"]), snap.fields["identity"])
-        first = min(series, key=lambda pair: pair[0])[1]
-        height = first.points[np.argsort(first.fields["identity"]), 2]
-        place.scatter(100 * snap.points[:, 0], 100 * snap.points[:, 2], s=1.0,
-                      c=np.floor(height[layers] / 0.025) % 2, cmap="copper", vmin=-0.3, vmax=1.5)
-        place.set(ylabel="z [cm]", ylim=(0.0, 22.0), xlim=(0.0, 50.0), aspect="equal")
-        place.set_title(f"t = {time:.2f} s", loc="right", y=0.75)
-    axes[-1].axvline(34.0, color="k", linestyle=":")
-    axes[-1].set(xlabel="x [cm]; dotted: the run-out of the experiments")
-    save(figure, "stages", folder)
-
-
 def main():
     """All figures, or those whose name holds a word."""
     options = case.arguments()
@@ -138,7 +117,7 @@ def main():
     parser.add_argument("--only", default="")
     only = parser.parse_args().only
     with matplotlib.rc_context(STYLE):
-        for draw in (incline, contacts, stages, runout):
+        for draw in (incline, contacts, runout):
             if only in draw.__name__:
                 draw(options)
 

@@ -51,9 +51,10 @@ def bars(options):
                                  vmax=1.2, cmap="viridis", linewidths=0)
         left.text(17.0 * number, z.max() + 0.7, f"{20 * number} us", ha="center")
     edge = 17.0 * 4
-    left.plot([edge - 6.75, edge - 6.75, edge + 6.75, edge + 6.75], [0.6, 0.0, 0.0, 0.6], "r-", lw=1.5)
-    left.plot([edge - 5.05, edge + 5.05], [5.08, 5.08], "r|", ms=8, mew=1.5)
-    left.plot([edge - 4.0, edge + 4.0], [16.2, 16.2], "r-", lw=1.5, label="measured length, foot and waist")
+    length, foot, waist = taylor.EXPERIMENT
+    left.plot([edge - 0.5 * foot] * 2 + [edge + 0.5 * foot] * 2, [0.6, 0.0, 0.0, 0.6], "r-", lw=1.5)
+    left.plot([edge - 0.5 * waist, edge + 0.5 * waist], [0.2 * taylor.MEASURED.length] * 2, "r|", ms=8, mew=1.5)
+    left.plot([edge - 4.0, edge + 4.0], [length, length], "r-", lw=1.5, label="measured length, foot and waist")
     left.set_aspect("equal")
     left.set(ylim=(-0.5, 28.5), ylabel="z [mm]", xticks=[])
     left.legend(loc="upper right", fontsize=6)

@@ -1,0 +1,316 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Commands for the pages of messages that no wrong deck alone brings: options, files, and runs that end early.
+
+SESSIONS: name of the page: a dictionary of
+  files      by name, written before; "scene.nml" is the deck
+  before     commands that make the situation; they are not shown and must end with 0 or 75
+  text       a sentence above what is shown, shows: lines of a file, language: of the block
+  commands   run and shown with all that they print; a pair is what is shown and what is run
+  last       show only so many of the last lines that a command prints
+  then       commands that do better: shown, without what they print, and must end with exit code 0
+  right      lines of a file that do better, right_files: the whole files, with which the last of
+             the commands ends with exit code 0
+  see        documents to read on
+  traps      the numbers of the run end a Debug build before the message
+"""
+
+BAR = """&run dimension = '1d' /
+&grid lo = 0 0 0  hi = 1 1 1  dx = 0.1 /
+&time t_end = 1e-4 /
+&material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
+&region name = 'bar'  shape = 'box'  lo = 0.3 0 0  hi = 0.7 1 1 /
+&body name = 'one'  region = 'bar'  material = 'metal'  velocity = 1 0 0 /
+"""
+SERIES = BAR + """&output name = 'p'  kind = 'particles'  every = 2 /
+&checkpoint dt = 2e-5  keep = 0 /
+"""
+BLOCK = """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 8 1 4  dx = 1 /
+&time t_end = 2  dt_fixed = 0.08 /
+&material name = 'rubber'  density = 1000  young = 1e6  poisson = 0.3 /
+&region name = 'block'  shape = 'box'  lo = 1 0 1  hi = 3 1 3 /
+&body name = 'one'  region = 'block'  material = 'rubber'  velocity = 5 0 0 /
+&boundary face = 'all'  type = 'slip' /
+"""
+FREE = "&time t_end = 2 /\n"
+INSIDE_OUT = BLOCK.replace("dt_fixed = 0.08", "dt_fixed = 0.08  dt_collapse = 0  volume_ratio_min = 0").replace(
+    "0.3 /", "0.3  strength_model = 'neo_hookean' /")
+CUBE = """&run dimension = '3d' /
+&grid lo = 0 0 0  hi = 8 8 8  dx = 1 /
+&time t_end = 10  dt_fixed = 0.08  dt_collapse = 0 /
+&material name = 'rubber'  density = 1000  young = 1e6  poisson = 0.3 /
+&region name = 'block'  shape = 'box'  lo = 2 2 2  hi = 5 6 6 /
+&body name = 'one'  region = 'block'  material = 'rubber'  velocity = 3 -6 9  spin = 1 2 3 /
+&boundary face = 'all'  type = 'slip' /
+"""
+MEET = """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 8 1 4  dx = 1 /
+&time t_end = 0.02  cfl = 0.9  dt_min = 2e-3 /
+&material name = 'rubber'  density = 1000  young = 1e6  poisson = 0.3 /
+&region name = 'left'   shape = 'box'  lo = 1 0 1  hi = 3 1 3 /
+&region name = 'right'  shape = 'box'  lo = 5 0 1  hi = 7 1 3 /
+&body name = 'left'   region = 'left'   material = 'rubber'  velocity = 300 0 0 /
+&body name = 'right'  region = 'right'  material = 'rubber'  velocity = -300 0 0 /
+"""
+PRESSED = MEET.replace("cfl = 0.9  dt_min = 2e-3", "volume_ratio_min = 0.5").replace("lo = 5", "lo = 4").replace(
+    "hi = 7", "hi = 6")
+PULLED = BAR.replace("1e-4", "1e-3  volume_ratio_max = 1.02").replace("lo = 0.3 0 0", "lo = 0 0 0").replace(
+    "1 0 0 /\n", "100 0 0 /\n&boundary face = 'xlo'  type = 'stick' /\n")
+DROP = """&run dimension = '3d' /
+&effects gravity = .true.  gravity_vector = 0 0 -9.81 /
+&grid lo = 0 0 0  hi = 1 1 4  dx = 0.25 /
+&time t_end = 0.5  dt_max = 0.01  speed_max = 3 /
+&material name = 'rubber'  density = 1000  young = 1e4  poisson = 0.3 /
+&region name = 'cube'  shape = 'box'  lo = 0.25 0.25 3  hi = 0.75 0.75 3.5 /
+&body name = 'one'  region = 'cube'  material = 'rubber' /
+"""
+GRAINS = """&run dimension = '3d' /
+&grid lo = 0 0 0  hi = 1 1 1  dx = 0.125 /
+&time t_end = 1e-5 /
+&material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
+&region name = 'grains'  shape = 'points'  file = 'grains.csv' /
+&body name = 'one'  region = 'grains'  material = 'metal'  packing = 'file' /
+"""
+THREE = "x,y,z,volume\n0.2,0.2,0.2,1e-3\n0.5,0.5,0.5,1e-3\n0.7,0.7,0.7,1e-3\n"
+PUSHED = """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
+&time t_end = 1e-5 /
+&material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
+&region name = 'ball'  shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.2 /
+&region name = 'ram'   shape = 'box'  lo = 0 0 0.8  hi = 1 1 1 /
+&body name = 'one'  region = 'ball'  material = 'metal' /
+&boundary region = 'ram'  type = 'slip'  table = 'ram.csv' /
+"""
+RAM = "# t, vx, vy, vz\n0,    0, 0, 0\n1e-6, 0, 0, -1\n1e-5, 0, 0, -1\n"
+STONE = GRAINS.replace("'grains'", "'stone'").replace("shape = 'points'  file = 'grains.csv'",
+                                                      "shape = 'stl'  file = 'stone.stl'").replace(
+    "  packing = 'file'", "")
+FACETS = "\n".join(["solid stone", *(line for three in ("021", "013", "032", "123") for line in [
+    "facet normal 0 0 0", "outer loop",
+    *("vertex " + ("0.2 0.2 0.2", "0.8 0.2 0.2", "0.2 0.8 0.2", "0.2 0.2 0.8")[int(k)] for k in three),
+    "endloop", "endfacet"]), "endsolid stone", ""])
+SCAN = STONE.replace("shape = 'stl'  file = 'stone.stl'", "shape = 'voxel'  file = 'stone.mha'")
+IMAGE = """ObjectType = Image
+NDims = 3
+CompressedData = False
+ElementSpacing = 0.25 0.25 0.25
+DimSize = 4 4 4
+ElementType = MET_UCHAR
+ElementDataFile = LOCAL
+""" + 64 * "\x01"
+FURTHER = GRAINS.replace("grains.csv", "first.hdf").replace(
+    "packing = 'file'", "packing = 'file'  initial_stress = 'file'")
+FIRST = GRAINS.replace("shape = 'points'  file = 'grains.csv'",
+                       "shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.3").replace("  packing = 'file'", "")
+SNAPSHOT = ["scree -q first.nml --outdir first", "cp first/first_p_000000.hdf first.hdf"]
+CHECK = "scree --check scene.nml"
+RUN = "scree -q scene.nml"
+AGAIN = "scree -q --restart scene.nml"
+
+SESSIONS = {
+    # the command line
+    "the-deck-is-empty": {
+        "files": {"scene.nml": "! density 2700, young 70e9\n"}, "text": "A deck that holds a comment alone:",
+        "shows": "! density 2700, young 70e9", "commands": [CHECK],
+        "then": ["scree --template > scene.nml"], "see": ["first_steps.md"]},
+    "unknown-option": {"files": {"scene.nml": BAR}, "commands": ["scree --chek scene.nml"],
+                       "then": [CHECK], "see": ["running.md"]},
+    "expects-group-key-value": {
+        "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set dx=0.05"],
+        "then": ["scree --check scene.nml --set grid.dx=0.05"],
+        "see": ["deck.md#values-from-the-command-line"]},
+    "no-group-of-this-name": {
+        "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'material[steel].young=200e9'"],
+        "then": ["scree --check scene.nml --set 'material[metal].young=200e9'"],
+        "see": ["deck.md#values-from-the-command-line"]},
+    "one-deck-at-a-time": {
+        "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set run.title=my first run"],
+        "then": ["scree --check scene.nml --set \"run.title='my first run'\""], "see": ["running.md"]},
+    # examples and jobs
+    "there-is-no-example": {"commands": ["scree --new two_disks my_discs"],
+                            "then": ["scree --new two_discs my_discs"], "see": ["running.md#a-case-of-your-own"]},
+    "is-there-already-and-nothing-is-overwritten": {
+        "before": ["mkdir my_discs", "touch my_discs/notes.txt"], "commands": ["scree --new two_discs my_discs"],
+        "then": ["scree --new two_discs other_discs"], "see": ["running.md#a-case-of-your-own"]},
+    "the-examples-are-not-there": {
+        "before": ['cp "$(command -v scree)" scree'], "text": "The program was copied alone to another folder:",
+        "commands": ["./scree --list examples"], "see": ["running.md#a-case-of-your-own"]},
+    "job-knows-slurm-and-pbs": {"files": {"scene.nml": BAR}, "commands": ["scree --job lsf scene.nml"],
+                                "then": ["scree --job slurm scene.nml > job.sh"],
+                                "see": ["running.md#a-batch-script"]},
+    "the-job-is-told-by-usr1": {
+        "files": {"scene.nml": BAR + "&checkpoint on_signal = 'TERM' /\n"}, "text": "With this line in the deck:",
+        "shows": "&checkpoint on_signal = 'TERM' /", "commands": ["scree --job slurm scene.nml"],
+        "right": "&checkpoint on_signal = 'TERM' 'USR1' /",
+        "right_files": {"scene.nml": BAR + "&checkpoint on_signal = 'TERM' 'USR1' /\n"},
+        "see": ["running.md#a-batch-script"]},
+    "needs-job": {"files": {"scene.nml": BAR}, "commands": ["scree --ranks 4 scene.nml"],
+                  "then": ["scree --job slurm --ranks 4 scene.nml > job.sh"],
+                  "see": ["running.md#ranks-and-threads"]},
+    # runs that end early
+    "is-below-dt-min": {
+        "files": {"scene.nml": BAR.replace("1e-4", "1e-4  dt_min = 1e-5")}, "text": "A whole deck:",
+        "shows": BAR.replace("1e-4", "1e-4  dt_min = 1e-5"), "commands": [RUN],
+        "then": ["scree -q scene.nml --set time.dt_min=1e-9"]},
+    "has-fallen-below-dt-collapse": {
+        "files": {"scene.nml": BLOCK}, "text": "A whole deck; its step is ten times the stable one:", "shows": BLOCK,
+        "commands": [RUN], "right": FREE,
+        "right_files": {"scene.nml": BLOCK.replace("  dt_fixed = 0.08", "")}},
+    "would-come-nearer-or-part": {
+        "files": {"scene.nml": MEET}, "text": "A whole deck:", "shows": MEET, "commands": [RUN],
+        "right": "&time t_end = 0.02 /",
+        "right_files": {"scene.nml": MEET.replace("  cfl = 0.9  dt_min = 2e-3", "")}},
+    "is-not-a-finite-number": {
+        "files": {"scene.nml": CUBE}, "text": "A whole deck; its step is ten times the stable one, and `dt_collapse = "
+        "0` keeps the run from being ended for that:", "shows": CUBE, "commands": [RUN],
+        "right": "&time t_end = 10 /", "traps": True,
+        "right_files": {"scene.nml": CUBE.replace("10  dt_fixed = 0.08  dt_collapse = 0", "0.5")}},
+    "it-has-turned-inside-out": {
+        "files": {"scene.nml": INSIDE_OUT}, "text": "A whole deck; its step is far too long, and two guards that "
+        "would have seen it before are switched off:", "shows": INSIDE_OUT, "commands": [RUN], "right": FREE,
+        "right_files": {"scene.nml": INSIDE_OUT.replace(
+            "  dt_fixed = 0.08  dt_collapse = 0  volume_ratio_min = 0", "")}},
+    "is-below-volume-ratio-min": {
+        "files": {"scene.nml": PRESSED}, "text": "A whole deck, of soft blocks that meet at eight times their speed "
+        "of sound; nothing may be pressed to less than half:", "shows": PRESSED, "commands": [RUN],
+        "then": ["scree -q scene.nml --set time.volume_ratio_min=0.01"]},
+    "is-above-volume-ratio-max": {
+        "files": {"scene.nml": PULLED}, "text": "A whole deck, of a bar that is torn from a wall; nothing may grow by "
+        "more than 2 %:", "shows": PULLED, "commands": [RUN],
+        "then": ["scree -q scene.nml --set time.volume_ratio_max=1e12"]},
+    "is-above-speed-max": {
+        "files": {"scene.nml": DROP}, "text": "A whole deck, of a cube that falls:", "shows": DROP,
+        "commands": [RUN], "then": ["scree -q scene.nml --set time.speed_max=100"]},
+    "more-than-retire-max": {
+        "files": {"scene.nml": PRESSED.replace("min = 0.5", "min = 0.5  on_bad = 'retire'")},
+        "text": "The deck of [is below volume_ratio_min](is-below-volume-ratio-min.md) with `on_bad = 'retire'`:",
+        "shows": "&time t_end = 0.02  volume_ratio_min = 0.5  on_bad = 'retire' /", "commands": [RUN],
+        "then": ["scree -q scene.nml --set time.retire_max=0.5"]},
+    "this-state-goes-into-no-checkpoint": {
+        "files": {"scene.nml": DROP}, "text": "The deck of [is above speed_max](is-above-speed-max.md):",
+        "shows": DROP.split("\n")[3], "commands": [RUN],
+        "then": ["scree -q scene.nml -s time.max_steps={max_steps}"]},
+    "wall-limit-reached": {
+        "files": {"scene.nml": BAR}, "commands": ["scree scene.nml --set \"time.wall_limit='00:00:00'\""], "last": 1,
+        "then": [AGAIN], "see": ["running.md#checkpoints-and-restart"]},
+    "ended-signal": {
+        "files": {"scene.nml": BAR}, "last": 1, "commands": [(
+            "scree scene.nml --set time.t_end=10 & sleep 60; kill -USR1 $!; wait $!",
+            "scree scene.nml --set time.t_end=10 > screen & child=$!; for try in $(seq 600); do "
+            "grep -q t/t_end screen && break; sleep 0.1; done; kill -USR1 $child; wait $child; code=$?; "
+            "tail -n 2 screen; exit $code")],
+        "then": [AGAIN], "see": ["running.md#signals"]},
+    "nothing-tells-when-the-job-ends": {
+        "files": {"scene.nml": BAR}, "text": "On a machine without Slurm, or outside of a job:",
+        "commands": ["scree -q scene.nml --set \"time.wall_limit='slurm'\""],
+        "then": ["scree -q scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},
+    # files
+    "this-is-a-folder-not-a-deck": {
+        "before": ["scree --new two_discs my_discs"], "commands": ["scree --check my_discs"],
+        "then": ["scree --check my_discs/two_discs.nml"]},
+    "cannot-make-the-folder": {
+        "files": {"scene.nml": BAR, "results": "a file\n"}, "text": "There is a file `results` already:",
+        "commands": ["scree -q scene.nml --outdir results"], "then": ["scree -q scene.nml --outdir results_2"]},
+    "cannot-write": {
+        "files": {"scene.nml": BAR}, "before": ["mkdir -p out/scene", "ln -s /dev/full out/scene/scene_history.csv"],
+        "text": "On a disk that is full:", "commands": [RUN], "see": ["running.md#checkpoints-and-restart"]},
+    "no-checkpoint": {
+        "files": {"scene.nml": BAR}, "before": ["scree -q scene.nml --outdir first",
+                                                "scree -q scene.nml --set checkpoint.at_end=F"],
+        "text": "The run wrote into the folder `first`; that is misspelt once, and once it is left out:",
+        "commands": ["scree -q --restart scene.nml --outdir frist", AGAIN],
+        "then": ["scree -q --restart scene.nml --outdir first"], "see": ["running.md#checkpoints-and-restart"]},
+    "no-checkpoint-can-be-used": {
+        "files": {"scene.nml": BAR}, "before": [RUN, "cp out/scene/scene_chk_0001.h5 whole.h5",
+                                                "head -c 9999 whole.h5 > out/scene/scene_chk_0001.h5"],
+        "text": "The only checkpoint was copied in part:", "commands": [AGAIN],
+        "then": ["scree -q --restart whole.h5 scene.nml"], "see": ["running.md#checkpoints-and-restart"]},
+    "cannot-read": {"files": {"secne.nml": BAR}, "commands": [CHECK], "then": ["scree --check secne.nml"]},
+    "is-cut-short-or-no-checkpoint": {
+        "files": {"scene.nml": SERIES}, "before": [RUN, "head -c 9999 out/scene/scene_chk_0002.h5 > part.h5"],
+        "text": "A checkpoint was copied in part:", "commands": ["scree -q --restart part.h5 scene.nml"],
+        "then": [AGAIN], "see": ["running.md#checkpoints-and-restart"]},
+    "is-damaged": {
+        "files": {"scene.nml": SERIES},
+        "before": [RUN, "cp out/scene/scene_chk_0002.h5 bad.h5",
+                   "printf X | dd of=bad.h5 bs=1 seek=3000 conv=notrunc 2> /dev/null"],
+        "text": "One letter of a checkpoint was changed:", "commands": ["scree --digest bad.h5"],
+        "then": [AGAIN], "see": ["output.md#checkpoints-and-the-digest"]},
+    "is-of-another-version": {
+        "files": {"scene.nml": BAR},
+        "before": [RUN, "sed 's/scree-checkpoint-[0-9]/scree-checkpoint-0/' out/scene/scene_chk_0001.h5 > old.h5"],
+        "text": "A checkpoint of an older program:", "commands": ["scree -q --restart old.h5 scene.nml"],
+        "see": ["output.md#checkpoints-and-the-digest"]},
+    "is-of-another-deck": {
+        "files": {"first.nml": BAR.replace("'metal'", "'alloy'"), "scene.nml": BAR},
+        "before": ["scree -q first.nml"],
+        "text": "The run of `first.nml` had a material `alloy`; in `scene.nml` it is called `metal`:",
+        "commands": ["scree -q --restart out/first/first_chk_0001.h5 scene.nml"],
+        "then": ["scree -q --restart out/first/first_chk_0001.h5 first.nml"],
+        "see": ["running.md#checkpoints-and-restart"]},
+    "it-was-written-with-other-effects": {
+        "files": {"scene.nml": BAR.replace("0.3 /", "0.3  specific_heat = 900 /")
+                  + "&effects thermal = .true. /\n", "first.nml": BAR},
+        "before": ["scree -q first.nml --case scene"],
+        "text": "The first run was without this line:", "shows": "&effects thermal = .true. /", "commands": [AGAIN],
+        "then": ["scree -q --restart first.nml --case scene"], "see": ["running.md#checkpoints-and-restart"]},
+    "cannot-read-the-facets-of": {
+        "files": {"scene.nml": STONE, "stone.stl": "\n".join(FACETS.split("\n")[:11]) + "\n"},
+        "text": "A file `stone.stl` that ends too early; these are its last lines:", "language": "text",
+        "shows": "\n".join(FACETS.split("\n")[8:11]), "commands": [CHECK],
+        "right": "\n".join(FACETS.split("\n")[-9:]), "right_files": {"scene.nml": STONE, "stone.stl": FACETS}},
+    "cannot-read-the-voxels-of": {
+        "files": {"scene.nml": SCAN, "stone.mha": IMAGE.replace("= False", "= True")},
+        "text": "The first lines of `stone.mha`:", "language": "text",
+        "shows": "\n".join(IMAGE.replace("= False", "= True").split("\n")[:3]), "commands": [CHECK],
+        "right": "\n".join(IMAGE.split("\n")[:3]), "right_files": {"scene.nml": SCAN, "stone.mha": IMAGE}},
+    "cannot-read-the-points-of": {
+        "files": {"scene.nml": GRAINS, "grains.csv": THREE.replace("0.5,0.5,0.5", "0.5;0.5;0.5")},
+        "text": "The table `grains.csv`:", "language": "text", "shows": THREE.replace("0.5,0.5,0.5", "0.5;0.5;0.5"),
+        "commands": [CHECK], "right": THREE, "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
+    "a-point-lies-outside-of-the-grid": {
+        "files": {"scene.nml": GRAINS, "grains.csv": THREE.replace("0.5,0.5,0.5", "500,0.5,0.5")},
+        "text": "The table `grains.csv`; the grid of the deck ends at 1:", "language": "text",
+        "shows": THREE.replace("0.5,0.5,0.5", "500,0.5,0.5"), "commands": [CHECK], "right": THREE,
+        "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
+    "two-points-at": {
+        "files": {"scene.nml": GRAINS, "grains.csv": THREE + "0.2,0.2,0.2,1e-3\n"},
+        "text": "The table `grains.csv`:", "language": "text", "shows": THREE + "0.2,0.2,0.2,1e-3\n",
+        "commands": [CHECK], "right": THREE, "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
+    "points-are-larger-than-a-cell": {
+        "files": {"scene.nml": GRAINS, "grains.csv": THREE.replace("1e-3", "8e-3")},
+        "text": "The table `grains.csv`; a cell of the deck has 0.125 m x 0.125 m x 0.125 m = 0.00195 m3:",
+        "language": "text", "shows": THREE.replace("1e-3", "8e-3"), "commands": [CHECK],
+        "right": THREE, "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
+    "there-points-begin-as-fresh-matter": {
+        "files": {"scene.nml": FURTHER, "first.nml": FIRST + "&output name = 'p'  kind = 'particles'  count = 1"
+                  "  fields = 'default' 'stress' /\n"},
+        "before": SNAPSHOT, "text": "The first run wrote:",
+        "shows": "&output name = 'p'  kind = 'particles'  count = 1  fields = 'default' 'stress' /",
+        "commands": [CHECK],
+        "right": "&output name = 'p'  kind = 'particles'  count = 1"
+                 "  fields = 'default' 'stress' 'viscous_pressure' 'spin' /"},
+    "cannot-read-the-velocities-of": {
+        "files": {"scene.nml": PUSHED, "ram.csv": RAM.replace("1e-6, 0, 0, -1", "1e-6, 0, -1")},
+        "text": "The table `ram.csv`; a velocity is missing in its third line:", "language": "text",
+        "shows": RAM.replace("1e-6, 0, 0, -1", "1e-6, 0, -1"), "commands": [CHECK], "right": RAM,
+        "right_files": {"scene.nml": PUSHED, "ram.csv": RAM}},
+    "has-other-columns-than-this-run": {
+        "files": {"scene.nml": BAR}, "before": [RUN],
+        "text": "The run is to go on with outputs in other units:",
+        "commands": ["scree -q --restart scene.nml --set units.output_units=cgs"],
+        "then": ["mv out/scene/scene_history.csv out/scene/first_history.csv",
+                 "scree -q --restart scene.nml --set units.output_units=cgs"],
+        "see": ["running.md#checkpoints-and-restart"]},
+    "left-out-of-the-series": {
+        "files": {"scene.nml": SERIES}, "before": [RUN, "cp out/scene/scene_p_000001.hdf whole.hdf",
+                                                   "head -c 999 whole.hdf > out/scene/scene_p_000001.hdf"],
+        "text": "A snapshot was copied in part:", "commands": [AGAIN],
+        "then": ["cp whole.hdf out/scene/scene_p_000001.hdf", AGAIN],
+        "see": ["running.md#checkpoints-and-restart"]},
+    "not-an-hdf5-file": {
+        "files": {"scene.nml": FURTHER, "first.nml": FIRST},
+        "before": [*SNAPSHOT, "mv first.hdf whole.hdf", "head -c 999 whole.hdf > first.hdf"],
+        "text": "Points are to come from a snapshot that was copied in part:",
+        "shows": FURTHER.split("\n")[4], "commands": [CHECK]},
+}

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The pages behind the page of messages: each shows what the program says today, and each row has one.
+
+Would catch a message that was reworded and is shown with its old words, an example that brings another message or
+none, a deck shown as right that is wrong, a row without a page, a page that no row leads to, and a page that says
+no more than its row.
+"""
+# timeout: 200
+
+import sys
+import unittest
+
+import case
+
+sys.path.insert(0, str(case.ROOT / "scripts"))
+import document_messages as messages  # noqa: E402
+
+OPTIONS = case.arguments(__doc__)
+SHORTEST, LONGEST = 8, 45    # lines of a page
+ALONE = {"declaration-of-the-deck"}    # no deck brings these about
+
+
+class Pages(unittest.TestCase):
+    """The generator runs the program on all examples."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.texts = messages.documents(OPTIONS.scree)
+
+    def test_pages_are_those_of_the_program(self):
+        """Would catch a page that differs, is missing, or belongs to no row."""
+        self.assertGreater(len(self.texts), 100)
+        wrong = messages.out_of_date(self.texts)
+        self.assertEqual(wrong, [], "run scripts/document_messages.py and look at what has changed")
+
+    def test_what_is_out_of_date_is_seen(self):
+        """Would catch a comparison that finds nothing."""
+        name, text = next((path, text) for path, text in self.texts.items() if path != messages.TABLE)
+        changed = {**self.texts, name: text + "more\n", messages.PAGES / "new.md": text}
+        del changed[messages.PAGES / "expects-a-number.md"]
+        self.assertEqual(set(messages.out_of_date(changed)), {
+            f"{name.name} differs", "new.md is missing", "expects-a-number.md belongs to no row of errors.md"})
+
+    def test_a_new_row(self):
+        """Would catch a row that gets no link, or a link made anew where there is one."""
+        table = "| `it ... is: ... so`, `or so` (warning) | why | what |\n"
+        linked = messages.linked(table)
+        self.assertEqual(linked, "| [`it ... is: ... so`, `or so`](messages/it-is-so.md) (warning) | why | what |\n")
+        self.assertEqual(messages.linked(linked), linked)
+        row = messages.rows("## Head\n" + linked)[0]
+        self.assertEqual((row.heading, row.name, row.messages), ("Head", "it-is-so", ["it ... is: ... so", "or so"]))
+        self.assertTrue(row.pattern().search("it surely is: just so") and not row.pattern().search("it was"))
+
+    def test_pages_say_more(self):
+        """Would catch pages without an example, and such as nobody reads."""
+        for path, text in self.texts.items():
+            if path == messages.TABLE:
+                continue
+            with self.subTest(path.name):
+                lines = text.count("\n")
+                self.assertTrue(SHORTEST < lines < LONGEST, f"{lines} lines")
+                self.assertEqual("```console" in text, path.stem not in ALONE)
+                self.assertIn("[all messages](../errors.md)", text)
+                self.assertNotIn(str(messages.ROOT), text)
+
+
+if __name__ == "__main__":
+    unittest.main()
