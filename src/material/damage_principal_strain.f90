@@ -165,7 +165,7 @@ contains
    end subroutine overload
 
    !> Strain over its limit. Where it is below 1, and was before, a bound that it does not exceed
-   !! will do.
+   !! will do. Equation (F.3).
    pure subroutine find_load(model, first, last, pressure, bound, stress, overload, load)
       class(damage_principal_strain_t), intent(in) :: model !! The model
       integer, intent(in) :: first                         !! First particle of the range

@@ -172,7 +172,7 @@ contains
    end subroutine overload
 
    !> Load over strength, the greater one of tension and shear. Where it is below 1, and was before,
-   !! a bound that it does not exceed will do.
+   !! a bound that it does not exceed will do. Equation (F.3).
    pure subroutine find_load(model, first, last, pressure, bound, stress, overload, load)
       class(damage_principal_stress_t), intent(in) :: model !! The model
       integer, intent(in) :: first                         !! First particle of the range

@@ -54,7 +54,7 @@ contains
       number = -log(random_uniform(seed, identity, draw))
    end function exponential
 
-   !> Strength of particles over the characteristic one, (-ln U V0/V)**(1/m). Equation (F.3) of
+   !> Strength of particles over the characteristic one, (-ln U V0/V)**(1/m). Equation (F.5) of
    !! doc/theory/failure.md.
    pure subroutine draw_weibull(weibull, density, seed, identity, first, last, mass, scatter)
       type(weibull_t), intent(in) :: weibull         !! Modulus and volume

@@ -4,7 +4,8 @@
 !!
 !!    dD/dt = x**n/tau,    x = load over strength - 1 > 0,    failed at D = 1.
 !!
-!! n = 0 is a constant delay; then no particle carries its overload x.
+!! n = 0 is a constant delay; then no particle carries its overload x. Equations (F.3) and (F.4)
+!! of doc/theory/failure.md.
 module material_delay
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -75,7 +76,8 @@ contains
       if (self%power > 0.0_wp) call wishes%ask("overload", "failure_delay_power", 1)
    end subroutine delay_request
 
-   !> Damage of a particle that was above its strength for a step, with a constant delay.
+   !> Damage of a particle that was above its strength for a step, with a constant delay. Equation
+   !! (F.3).
    pure real(wp) function ages(damage, delay, dt) result(grown)
       real(wp), intent(in) :: damage                 !! Before the step [1]
       real(wp), intent(in) :: delay                  !! Time to failure [s]
@@ -86,7 +88,7 @@ contains
    end function ages
 
    !> Mean over a step of the power of an overload that goes evenly from one value to another; what
-   !! is below zero counts as zero.
+   !! is below zero counts as zero. Equation (F.4).
    pure real(wp) function mean_power(before, now, power) result(mean)
       real(wp), intent(in) :: before                 !! Overload before the step [1]
       real(wp), intent(in) :: now                    !! After it [1]
