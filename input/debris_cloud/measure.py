@@ -114,7 +114,7 @@ def travel(runs):
 def pieces(runs):
     """Pieces of the cloud in three dimensions: cells with matter that touch. Masses of the quarter of the model."""
     table = Table(["time [us]", "pieces behind the sheet", "single particles", f"of {PIECE} particles or more",
-                   "heaviest [mg]", "second [mg]", "third [mg]", "mass in the heaviest"])
+                   "heaviest [mg]", "second [mg]", "third [mg]", "mass in the heaviest", "round [%]"])
     if "quarter" not in runs:
         return table
     rows = scree_post.history(str(runs["quarter"].folder / "quarter_fragments.csv"))
@@ -122,8 +122,16 @@ def pieces(runs):
         behind = (rows["time"] == moment) & (rows["centre_z"] > 5.0e-3)
         number, mass = rows["particles"][behind], rows["mass"][behind]
         table.rows.append([f"{1e6 * moment:.0f}", behind.sum(), (number == 1).sum(), (number >= PIECE).sum(),
-                           *(f"{1e6 * one:.2f}" for one in mass[:3]), f"{mass[0] / mass.sum():.2f}"])
+                           *(f"{1e6 * one:.2f}" for one in mass[:3]), f"{mass[0] / mass.sum():.2f}",
+                           f"{100 * out_of_round(runs['quarter'].near(moment)):.2f}"])
     return table
+
+
+def out_of_round(snap):
+    """Fourth moment of the cloud round the axis, over the sum of m r^2: what the directions of the mesh leave in it."""
+    x, y = snap.points[:, 0], snap.points[:, 1]
+    share = snap.fields["mass"] * (x ** 2 + y ** 2) * (flying(snap) & (snap.points[:, 2] > 0.0))
+    return np.sum(share * np.cos(4.0 * np.arctan2(y, x))) / np.sum(share)
 
 
 def phrases(runs):
