@@ -4,7 +4,7 @@
     python3 scripts/document_messages.py --scree build/bin/scree             write the pages
     python3 scripts/document_messages.py --scree build/bin/scree --check     exit code 1 if out of date
 
-A page has cause and remedy of its row, sentences of scripts/messages/notes.txt, and an example: the
+A page has cause and remedy of its row, sentences of scripts/messages/*.txt, and an example: the
 program is run on a wrong deck, and what it prints is shown. The deck is that of a row of the tables
 of test/input (broken_values.py, broken_scenes.py) with this message, unless scripts/messages holds
 another one (examples.py: decks; sessions.py: commands, files and runs).
@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[1]
 GUIDE = ROOT / "doc" / "guide"
 TABLE = GUIDE / "errors.md"
 PAGES = GUIDE / "messages"
-NOTES = ROOT / "scripts" / "messages" / "notes.txt"
+NOTES = ROOT / "scripts" / "messages"
 sys.path[:0] = [str(ROOT / "scripts" / "messages"), str(ROOT / "test" / "input")]
 import broken_scenes as scenes   # noqa: E402
 import broken_values as values   # noqa: E402
@@ -103,8 +103,11 @@ def rows(text):
 
 def notes():
     """Further sentences by the name of the page."""
-    parts = re.split(r"^\[([a-z0-9-]+)\]\n", NOTES.read_text(encoding="utf-8"), flags=re.M)
-    return {name: text.strip() for name, text in zip(parts[1::2], parts[2::2])}
+    found = {}
+    for path in sorted(NOTES.glob("*.txt")):
+        parts = re.split(r"^\[([a-z0-9-]+)\]\n", path.read_text(encoding="utf-8"), flags=re.M)
+        found.update((name, text.strip()) for name, text in zip(parts[1::2], parts[2::2]))
+    return found
 
 
 class Runner:
@@ -123,7 +126,9 @@ class Runner:
             OMP_WAIT_POLICY="passive", OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
             OMPI_MCA_btl_vader_single_copy_mechanism="none", GFORTRAN_UNBUFFERED_ALL="1")
         self.count = count()
-        self.traps = any(" Debug " in line for line in self.run(folder, "scree --version")[1])
+        self.version = "scree X.Y.Z"
+        head = self.run(folder, "scree --version")[1][0]
+        self.version, self.traps = " ".join(head.split()[:2]), " Debug " in head
 
     def place(self, files):
         """A new folder with some files."""
@@ -151,7 +156,8 @@ class Runner:
                     lines.append("...")
                     break
         code = 0 if lines and lines[-1] == "..." else process.returncode
-        return code, [line.replace(str(place), "/opt/programs") for line in lines]
+        return code, [line.replace(str(place), "/opt/programs").replace(self.version, "scree X.Y.Z")
+                      for line in lines]
 
     def succeed(self, row, place, command):
         """Run a command that must not fail."""
@@ -159,12 +165,12 @@ class Runner:
         if code not in (0, 75) or any(" 1 warnings" in line for line in said):
             raise ValueError(f"{row.name}: {command} has exit code {code}:\n" + "\n".join(said))
 
-    def is_right(self, files):
-        """Is a deck without errors and warnings?"""
+    def faults(self, files):
+        """What is said of a deck that should have neither errors nor warnings; empty if it has none."""
         key = repr(sorted(files.items()))
         if key not in self.right:
-            code, said = self.run(self.place(files), CHECK)
-            self.right[key] = code == 0 and any(" 0 errors, 0 warnings" in line for line in said)
+            said = self.run(self.place(files), CHECK)[1]
+            self.right[key] = "" if any(" 0 errors, 0 warnings" in line for line in said) else "\n".join(said)
         return self.right[key]
 
 
@@ -193,10 +199,10 @@ def changed(old, new):
 def excerpt(lines, first, last, told=0):
     """Lines of a deck with marks: those that differ, that of the message, and one more if there is none."""
     chosen = set(range(first, last))
-    if not any(lines[place] for place in chosen):
-        chosen = {max(first - 1, 0), min(last, len(lines) - 1)}
     if told:
         chosen.add(told - 1)
+    if not any(lines[place] for place in chosen):
+        chosen = {max(first - 1, 0), min(last, len(lines) - 1)}
     if max(chosen) - min(chosen) < FEW:
         chosen = set(range(min(chosen), max(chosen) + 1))
     shown, before = [], min(chosen) - 1
@@ -215,7 +221,7 @@ def block(language, lines):
 
 
 def deck_example(row, runner):
-    """Text of an example of a deck with one fault, and what the program says of it; None if there is none."""
+    """The line with the message, and text of a deck that brings it; None if there is none."""
     given = examples.DECKS.get(row.name)
     if given is None:
         given = next(((deck, old, new, None) for table in FAULTS for deck, old, new, _, said in table
@@ -229,8 +235,9 @@ def deck_example(row, runner):
     wrong = text.replace(old, new, 1)
     right = text.replace(old, old if better is None else better, 1)
     files = examples.FILES.get(row.name, {})
-    if not runner.is_right({**files, DECK: right}):
-        raise ValueError(f"{row.name}: the deck that should be right is not:\n{right}")
+    faults = runner.faults({**files, DECK: right})
+    if faults:
+        raise ValueError(f"{row.name}: the deck that should be right is not:\n{right}{faults}")
     code, said = runner.run(runner.place({**files, DECK: wrong}), CHECK)
     told = next((line for line in said if row.pattern().search(line)), None)
     if told is None:
@@ -242,7 +249,7 @@ def deck_example(row, runner):
     parts = [f"Wrong, in `{DECK}`:", block("fortran", excerpt(wrong_lines, first, wrong_last, line)),
              f"What the program says{' as a warning' if code == 0 else ''}; its exit code is {code}:",
              block("console", [f"$ {CHECK}", *map(visible, said)]),
-             "Right:", block("fortran", excerpt(right_lines, first, right_last))]
+             "Right:", block("fortran", excerpt(right_lines, max(0, first - (wrong_last == first)), right_last))]
     return told, "\n\n".join(parts)
 
 
@@ -269,7 +276,8 @@ def session_example(row, runner):
     parts = [text if "shows" in session else text.rstrip(":") + "."] if text else []
     if "shows" in session:
         parts.append(block(language, session["shows"].strip("\n").split("\n")))
-    parts += [f"What the program says; its exit code is {code}:", block("console", lines)]
+    parts += [f"What the program says{' as a warning' if ' warning: ' in told else ''}; its exit code is {code}:",
+              block("console", lines)]
     better = []
     for command in session.get("then", []):
         steps = re.search(r"time\.max_steps=(\d+)", " ".join(everything))
@@ -281,7 +289,9 @@ def session_example(row, runner):
     if "right" in session:
         parts += ["Right:", block(language, session["right"].strip("\n").split("\n"))]
     if "right_files" in session:
-        runner.succeed(row, runner.place(session["right_files"]), session["commands"][-1])
+        place = runner.place({**session["files"], **session["right_files"]})
+        for command in [*session.get("before", []), session["commands"][-1]]:
+            runner.succeed(row, place, command)
     return told, "\n\n".join(parts)
 
 
@@ -364,6 +374,7 @@ def documents(program):
     strange = set(more).union(sessions.SESSIONS, examples.DECKS, examples.FILES) - set(names)
     if strange:
         raise ValueError(f"sentences or examples of no row: {sorted(strange)}")
+    faults = []
     with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
         runner = Runner(program, folder)
 
@@ -371,11 +382,18 @@ def documents(program):
             path = PAGES / f"{row.name}.md"
             if runner.traps and sessions.SESSIONS.get(row.name, {}).get("traps"):
                 return path, path.read_text(encoding="utf-8")
-            return path, page(row, runner, more, known)
+            try:
+                return path, page(row, runner, more, known)
+            except ValueError as fault:
+                faults.append(str(fault))
+                return path, ""
 
         # most of the time goes into the start of message passing, which waits
         with ThreadPoolExecutor(4) as pool:
-            return {TABLE: table, **dict(pool.map(write, found))}
+            texts = {TABLE: table, **dict(pool.map(write, found))}
+    if faults:
+        raise ValueError("\n\n".join(faults))
+    return texts
 
 
 def out_of_date(texts):
@@ -392,7 +410,13 @@ def main():
     parser.add_argument("--scree", metavar="PROGRAM", default=ROOT / "build/bin/scree", help="the program")
     parser.add_argument("--check", action="store_true", help="only compare")
     arguments = parser.parse_args()
-    texts = documents(arguments.scree)
+    if not Path(arguments.scree).is_file():
+        parser.error(f"there is no program {arguments.scree}")
+    try:
+        texts = documents(arguments.scree)
+    except ValueError as faults:
+        print(faults, file=sys.stderr)
+        return 1
     if arguments.check:
         wrong = out_of_date(texts)
         if wrong:

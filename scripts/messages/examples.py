@@ -76,7 +76,20 @@ FINE_GRID = """&run dimension = '3d' /
 &body name = 'one'  region = 'ball'  material = 'metal' /
 &output name = 'map'  kind = 'grid'  count = 1  region = 'near' /
 """
+FLAT = "x,y,z,volume\n0.2,0,0.2,1e-3\n0.2,0,0.7,1e-3\n0.5,0,0.4,1e-3\n"
+FLAT_GRAINS = GRAINS.replace("3d", "plane_strain").replace(
+    "'grains.csv' /", "'grains.csv'  rotate = 0 30 0 /")
 THREE = "x,y,z,volume\n0.2,0.2,0.2,1e-3\n0.5,0.5,0.5,1e-3\n0.7,0.7,0.7,1e-3\n"
+
+FLUID = BAR + """&material name = 'water'  density = 1000  bulk = 2.2e9  elastic = 'none' /
+""" + BODY.replace("metal", "water")
+
+MODE = "&exact solution = 'bar_mode'  bar_length = 1  mode_speed = 1"
+SECOND = """&region name = 'cube'  shape = 'box'  lo = 0 0 0  hi = 0.2 1 0.2 /
+&body name = 'two'  region = 'cube'  material = 'metal' /
+"""
+VORTEX = (BAR + METAL.replace("0.3 /", "0.3  strength_model = 'neo_hookean' /") + BODY
+          + "&exact solution = 'vortex'  frequency = 1 /\n")
 
 
 def facets(corners, triangles):
@@ -97,6 +110,10 @@ DECKS = {
     "character-is-not-allowed": ("plain", "&time", "\x1b[1m&time", None),
     "the-line-is-too-long": ("plain", "'plane_strain' /", "'plane_strain' /  ! " + 60 * "a long word ", None),
     "unknown-key": ("plain", "centre", "center", None),
+    "key-is-called": ("sand", "friction_angle = 35", "friction_angle = 35  packing = 'grid'",
+                      "friction_angle = 35  volume_from = 'grid'"),
+    "word-is-called": (FLUID, "elastic = 'none'", "strength_model = 'fluid'", None),
+    "this-is-an-older-scree": ("plain", "&run", "&run deck_version = 9 ", "&run deck_version = 1 "),
     "is-given-twice": ("plain", "density = 2700", "density = 2700  density = 7800", None),
     "appears-twice": ("plain", "&time t_end = 1e-5 /", "&time t_end = 1e-5 /\n&time cfl = 0.3 /",
                       "&time t_end = 1e-5  cfl = 0.3 /"),
@@ -186,6 +203,26 @@ DECKS = {
     "open-edges-it-leaks": (SOLID, "open.stl", "open.stl", "whole.stl"),
     "edges-of-the-polygon-cross": (PRISM, "0.9 0.9  0.1 0.9", "0.1 0.9  0.9 0.9", None),
     "its-region-is-a-list-of-points": (GRAINS, "  packing = 'file'", "", None),
+    "is-a-list-of-points": (
+        GRAINS, "&body", "&boundary region = 'grains'  type = 'stick' /\n&body",
+        "&region name = 'wall'  shape = 'box'  lo = 0 0 0  hi = 1 1 0.125 /\n"
+        "&boundary region = 'wall'  type = 'stick' /\n&body"),
+    "turns-its-points-out": (FLAT_GRAINS, "rotate = 0 30 0", "rotate = 0 0 30", None),
+    "which-cannot-be-turned": (FLAT_GRAINS.replace("plane_strain", "axisymmetric"), "  rotate = 0 30 0",
+                               "  rotate = 0 30 0", ""),
+    "basis-needs": (
+        "plain", "'plane_strain' /", "'plane_strain' /\n&method basis = 'gimp' /",
+        "'plane_strain'  method = 'mpm' /\n&method basis = 'gimp' /"),
+    "of-exact-holds-for": (VORTEX, "  strength_model = 'neo_hookean'", "", None),
+    "exact-gives-the": ("plain", "'metal' /", f"'metal'  velocity = 0 0 1 /\n{MODE} /", f"'metal' /\n{MODE} /"),
+    "can-fly-with-ends-free-free-only": (
+        "plain", "'metal' /", f"'metal' /\n{MODE}  flight_speed = 2 /", f"'metal' /\n{MODE} /"),
+    "is-of-the-material-of-a-body": (
+        "plain", "'metal' /", f"'metal' /\n{SECOND}{MODE}  bodies = 'one' /",
+        f"'metal' /\n{SECOND}{MODE}  bodies = 'one' 'two' /"),
+    "does-not-know-the-hoop-stress": (
+        "sand", "'axisymmetric' /", "'axisymmetric' /\n&method quadrature = 'lsd' /",
+        "'axisymmetric' /\n&method quadrature = 'point' /"),
     "has-its-stress-from-its-deformation": (
         SOIL, "initial_stress = 'lithostatic'", "initial_stress = 'lithostatic'", "initial_stress = 'zero'"),
     "would-write-in-files": ("shock", "dt = 1 /", "dt = 1e-6 /", None),
@@ -218,8 +255,11 @@ DECKS = {
     "expects-key-value": ("plain", "t_end = 1e-5", "t_end 1e-5", None),
 }
 
-STONES = {"whole.stl": facets(CORNERS, PYRAMID), "open.stl": facets(CORNERS, PYRAMID[:3])}
+STONES = {"whole.stl": facets(CORNERS, PYRAMID), "open.stl": facets(CORNERS, PYRAMID[:1] + PYRAMID[2:])}
 FILES = {
     "open-edges-it-leaks": STONES,
     "its-region-is-a-list-of-points": {"grains.csv": THREE},
+    "is-a-list-of-points": {"grains.csv": THREE},
+    "turns-its-points-out": {"grains.csv": FLAT},
+    "which-cannot-be-turned": {"grains.csv": FLAT},
 }

@@ -8,8 +8,8 @@ SESSIONS: name of the page: a dictionary of
   commands   run and shown with all that they print; a pair is what is shown and what is run
   last       show only so many of the last lines that a command prints
   then       commands that do better: shown, without what they print, and must end with exit code 0
-  right      lines of a file that do better, right_files: the whole files, with which the last of
-             the commands ends with exit code 0
+  right      lines of a file that do better, right_files: the whole files, with which what was run
+             before and the last of the commands end with exit code 0 and no warning
   see        documents to read on
   traps      the numbers of the run end a Debug build before the message
 """
@@ -102,6 +102,12 @@ FURTHER = GRAINS.replace("grains.csv", "first.hdf").replace(
     "packing = 'file'", "packing = 'file'  initial_stress = 'file'")
 FIRST = GRAINS.replace("shape = 'points'  file = 'grains.csv'",
                        "shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.3").replace("  packing = 'file'", "")
+STATE = FIRST + "&output name = 'p'  kind = 'particles'  every = 1  precision = 'double'  fields = 'state' /\n"
+BOXES = STATE.replace("'3d' /", "'3d'  method = 'mpm' /\n&method basis = 'gimp' /")
+TURNED = FURTHER.replace("'3d' /", "'3d'  method = 'mpm' /\n&method basis = 'gimp' /").replace(
+    "'first.hdf' /", "'first.hdf'  rotate = 0 0 30  translate = 0.3 -0.2 0 /")
+QUARTER = ("30  translate = 0.3 -0.2 0", "90  translate = 1 0 0")
+LAST = ["scree -q first.nml --outdir first", "cp first/first_p_000001.hdf first.hdf"]
 SNAPSHOT = ["scree -q first.nml --outdir first", "cp first/first_p_000000.hdf first.hdf"]
 CHECK = "scree --check scene.nml"
 RUN = "scree -q scene.nml"
@@ -123,6 +129,18 @@ SESSIONS = {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'material[steel].young=200e9'"],
         "then": ["scree --check scene.nml --set 'material[metal].young=200e9'"],
         "see": ["deck.md#values-from-the-command-line"]},
+    "is-no-value": {
+        "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'time.t_end=1e-4 /'"],
+        "then": ["scree --check scene.nml --set time.t_end=1e-4"],
+        "see": ["deck.md#values-from-the-command-line"]},
+    "the-value-of-is-empty": {"files": {"scene.nml": BAR}, "commands": ["scree --check --case= scene.nml"],
+                              "then": ["scree --check --case=first scene.nml"], "see": ["running.md"]},
+    "takes-no-value": {"files": {"scene.nml": BAR}, "commands": ["scree --check --force=yes scene.nml"],
+                       "then": ["scree --check --force scene.nml"], "see": ["running.md"]},
+    "exclude-each-other": {"files": {"scene.nml": BAR}, "commands": ["scree --check --restart scene.nml"],
+                           "then": [CHECK], "see": ["running.md"]},
+    "list-knows": {"commands": ["scree --list material"], "then": ["scree --list materials"],
+                   "see": ["materials.md"]},
     "one-deck-at-a-time": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set run.title=my first run"],
         "then": ["scree --check scene.nml --set \"run.title='my first run'\""], "see": ["running.md"]},
@@ -207,10 +225,11 @@ SESSIONS = {
     # files
     "this-is-a-folder-not-a-deck": {
         "before": ["scree --new two_discs my_discs"], "commands": ["scree --check my_discs"],
-        "then": ["scree --check my_discs/two_discs.nml"]},
+        "then": ["scree --check my_discs/two_discs.nml"], "see": ["running.md#a-case-of-your-own"]},
     "cannot-make-the-folder": {
         "files": {"scene.nml": BAR, "results": "a file\n"}, "text": "There is a file `results` already:",
-        "commands": ["scree -q scene.nml --outdir results"], "then": ["scree -q scene.nml --outdir results_2"]},
+        "commands": ["scree -q scene.nml --outdir results"], "then": ["scree -q scene.nml --outdir results_2"],
+        "see": ["output.md"]},
     "cannot-write": {
         "files": {"scene.nml": BAR}, "before": ["mkdir -p out/scene", "ln -s /dev/full out/scene/scene_history.csv"],
         "text": "On a disk that is full:", "commands": [RUN], "see": ["running.md#checkpoints-and-restart"]},
@@ -225,7 +244,8 @@ SESSIONS = {
                                                 "head -c 9999 whole.h5 > out/scene/scene_chk_0001.h5"],
         "text": "The only checkpoint was copied in part:", "commands": [AGAIN],
         "then": ["scree -q --restart whole.h5 scene.nml"], "see": ["running.md#checkpoints-and-restart"]},
-    "cannot-read": {"files": {"secne.nml": BAR}, "commands": [CHECK], "then": ["scree --check secne.nml"]},
+    "cannot-read": {"files": {"secne.nml": BAR}, "commands": [CHECK], "then": ["scree --check secne.nml"],
+                    "see": ["running.md"]},
     "is-cut-short-or-no-checkpoint": {
         "files": {"scene.nml": SERIES}, "before": [RUN, "head -c 9999 out/scene/scene_chk_0002.h5 > part.h5"],
         "text": "A checkpoint was copied in part:", "commands": ["scree -q --restart part.h5 scene.nml"],
@@ -288,8 +308,21 @@ SESSIONS = {
         "before": SNAPSHOT, "text": "The first run wrote:",
         "shows": "&output name = 'p'  kind = 'particles'  count = 1  fields = 'default' 'stress' /",
         "commands": [CHECK],
-        "right": "&output name = 'p'  kind = 'particles'  count = 1"
-                 "  fields = 'default' 'stress' 'viscous_pressure' 'spin' /"},
+        "right": "&output name = 'p'  kind = 'particles'  count = 1  fields = 'state' /",
+        "right_files": {
+            "first.nml": FIRST + "&output name = 'p'  kind = 'particles'  count = 1  fields = 'state' /\n"}},
+    "boxes-cannot-be-turned": {
+        "files": {"scene.nml": TURNED, "first.nml": BOXES}, "before": SNAPSHOT,
+        "text": "The boxes of `basis = 'gimp'` lie along the coordinates; the points of the snapshot are turned:",
+        "shows": TURNED.split("\n")[5], "commands": [CHECK],
+        "right": TURNED.split("\n")[5].replace(*QUARTER),
+        "right_files": {"scene.nml": TURNED.replace(*QUARTER)}},
+    "velocities-stand-before-the-places": {
+        "files": {"scene.nml": FURTHER.replace("  initial_stress = 'file'", "") + "&method paper = .true. /\n",
+                  "first.nml": STATE}, "before": LAST,
+        "text": "The run that wrote the snapshot was without this line:", "shows": "&method paper = .true. /",
+        "commands": [CHECK], "right": "&method paper = .false. /",
+        "right_files": {"scene.nml": FURTHER.replace("  initial_stress = 'file'", "") + "&method paper = .false. /\n"}},
     "cannot-read-the-velocities-of": {
         "files": {"scene.nml": PUSHED, "ram.csv": RAM.replace("1e-6, 0, 0, -1", "1e-6, 0, -1")},
         "text": "The table `ram.csv`; a velocity is missing in its third line:", "language": "text",
