@@ -221,7 +221,7 @@ def block(language, lines):
 
 
 def deck_example(row, runner):
-    """Text of an example of a deck with one fault, and what the program says of it; None if there is none."""
+    """The line with the message, and text of a deck that brings it; None if there is none."""
     given = examples.DECKS.get(row.name)
     if given is None:
         given = next(((deck, old, new, None) for table in FAULTS for deck, old, new, _, said in table

@@ -129,6 +129,18 @@ SESSIONS = {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'material[steel].young=200e9'"],
         "then": ["scree --check scene.nml --set 'material[metal].young=200e9'"],
         "see": ["deck.md#values-from-the-command-line"]},
+    "is-no-value": {
+        "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'time.t_end=1e-4 /'"],
+        "then": ["scree --check scene.nml --set time.t_end=1e-4"],
+        "see": ["deck.md#values-from-the-command-line"]},
+    "the-value-of-is-empty": {"files": {"scene.nml": BAR}, "commands": ["scree --check --case= scene.nml"],
+                              "then": ["scree --check --case=first scene.nml"], "see": ["running.md"]},
+    "takes-no-value": {"files": {"scene.nml": BAR}, "commands": ["scree --check --force=yes scene.nml"],
+                       "then": ["scree --check --force scene.nml"], "see": ["running.md"]},
+    "exclude-each-other": {"files": {"scene.nml": BAR}, "commands": ["scree --check --restart scene.nml"],
+                           "then": [CHECK], "see": ["running.md"]},
+    "list-knows": {"commands": ["scree --list material"], "then": ["scree --list materials"],
+                   "see": ["materials.md"]},
     "one-deck-at-a-time": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set run.title=my first run"],
         "then": ["scree --check scene.nml --set \"run.title='my first run'\""], "see": ["running.md"]},
