@@ -242,6 +242,8 @@ DECKS = {
     "are-too-large-for-this-fracture-energy": (CRACK, "fracture_energy = 8", "fracture_energy = 0.8", None),
     "fracture-energy-and-failure-delay": (CRACK, "fracture_energy = 8", "fracture_energy = 8  failure_delay = 1e-3",
                                           None),
+    "failure-delay-power-needs-failure-delay": (CRACK, "fracture_energy = 8", "failure_delay_power = 2",
+                                                "failure_delay = 1e-6  failure_delay_power = 2"),
     "fracture-energy-needs-a-bulk-modulus": (GAS, "  fracture_energy = 8", "  fracture_energy = 8", ""),
     "is-lighter-than-polystyrene": ("plain", "density = 2700", "density = 2.7", None),
     "is-heavier-than-osmium": ("shock", "density = 2.79", "density = 2790", None),

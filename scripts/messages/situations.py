@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Commands for the pages of messages that no wrong deck alone brings: options, files, and runs that end early.
 
-SESSIONS: name of the page: a dictionary of
+SITUATIONS: name of the page: a dictionary of
   files      by name, written before; "scene.nml" is the deck
   before     commands that make the situation; they are not shown and must end with 0 or 75
   text       a sentence above what is shown, shows: lines of a file, language: of the block
@@ -113,7 +113,7 @@ CHECK = "scree --check scene.nml"
 RUN = "scree -q scene.nml"
 AGAIN = "scree -q --restart scene.nml"
 
-SESSIONS = {
+SITUATIONS = {
     # the command line
     "the-deck-is-empty": {
         "files": {"scene.nml": "! density 2700, young 70e9\n"}, "text": "A deck that holds a comment alone:",
