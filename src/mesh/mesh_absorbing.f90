@@ -69,8 +69,8 @@ contains
       end do
    end subroutine absorbing_absorb
 
-   !> Number of the material beyond a node on a face, 0 = none; that of the next node on the face for
-   !! one outside of the box.
+   !> Number of the material beyond a node on a face, 0 = none; outside of the box that of the next
+   !! node on the face.
    pure integer function matter_beyond(dashpots, grid, coordinate, normal, node) result(matter)
       type(dashpots_t), intent(in) :: dashpots       !! Of the face
       type(grid_t), intent(in) :: grid               !! The grid

@@ -143,8 +143,10 @@ ORPHANS = [
      "&boundary: a region cannot be type = 'symmetry'; use outflow, stick, slip, friction or velocity"),
     ("plain", "&time", "&boundary face = 'xhi' region = 'ball' type = 'absorbing' /\n&time", 3,
      "&boundary: a region cannot be type = 'absorbing'; use outflow, stick, slip, friction or velocity"),
-    ("plain", "  young = 70e9  poisson = 0.3 /", "  elastic = 'none'  eos_model = 'ideal_gas'  ig_gamma = 1.4 /\n"
-     "&boundary face = 'all' type = 'absorbing' /", 6,
+    ("plain", "  young = 70e9  poisson = 0.3 /\n&region name = 'ball'  shape = 'sphere'  centre = 0.5 0 0.5  "
+     "radius = 0.2 /",
+     "  elastic = 'none'  eos_model = 'ideal_gas'  ig_gamma = 1.4 /\n&boundary face = 'all' type = 'absorbing' /\n"
+     "&region name = 'ball'  shape = 'box'  lo = 0 0 0  hi = 1 0.1 1 /", 6,
      "&boundary: material 'metal' has no speed of waves at rest that the face could absorb; use outflow"),
     ("plain", "&time", "&boundary face = 'ylo' region = 'ball' type = 'stick' /\n&time", 3,
      "&boundary: dimension = 'plane_strain' has no face ylo"),

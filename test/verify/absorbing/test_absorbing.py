@@ -251,7 +251,8 @@ def where_matter_goes_on(options, sheet):
     energy of the second comes back."""
     run = case.Case(options, "flight", FLIGHT.format(matter=MATTER)).run("-q")
     sheet.near("flight: mass that leaves [kg]", run.history["lost_mass"][-1], run.history["mass"][0], 1.0e-12)
-    sheet.near("flight: its momentum [kg m/s]", run.history["lost_momentum_x"][-1], run.history["momentum_x"][0], 1.0e-9)
+    sheet.near("flight: its momentum [kg m/s]", run.history["lost_momentum_x"][-1], run.history["momentum_x"][0],
+               1.0e-9)
     left = {}
     for kind in ("outflow", "absorbing"):
         kinetic = case.Case(options, f"layers_{kind}", LAYERS.format(kind=kind)).run("-q").history["kinetic"]
