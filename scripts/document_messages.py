@@ -7,7 +7,7 @@
 A page has cause and remedy of its row, sentences of scripts/messages/*.txt, and an example: the
 program is run on a wrong deck, and what it prints is shown. The deck is that of a row of the tables
 of test/input (broken_values.py, broken_scenes.py) with this message, unless scripts/messages holds
-another one (examples.py: decks; sessions.py: commands, files and runs).
+another one (examples.py: decks; situations.py: commands, files and runs).
 
 A new message: write its row into errors.md without a link, run this script, look at the page.
 Only the standard library is needed.
@@ -31,7 +31,7 @@ sys.path[:0] = [str(ROOT / "scripts" / "messages"), str(ROOT / "test" / "input")
 import broken_scenes as scenes   # noqa: E402
 import broken_values as values   # noqa: E402
 import examples                  # noqa: E402
-import sessions                  # noqa: E402
+import situations                # noqa: E402
 
 FAULTS = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS,
           scenes.NAMES, scenes.ORPHANS, scenes.BODIES, scenes.ANGLES, scenes.SIZES, scenes.INCLUDES,
@@ -221,7 +221,7 @@ def block(language, lines):
 
 
 def deck_example(row, runner):
-    """Text of an example of a deck with one fault, and what the program says of it; None if there is none."""
+    """The line with the message, and text of a deck that brings it; None if there is none."""
     given = examples.DECKS.get(row.name)
     if given is None:
         given = next(((deck, old, new, None) for table in FAULTS for deck, old, new, _, said in table
@@ -253,44 +253,44 @@ def deck_example(row, runner):
     return told, "\n\n".join(parts)
 
 
-def session_example(row, runner):
+def situation_example(row, runner):
     """The line with the message, and text of commands and what they print; None if there are none."""
-    session = sessions.SESSIONS.get(row.name)
-    if session is None:
+    situation = situations.SITUATIONS.get(row.name)
+    if situation is None:
         return None
-    place, language = runner.place(session.get("files", {})), session.get("language", "fortran")
-    for command in session.get("before", []):
+    place, language = runner.place(situation.get("files", {})), situation.get("language", "fortran")
+    for command in situation.get("before", []):
         runner.succeed(row, place, command)
     lines, everything, code = [], [], 0
-    for command in session["commands"]:
+    for command in situation["commands"]:
         shown, command = (command, command) if isinstance(command, str) else command
         code, said = runner.run(place, command)
         everything += said
-        if len(said) > session.get("last", len(said)):
-            said = ["...", *said[-session["last"]:]]
+        if len(said) > situation.get("last", len(said)):
+            said = ["...", *said[-situation["last"]:]]
         lines += [f"$ {shown}", *map(visible, said)]
     told = next((line for line in everything if row.pattern().search(line)), None)
     if told is None:
         raise ValueError(f"{row.name}: the example does not bring the message, but\n" + "\n".join(everything))
-    text = session.get("text", "")
-    parts = [text if "shows" in session else text.rstrip(":") + "."] if text else []
-    if "shows" in session:
-        parts.append(block(language, session["shows"].strip("\n").split("\n")))
+    text = situation.get("text", "")
+    parts = [text if "shows" in situation else text.rstrip(":") + "."] if text else []
+    if "shows" in situation:
+        parts.append(block(language, situation["shows"].strip("\n").split("\n")))
     parts += [f"What the program says{' as a warning' if ' warning: ' in told else ''}; its exit code is {code}:",
               block("console", lines)]
     better = []
-    for command in session.get("then", []):
+    for command in situation.get("then", []):
         steps = re.search(r"time\.max_steps=(\d+)", " ".join(everything))
         command = command.format(max_steps=steps.group(1)) if steps else command
         runner.succeed(row, place, command)
         better.append(f"$ {command}")
     if better:
         parts += ["Right:", block("console", better)]
-    if "right" in session:
-        parts += ["Right:", block(language, session["right"].strip("\n").split("\n"))]
-    if "right_files" in session:
-        place = runner.place({**session["files"], **session["right_files"]})
-        for command in [*session.get("before", []), session["commands"][-1]]:
+    if "right" in situation:
+        parts += ["Right:", block(language, situation["right"].strip("\n").split("\n"))]
+    if "right_files" in situation:
+        place = runner.place({**situation["files"], **situation["right_files"]})
+        for command in [*situation.get("before", []), situation["commands"][-1]]:
             runner.succeed(row, place, command)
     return told, "\n\n".join(parts)
 
@@ -335,7 +335,7 @@ def see_also(row, told, known):
         links.append((f"{' and '.join(named)} of " if named else "") + f"[&{group}](../keys.md#{group})")
         about = group
     targets = re.findall(r"\]\(([^)\s]+)\)", row.cause + row.remedy)
-    targets += sessions.SESSIONS.get(row.name, {}).get("see", [])
+    targets += situations.SITUATIONS.get(row.name, {}).get("see", [])
     about = row.heading if row.heading in ("Letters and groups", "Units") else about
     targets += [ABOUT[about]] if about in ABOUT and not targets else []
     links += [f"[{title_of(target)}](../{target})" for target in dict.fromkeys(targets) if target != "keys.md"]
@@ -350,7 +350,7 @@ def sentence(text):
 
 def page(row, runner, more, known):
     """The whole page of a row."""
-    example = session_example(row, runner) or deck_example(row, runner)
+    example = situation_example(row, runner) or deck_example(row, runner)
     parts = ["# " + ", ".join(f"`{text.strip()}`" for text in row.messages) + row.behind,
              f"**What is wrong.** {sentence(row.cause)}", f"**What to do.** {sentence(row.remedy)}"]
     if row.name in more:
@@ -371,7 +371,7 @@ def documents(program):
     twice = {name for name in names if names.count(name) > 1}
     if twice:
         raise ValueError(f"pages of two rows: {twice}; write the link of one by hand")
-    strange = set(more).union(sessions.SESSIONS, examples.DECKS, examples.FILES) - set(names)
+    strange = set(more).union(situations.SITUATIONS, examples.DECKS, examples.FILES) - set(names)
     if strange:
         raise ValueError(f"sentences or examples of no row: {sorted(strange)}")
     faults = []
@@ -380,7 +380,7 @@ def documents(program):
 
         def write(row):
             path = PAGES / f"{row.name}.md"
-            if runner.traps and sessions.SESSIONS.get(row.name, {}).get("traps"):
+            if runner.traps and situations.SITUATIONS.get(row.name, {}).get("traps"):
                 return path, path.read_text(encoding="utf-8")
             try:
                 return path, page(row, runner, more, known)

@@ -12,15 +12,25 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import scree_post                      # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
-#: Density [kg/m3], speeds of longitudinal and shear waves [m/s] of the presets.
+#: Title, density [kg/m3], speeds of longitudinal and shear waves [m/s].
 GLASS = {"soda": ("soda-lime", 2530.0, 5828.0, 3466.0),
          "surface": ("borosilicate, flaws of its surface", 2230.0, 5647.0, 3458.0),
-         "inside": ("borosilicate, strength of its inside", 2230.0, 5647.0, 3458.0)}
-COLOURS = {"soda": "#0072b2", "surface": "#e69f00", "inside": "#d55e00"}
+         "inside": ("borosilicate, strength of its inside", 2230.0, 5647.0, 3458.0),
+         "constant": ("borosilicate, 0.3 us to failure", 2230.0, 5647.0, 3458.0),
+         "slow": ("borosilicate, time to failure by load", 2230.0, 5647.0, 3458.0),
+         "slowsoda": ("soda-lime, time to failure by load", 2530.0, 5828.0, 3466.0)}
+COLOURS = {"soda": "#0072b2", "surface": "#e69f00", "inside": "#d55e00", "constant": "#777777", "slow": "#009e73",
+           "slowsoda": "#cc79a7"}
+#: Failure that takes 0.3 us at twice the strength and the less the greater the load; the moduli of soda-lime glass.
+SLOW = {"material.preset": "glass_borosilicate", "material.failure_stress": 0.6, "material.failure_shear": 0.7,
+        "material.failure_delay": 0.3, "material.failure_delay_power": 2}
 #: What --set adds to the deck.
 VALUES = {"soda": {}, "surface": {"material.preset": "glass_borosilicate"},
           "inside": {"material.preset": "glass_borosilicate", "material.failure_stress": 0.6,
-                     "material.failure_shear": 1.0}}
+                     "material.failure_shear": 1.0},
+          "constant": {**SLOW, "material.failure_delay_power": 0},
+          "slow": SLOW,
+          "slowsoda": {**SLOW, "material.density": 2.53, "material.bulk": 45.4, "material.shear": 30.4}}
 STRESS = (1.0, 1.5, 2.0, 3.0, 4.0)     # at first contact, rho c v / 2 [GPa]
 LAYER = 5.0e-4                         # height of the layers in which failed particles are counted [m]
 
@@ -53,20 +63,34 @@ def front_speed(run):
     return np.polyfit(times[chosen], places[chosen], 1)[0] if chosen.sum() > 3 else 0.0
 
 
-def tables(runs):
+def speed_in_glass(run, name):
+    """Speed of the front in the glass ahead of it, which comes with half the speed of approach [m/s]."""
+    glass, stress = name.split("_")
+    found = front_speed(run)
+    return found + 0.5 * speed(glass, float(stress)) if found > 0.0 else 0.0
+
+
+def table(runs):
     """Speed of the front by stress, and what is kept."""
-    table = Table(["glass", "stress [GPa]", "approach [m/s]", "front [m/s]", "over shear wave",
-                   "over longitudinal wave", "failed at the end", "fastest radially [m/s]"])
+    result = Table(["glass", "stress [GPa]", "approach [m/s]", "front [m/s]", "in the glass [m/s]", "over shear wave",
+                    "over longitudinal wave", "farthest [mm]", "failed at the end", "fastest radially [m/s]"])
     for name, run in runs.items():
         glass, stress = name.split("_")
         title, _, longitudinal, shear = GLASS[glass]
-        found, last = front_speed(run), run.last_snapshot()
-        table.rows.append([title, stress, f"{speed(glass, float(stress)):.0f}",
-                           f"{found:.0f}" if found else "stands",
-                           f"{found / shear:.2f}", f"{found / longitudinal:.2f}",
-                           f"{last.fields['failed'].mean():.2f}",
-                           f"{last.fields['velocity'][:, 0].max():.0f}"])
-    return [table]
+        found, last, inside = front_speed(run), run.last_snapshot(), speed_in_glass(run, name)
+        result.rows.append([title, stress, f"{speed(glass, float(stress)):.0f}",
+                            f"{found:.0f}" if inside else "stands", f"{inside:.0f}" if inside else "stands",
+                            f"{inside / shear:.2f}", f"{inside / longitudinal:.2f}",
+                            f"{1e3 * fronts(run)[1].max():.1f}",
+                            f"{last.fields['failed'].mean():.2f}",
+                            f"{last.fields['velocity'][:, 0].max():.0f}"])
+    return result
+
+
+def tables(runs):
+    """Glass that takes time to fail, and glass that takes none."""
+    takes_time = {name: "material.failure_delay" in VALUES[name.split("_")[0]] for name in runs}
+    return [table({name: run for name, run in runs.items() if takes_time[name] is wanted}) for wanted in (True, False)]
 
 
 def draw(runs, plot):
@@ -86,15 +110,47 @@ def draw(runs, plot):
     figure.colorbar(shown, ax=panels[:3], label="radial speed of failed glass [m/s]", location="bottom", shrink=0.7)
     for glass, (title, _, longitudinal, shear) in GLASS.items():
         colour = COLOURS[glass]
-        names = [name for name in runs if name.startswith(glass)]
+        names = [name for name in runs if name.startswith(f"{glass}_")]
         panels[3].plot([float(name.split("_")[1]) for name in names],
-                       [1e-3 * front_speed(runs[name]) for name in names], "o-", color=colour, label=title)
+                       [1e-3 * speed_in_glass(runs[name], name) for name in names], "o-", color=colour, label=title)
         for wave, style in ((longitudinal, "--"), (shear, ":")):
             panels[3].axhline(1e-3 * wave, color=colour, ls=style, lw=0.8)
     panels[3].errorbar([4.0, 4.05], [4.7, 4.6], yerr=0.5, fmt="ks", ms=4, capsize=3, label="measured")
-    panels[3].set(xlabel="stress at first contact [GPa]", ylabel="speed of the failure front [km/s]", ylim=(0, 6.2))
-    panels[3].legend(loc="lower right")
+    panels[3].set(xlabel="stress at first contact [GPa]", ylabel="failure front in the glass [km/s]", ylim=(0, 6.2))
+    panels[3].legend(loc="lower right", fontsize=8)
     return figure
+
+
+def draw_fronts(runs, plot):
+    """Where glass that takes time to fail has failed, by stress."""
+    figure, panels = plot.subplots(1, 8, figsize=(9.0, 4.6), layout="constrained", sharey=True)
+    for panel, (stress, moment) in zip(panels, ((stress, moment) for stress in STRESS[1:]
+                                                for moment in (4.0e-6, 8.0e-6))):
+        snap = runs[f"slow_{stress}"].near(moment)
+        broken = snap.fields["failed"] > 0.5
+        for sign in (-1, 1):
+            for chosen, colour in ((~broken, "#b8d4e8"), (broken, "#333333")):
+                panel.scatter(sign * 1e3 * snap.points[chosen, 0], 1e3 * snap.points[chosen, 2], s=0.5, c=colour,
+                              linewidths=0)
+        panel.set(title=f"{stress:g} GPa\n{1e6 * snap.time:.0f} µs", aspect="equal", xlim=(-7, 7), ylim=(0, 60),
+                  xlabel="r [mm]")
+    panels[0].set_ylabel("z [mm]")
+    return figure
+
+
+def phrases(runs):
+    """What the README says beside its table."""
+    def inside(glass, stress):
+        return f"{1e-3 * speed_in_glass(runs[f'{glass}_{stress:.1f}'], f'{glass}_{stress:.1f}'):.1f}"
+
+    def reach(glass):
+        return f"{1e3 * fronts(runs[f'{glass}_1.5'])[1].max():.0f}"
+    return [f"at 4 GPa it runs at {inside('slowsoda', 4)} km/s in soda-lime glass and at {inside('slow', 4)} km/s in "
+            "borosilicate",
+            f"stops after {reach('slow')} and {reach('slowsoda')} mm",
+            f"from {inside('slow', 2)} km/s at 2 GPa to {inside('slow', 3)} km/s at 3 GPa",
+            f"JH-2 {inside('soda', 4)} km/s, with the strength of a flawed surface {inside('surface', 4)} km/s, "
+            f"with a constant time {inside('constant', 4)} km/s"]
 
 
 def case(glass, stress):
@@ -105,4 +161,5 @@ def case(glass, stress):
 CASES = {f"{glass}_{stress}": case(glass, stress) for glass in GLASS for stress in STRESS}
 
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, {"picture.png": draw}, as_it_stands="soda_4.0").main()
+    Study(__file__, CASES, tables, {"picture.png": draw, "fronts.png": draw_fronts}, phrases={"README.md": phrases},
+          as_it_stands="soda_4.0").main()

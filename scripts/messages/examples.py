@@ -84,6 +84,13 @@ THREE = "x,y,z,volume\n0.2,0.2,0.2,1e-3\n0.5,0.5,0.5,1e-3\n0.7,0.7,0.7,1e-3\n"
 FLUID = BAR + """&material name = 'water'  density = 1000  bulk = 2.2e9  elastic = 'none' /
 """ + BODY.replace("metal", "water")
 
+MODE = "&exact solution = 'bar_mode'  bar_length = 1  mode_speed = 1"
+SECOND = """&region name = 'cube'  shape = 'box'  lo = 0 0 0  hi = 0.2 1 0.2 /
+&body name = 'two'  region = 'cube'  material = 'metal' /
+"""
+VORTEX = (BAR + METAL.replace("0.3 /", "0.3  strength_model = 'neo_hookean' /") + BODY
+          + "&exact solution = 'vortex'  frequency = 1 /\n")
+
 
 def facets(corners, triangles):
     """A text file of facets."""
@@ -203,6 +210,19 @@ DECKS = {
     "turns-its-points-out": (FLAT_GRAINS, "rotate = 0 30 0", "rotate = 0 0 30", None),
     "which-cannot-be-turned": (FLAT_GRAINS.replace("plane_strain", "axisymmetric"), "  rotate = 0 30 0",
                                "  rotate = 0 30 0", ""),
+    "basis-needs": (
+        "plain", "'plane_strain' /", "'plane_strain' /\n&method basis = 'gimp' /",
+        "'plane_strain'  method = 'mpm' /\n&method basis = 'gimp' /"),
+    "of-exact-holds-for": (VORTEX, "  strength_model = 'neo_hookean'", "", None),
+    "exact-gives-the": ("plain", "'metal' /", f"'metal'  velocity = 0 0 1 /\n{MODE} /", f"'metal' /\n{MODE} /"),
+    "can-fly-with-ends-free-free-only": (
+        "plain", "'metal' /", f"'metal' /\n{MODE}  flight_speed = 2 /", f"'metal' /\n{MODE} /"),
+    "is-of-the-material-of-a-body": (
+        "plain", "'metal' /", f"'metal' /\n{SECOND}{MODE}  bodies = 'one' /",
+        f"'metal' /\n{SECOND}{MODE}  bodies = 'one' 'two' /"),
+    "does-not-know-the-hoop-stress": (
+        "sand", "'axisymmetric' /", "'axisymmetric' /\n&method quadrature = 'lsd' /",
+        "'axisymmetric' /\n&method quadrature = 'point' /"),
     "has-its-stress-from-its-deformation": (
         SOIL, "initial_stress = 'lithostatic'", "initial_stress = 'lithostatic'", "initial_stress = 'zero'"),
     "would-write-in-files": ("shock", "dt = 1 /", "dt = 1e-6 /", None),
@@ -222,6 +242,8 @@ DECKS = {
     "are-too-large-for-this-fracture-energy": (CRACK, "fracture_energy = 8", "fracture_energy = 0.8", None),
     "fracture-energy-and-failure-delay": (CRACK, "fracture_energy = 8", "fracture_energy = 8  failure_delay = 1e-3",
                                           None),
+    "failure-delay-power-needs-failure-delay": (CRACK, "fracture_energy = 8", "failure_delay_power = 2",
+                                                "failure_delay = 1e-6  failure_delay_power = 2"),
     "fracture-energy-needs-a-bulk-modulus": (GAS, "  fracture_energy = 8", "  fracture_energy = 8", ""),
     "is-lighter-than-polystyrene": ("plain", "density = 2700", "density = 2.7", None),
     "is-heavier-than-osmium": ("shock", "density = 2.79", "density = 2790", None),

@@ -146,7 +146,6 @@ contains
                do j = 1, size(bodies)
                   if (one > 0 .and. one /= i .or. other > 0 .and. other /= j) cycle
                   call set_law(contact%field_of_body(i), contact%field_of_body(j), index)
-                  call set_law(contact%field_of_body(j), contact%field_of_body(i), index)
                end do
             end do
          end do
@@ -155,7 +154,7 @@ contains
 
    contains
 
-      !> Set the law of two fields, unless another group of the same kind did.
+      !> Set the law of two fields, either way round, unless another group of the same kind did.
       subroutine set_law(a, b, index)
          integer, intent(in) :: a, b                 !! The fields
          integer, intent(in) :: index                !! Of the group
@@ -174,7 +173,9 @@ contains
             end if
          end if
          owner(a, b) = index
+         owner(b, a) = index
          contact%law(a, b) = law
+         contact%law(b, a) = law
       end subroutine set_law
    end subroutine read_pairs
 

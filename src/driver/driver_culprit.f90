@@ -97,6 +97,7 @@ contains
          text = particle_text(simulation, found)//trim(line)
       end if
       call spread(simulation, text)
+      if (len(text) == 0) text = "no particle is left"
       if (simulation%guard%rule == rule_strain) then
          write (line, "(a,es10.3,a)") ", velocity gradient", simulation%guard%rate, " 1/s"
          text = text//trim(line)

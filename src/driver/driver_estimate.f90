@@ -45,6 +45,7 @@ contains
       if (allocated(error)) return
       row = row_seconds(plan%simulation)
       call try_steps(plan%simulation, plan%limits, patience, trial)
+      if (trial%last%steps == 0) return
       if (trial%last%steps <= warm_steps .and. .not. trial%whole) return
       seconds = trial%last%seconds
       steps = real(trial%last%steps, wp)

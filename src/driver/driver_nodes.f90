@@ -6,11 +6,12 @@ module driver_nodes
    use driver_cost, only: book_cost, cost_clock
    use driver_dual_nodes, only: calm_tile, find_volumes, put_gradient
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
+   use driver_method, only: stress_remapped
    use driver_node_sums, only: divide, ensure_sums, find_sums, slots
    use driver_reach, only: look_at_tile, worse
    use driver_scatter, only: vector_rows
    use driver_simulation, only: empty_mass, reach_t, scratch_t, simulation_t
-   use driver_walls, only: impose_walls, stand_walls, stop_at_walls, walls_touch
+   use driver_walls, only: impose_walls, keep_at_walls, stand_walls, stop_at_walls, walls_touch
    use mesh_patch, only: add_field, assemble, clear_patch, combine, ensure_patch
    use mesh_pieces, only: move_pieces
    use omp_lib, only: omp_get_thread_num
@@ -39,6 +40,7 @@ contains
       call stand_walls(simulation, dt)
       simulation%scratch%reach = reach_t()
       simulation%nodes%acting = dt
+      if (books_later(simulation)) call ensure_later(simulation)
       !$omp parallel do default(none) shared(simulation, dt, whole) private(tile, began) &
       !$omp schedule(static)
       do tile = 1, simulation%tiles%all
@@ -54,6 +56,29 @@ contains
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
    end subroutine move_nodes
+
+   !> Is the work of faces and gravity booked with the velocity that strains, which `musl` knows
+   !! after the particles have got theirs? Where matter carries its energy, that is made with the
+   !! velocities of the forces, and so is the work.
+   pure logical function books_later(simulation) result(later)
+      type(simulation_t), intent(in) :: simulation   !! The run, without contact
+      integer :: face
+
+      later = simulation%method%stress == stress_remapped .and. .not. simulation%carries_energy
+      if (later) later = allocated(simulation%gravity) .or. allocated(simulation%rigid) &
+         .or. any([(simulation%boundary%ruled(face), face=1, 6)])
+   end function books_later
+
+   !> Make room for what is booked later.
+   subroutine ensure_later(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
+         own => simulation%tiles%own)
+         call ensure_patch(nodes%push, 3, number, own)
+         call ensure_patch(nodes%taken, 3, number, own)
+      end associate
+   end subroutine ensure_later
 
    !> Keep what the particles of a tile will see, and tell how far its nodes go.
    subroutine keep_seen(simulation, scratch, tile, whole)
@@ -237,12 +262,16 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp) :: push(3, size(mass)), work(size(mass))
-      logical :: ruled
+      logical :: keeps, ruled
 
       ruled = walls_touch(simulation, tile)
       push = 0.0_wp
       work = 0.0_wp
+      keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%tiles%own &
+         .and. allocated(simulation%nodes%taken)
+      if (keeps) simulation%nodes%taken(:, :, tile) = velocity
       if (ruled) call impose_walls(simulation, tile, dt, velocity, acceleration, push, work)
+      if (keeps) simulation%nodes%taken(:, :, tile) = simulation%nodes%taken(:, :, tile) - velocity
       if (tile > simulation%tiles%own .or. .not. dt > 0.0_wp) return
       if (allocated(simulation%gravity)) then
          push(1, :) = push(1, :) + dt*simulation%gravity(1)
@@ -252,7 +281,7 @@ contains
          return
       end if
       if (allocated(simulation%nodes%push)) then
-         ! contact will change the velocities with which it works
+         ! contact and musl will change the velocities with which it works
          simulation%nodes%push(:, :, tile) = push
          return
       end if
@@ -295,16 +324,45 @@ contains
       call ledger%sums(external_work)%add(work)
    end subroutine book_push
 
+   !> Book what faces and gravity did to the nodes of a tile at the mean of the velocity before the
+   !! step and the one that strains: with the strain of `musl` the stress works with that, and the
+   !! kinetic energy of particles grows by the product of the forces with it. Equation (L.7) of
+   !! doc/theory/ledger.md.
+   subroutine book_strained(simulation, scratch, tile, mapped)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: mapped(:, :) !! (3, node) Velocity that strains, without faces [m/s]
+      real(wp) :: gain(3, size(mapped, 2)), work(size(mapped, 2))
+      real(wp) :: centre(3, size(mapped, 2))
+      logical :: ruled
+
+      ruled = walls_touch(simulation, tile)
+      if (.not. (ruled .or. allocated(simulation%gravity))) return
+      associate (nodes => simulation%nodes, share => 1.0_wp - simulation%method%transfer%keep())
+         centre = 0.5_wp*(nodes%velocity(:, :, tile) + nodes%strain(:, :, tile))
+         if (.not. ruled) then
+            call book_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre)
+            return
+         end if
+         ! particles get the gain of a node with the velocities that it had without the faces
+         gain = simulation%kick*nodes%acceleration(:, :, tile) - share*nodes%taken(:, :, tile)
+         work = 0.5_wp*sum(gain*(nodes%taken(:, :, tile) + mapped - nodes%strain(:, :, tile)), &
+            dim=1)
+         call book_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre, work)
+      end associate
+   end subroutine book_strained
+
    !> Node velocities from the momentum that was mapped a second time, as the velocity that strains
    !! the particles, where no other body may change it.
    subroutine remap_nodes(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp) :: none(3, simulation%grid%tile_nodes)
+      real(wp) :: none(3, simulation%grid%tile_nodes), mapped(3, simulation%grid%tile_nodes)
       real(wp) :: momentum(size(simulation%nodes%extra, 1), simulation%grid%tile_nodes)
       integer :: tile
 
       call simulation%timer%start(simulation%phase%grid)
-      !$omp parallel do default(none) shared(simulation) private(tile, none, momentum) &
+      !$omp parallel do default(none) shared(simulation) private(tile, none, mapped, momentum) &
       !$omp schedule(static)
       do tile = 1, simulation%tiles%all
          associate (strain => simulation%nodes%strain(:, :, tile))
@@ -312,8 +370,13 @@ contains
             ! linear velocity fields bring the mass along, in front
             strain = momentum(size(momentum, 1) - 2:, :)
             call divide(simulation%nodes%mass(:, :, tile), 1, strain)
+            mapped = strain
             none = 0.0_wp
             call stop_at_walls(simulation, tile, strain, none)
+            call keep_at_walls(simulation, tile, strain)
+            if (allocated(simulation%nodes%taken) .and. tile <= simulation%tiles%own) &
+               call book_strained(simulation, simulation%scratch(omp_get_thread_num()), tile, &
+               mapped)
          end associate
       end do
       !$omp end parallel do

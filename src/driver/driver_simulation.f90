@@ -72,8 +72,9 @@ module driver_simulation
       type(pieces_t) :: gradient, middle
       !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): first sum
       real(wp), allocatable :: heat(:, :, :), flux(:, :, :), warmth(:, :, :)
-      !> (3) What faces and gravity add to the velocities [m/s]; only with contact
-      real(wp), allocatable :: push(:, :, :)
+      !> (3) What faces and gravity add to the velocities, where it is booked later: with contact,
+      !! and with musl; there also what faces take of the velocities before the step [m/s]
+      real(wp), allocatable :: push(:, :, :), taken(:, :, :)
       real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
    contains
       procedure :: move_to => nodes_move_to          !! Hand all fields over to another
@@ -286,6 +287,7 @@ contains
       call self%gradient%move_to(other%gradient)
       call self%middle%move_to(other%middle)
       call move_alloc(self%push, other%push)
+      call move_alloc(self%taken, other%taken)
       call move_alloc(self%rubbed, other%rubbed)
    end subroutine nodes_move_to
 

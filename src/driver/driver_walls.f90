@@ -7,7 +7,7 @@ module driver_walls
    implicit none
    private
 
-   public :: impose_walls, stand_walls, stop_at_walls, walls_touch
+   public :: impose_walls, keep_at_walls, stand_walls, stop_at_walls, walls_touch
 
 contains
 
@@ -76,7 +76,8 @@ contains
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), intent(out) :: push(:, :)            !! (3, node) [m/s]
       real(wp), intent(out) :: work(:)               !! (node) Besides that of the push [J/kg]
-      real(wp) :: free_velocity(3, size(push, 2)), free_acceleration(3, size(push, 2)), share
+      real(wp) :: free_velocity(3, size(push, 2)), free_acceleration(3, size(push, 2)), share, &
+         period
 
       share = 1.0_wp - simulation%method%transfer%keep()
       free_velocity = velocity
@@ -85,11 +86,13 @@ contains
          call simulation%boundary%constrain(simulation%grid, coordinate, velocity, acceleration)
          if (allocated(simulation%rigid)) &
             call simulation%rigid%constrain(tile, velocity, acceleration, at_end=.false.)
-         if (dt > 0.0_wp) then
+         ! before the forces act, nodes that they press on a wall must not strain away from it
+         period = merge(dt, simulation%dt, dt > 0.0_wp)
+         if (period > 0.0_wp) then
             if (simulation%boundary%rubs()) call simulation%boundary%rub(simulation%grid, &
-               coordinate, dt, share, free_velocity, velocity, acceleration)
-            if (allocated(simulation%rigid)) &
-               call simulation%rigid%rub(tile, dt, share, free_velocity, velocity, acceleration)
+               coordinate, period, share, free_velocity, velocity, acceleration)
+            if (allocated(simulation%rigid)) call simulation%rigid%rub(tile, period, share, &
+               free_velocity, velocity, acceleration)
          end if
       end associate
       push = dt*(acceleration - free_acceleration) + share*(velocity - free_velocity)
@@ -97,6 +100,24 @@ contains
       ! of the wall
       work = (1.0_wp - 0.5_wp*share)*dt*sum(acceleration*(free_velocity - velocity), dim=1)
    end subroutine impose_walls
+
+   !> Where a wall with friction, or a rigid region, held a node in the step, let it hold the
+   !! velocity after the step that strains: one that may leave the wall but not enter it would
+   !! lift pressed matter by the noise of particles, step by step.
+   pure subroutine keep_at_walls(simulation, tile, velocity)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped anew [m/s]
+      real(wp) :: ended(3, size(velocity, 2))
+
+      if (.not. (simulation%boundary%rubs() .or. allocated(simulation%rigid))) return
+      if (.not. walls_touch(simulation, tile)) return
+      ended = simulation%nodes%velocity(:, :, tile) &
+         + simulation%kick*simulation%nodes%acceleration(:, :, tile)
+      if (simulation%boundary%rubs()) call simulation%boundary%keep(simulation%grid, &
+         simulation%tiles%coordinate(:, tile), ended, velocity)
+      if (allocated(simulation%rigid)) call simulation%rigid%keep(tile, ended, velocity)
+   end subroutine keep_at_walls
 
    !> Impose the walls on velocities as they are after the step, and take away what changes them.
    pure subroutine stop_at_walls(simulation, tile, velocity, change)

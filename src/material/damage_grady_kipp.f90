@@ -7,7 +7,7 @@
 !!
 !! The weakest flaw of a particle is its own: where the numbers of flaws are those of chance, k V
 !! e**m of it is distributed as exp(-x). Those after it are counted in the mean. Damage does not
-!! weaken a particle before it is complete. Equations (F.4) and (F.5) of doc/theory/failure.md.
+!! weaken a particle before it is complete. Equations (F.6) and (F.7) of doc/theory/failure.md.
 module damage_grady_kipp
    use base_constants, only: pi
    use base_deck_group, only: group_t

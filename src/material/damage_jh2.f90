@@ -4,7 +4,7 @@
 !! energy of its shear (bulking).
 !!
 !! With D1 = 0 matter fractures at once when it flows. Failed matter has the fractured strength
-!! unless failed_as says otherwise. Equations (F.12) and (F.14) of doc/theory/failure.md.
+!! unless failed_as says otherwise. Equations (F.14) and (F.16) of doc/theory/failure.md.
 module damage_jh2
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -139,7 +139,7 @@ contains
 
    !> Pressure dp that the energy dU = (Y**2(D) - Y**2(D'))/(6 G) lost from the shear makes: of
    !! compressed matter dp' = -K mu + sqrt((K mu + dp)**2 + 2 beta K dU), mu = rho/rho0 - 1.
-   !! Equation (F.14).
+   !! Equation (F.16).
    pure subroutine gain_pressure(model, first, last, old_damage, rate, damage, mass, volume, &
       bulking, pressure)
       class(damage_jh2_t), intent(in) :: model             !! The model

@@ -5,9 +5,10 @@ module damage_principal_strain
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
-   use material_brittle, only: ages, draw_weibull, extremes, read_weibull, &
+   use material_brittle, only: draw_weibull, extremes, read_weibull, &
       upper_bound, weibull_t
    use material_damage, only: damage_t
+   use material_delay, only: ages, delay_fault, delay_t
    use material_effects, only: effects_t
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
@@ -19,10 +20,11 @@ module damage_principal_strain
    !> Failure by principal strain.
    type, extends(damage_t) :: damage_principal_strain_t
       real(wp) :: limit = huge(1.0_wp)               !! Greatest principal strain [1]
-      real(wp) :: delay = 0.0_wp                     !! Time from load to failure [s]
+      type(delay_t) :: delay                         !! Time from load to failure
       type(weibull_t), allocatable :: weibull        !! Only if strength scatters
    contains
       procedure :: declare => principal_declare      !! Declares its keys
+      procedure :: fault => principal_fault          !! What is wrong with its keys together
       procedure :: needs_flow => principal_needs_flow !! It does not
       procedure :: takes_scatter => principal_takes_scatter !! It does
       procedure :: read => principal_read            !! Reads its keys
@@ -43,6 +45,15 @@ contains
          "failure", range="> 0", owner=owner)
       call schema%require("material", "failure_strain")
    end subroutine principal_declare
+
+   !> What is wrong with its keys taken together; empty if nothing is.
+   pure function principal_fault(self, group) result(text)
+      class(damage_principal_strain_t), intent(in) :: self !! The model
+      type(group_t), intent(in) :: group                  !! &material
+      character(len=:), allocatable :: text
+
+      text = delay_fault(group)
+   end function principal_fault
 
    !> It does not count plastic strain.
    pure logical function principal_needs_flow(self) result(needs)
@@ -67,7 +78,7 @@ contains
       call group%get("failure_strain", self%limit)
       ! Then cracks open, and nothing fails at once.
       if (group%given("fracture_energy")) self%limit = sqrt(huge(1.0_wp))
-      call group%get("failure_delay", self%delay)
+      call self%delay%read(group)
       if (.not. effects%size_scatter) return
       allocate (self%weibull)
       call read_weibull(group, self%weibull)
@@ -79,6 +90,7 @@ contains
       class(wishes_t), intent(inout) :: wishes         !! Fields to be carried
 
       call wishes%ask("damage", "damage model principal_strain", 1)
+      call self%delay%request(wishes)
       if (allocated(self%weibull)) call wishes%ask("scatter", "size_scatter", 1)
    end subroutine principal_request
 
@@ -114,8 +126,15 @@ contains
       else
          deformation%loosening(:count) = 1.0_wp
       end if
-      call overload(self, first, last, dt, deformation%pressure, deformation%homologous, &
-         deformation%loosening, matter%stress, matter%damage)
+      if (allocated(matter%overload)) then
+         call find_load(self, first, last, deformation%pressure, deformation%homologous, &
+            matter%stress, matter%overload, deformation%loosening)
+         call self%delay%nucleate(first, last, dt, deformation%loosening, matter%overload, &
+            matter%damage)
+      else
+         call overload(self, first, last, dt, deformation%pressure, deformation%homologous, &
+            deformation%loosening, matter%stress, matter%damage)
+      end if
    end subroutine principal_update
 
    !> Kernel of the above.
@@ -141,7 +160,37 @@ contains
          call extremes(stress, k, greatest, least)
          if (0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk) &
             < model%limit*factor(i)) cycle
-         damage(k) = ages(damage(k), model%delay, dt)
+         damage(k) = ages(damage(k), model%delay%time, dt)
       end do
    end subroutine overload
+
+   !> Strain over its limit. Where it is below 1, and was before, a bound that it does not exceed
+   !! will do. Equation (F.3).
+   pure subroutine find_load(model, first, last, pressure, bound, stress, overload, load)
+      class(damage_principal_strain_t), intent(in) :: model !! The model
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
+      real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(in) :: overload(:)      !! Before the step (store) [1]
+      !> On entry the strength of its own, on return the load over strength (range) [1]
+      real(wp), contiguous, intent(inout) :: load(:)
+      real(wp) :: greatest, least, limit
+      integer :: i, k
+
+      if (.not. model%bulk > 0.0_wp) then
+         ! A gas has no bulk modulus at rest and no elastic strain.
+         load(:last - first + 1) = 0.0_wp
+         return
+      end if
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         limit = model%limit*load(i)
+         load(i) = (0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk))/limit
+         if (load(i) < 1.0_wp .and. .not. overload(k) > 0.0_wp) cycle
+         call extremes(stress, k, greatest, least)
+         load(i) = (0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk))/limit
+      end do
+   end subroutine find_load
 end module damage_principal_strain

@@ -3,7 +3,7 @@
 !! mu = rho/rho0 - 1 it is K1 mu + K2 mu**2 + K3 mu**3 in compression and K1 mu in tension.
 !!
 !! Pressure from bulking is added by the chain, in tension too, so that the sum has no jump.
-!! Equation (F.13) of doc/theory/failure.md.
+!! Equation (F.15) of doc/theory/failure.md.
 module eos_jh2
    use base_deck_group, only: group_t
    use base_kinds, only: wp

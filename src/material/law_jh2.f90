@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Strength of brittle matter after Johnson and Holmquist (JH-2), see material_jh2. Damage is that
 !! of damage_model = 'jh2'; without it matter stays intact. Damaged matter bears less tension, T (1
-!! - D). Equations (F.10) and (F.11) of doc/theory/failure.md.
+!! - D). Equations (F.12) and (F.13) of doc/theory/failure.md.
 module law_jh2
    use base_deck_group, only: group_t
    use base_kinds, only: wp

@@ -5,11 +5,12 @@ module material_brittle
    use base_kinds, only: int64, wp
    use base_random, only: random_uniform
    use base_schema, only: schema_t
+   use material_delay, only: declare_delay
    use material_principal, only: principal
    implicit none
    private
 
-   public :: ages, declare_brittle, draw_weibull, exponential, extremes, read_weibull, &
+   public :: declare_brittle, draw_weibull, exponential, extremes, read_weibull, &
       upper_bound, weibull_t
 
    !> Scatter of strength after W. Weibull, J. Appl. Mech. 18 (1951) 293: the probability that a
@@ -24,11 +25,8 @@ contains
    !> Declare the keys that several models share.
    subroutine declare_brittle(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
-      character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress "// &
-         "principal_strain"
 
-      call schema%real("material", "failure_delay", "time that a load above the strength takes "// &
-         "to failure", unit="s", default="0", range=">= 0", owner=owner)
+      call declare_delay(schema)
       call schema%real("material", "weibull_m", "Weibull modulus of strength, or exponent of "// &
          "flaws over strain", range="> 0", owner="effects.damage & damage_model = "// &
          "principal_stress principal_strain grady_kipp")
@@ -56,7 +54,7 @@ contains
       number = -log(random_uniform(seed, identity, draw))
    end function exponential
 
-   !> Strength of particles over the characteristic one, (-ln U V0/V)**(1/m). Equation (F.3) of
+   !> Strength of particles over the characteristic one, (-ln U V0/V)**(1/m). Equation (F.5) of
    !! doc/theory/failure.md.
    pure subroutine draw_weibull(weibull, density, seed, identity, first, last, mass, scatter)
       type(weibull_t), intent(in) :: weibull         !! Modulus and volume
@@ -110,14 +108,4 @@ contains
       greatest = values(1)
       least = values(3)
    end subroutine extremes
-
-   !> Damage of a particle that was above its strength for a step.
-   pure real(wp) function ages(damage, delay, dt) result(grown)
-      real(wp), intent(in) :: damage                 !! Before the step [1]
-      real(wp), intent(in) :: delay                  !! Time to failure [s]
-      real(wp), intent(in) :: dt                     !! Time step [s]
-
-      grown = 1.0_wp
-      if (delay > dt) grown = min(1.0_wp, damage + dt/delay)
-   end function ages
 end module material_brittle

@@ -7,7 +7,7 @@
 !!    intact     A (p* + T*)**N (1 + C ln(rate))
 !!    fractured  B p***M (1 + C ln(rate)), not above a limit
 !!
-!! and the strength is (1 - D) intact + D fractured. Equation (F.10) of doc/theory/failure.md.
+!! and the strength is (1 - D) intact + D fractured. Equation (F.12) of doc/theory/failure.md.
 module material_jh2
    use base_deck_group, only: group_t
    use base_kinds, only: wp

@@ -23,6 +23,7 @@ module material_matter
       real(wp), allocatable :: distension(:)         !! Of porous matter, solid over density [1]
       real(wp), allocatable :: damage(:)             !! 0 intact to 1 failed [1]
       real(wp), allocatable :: scatter(:)            !! Random strength of its own [1]
+      real(wp), allocatable :: overload(:)           !! Load over strength, less one [1]
       real(wp), allocatable :: bulking(:)            !! Pressure gained by fracture [Pa]
       real(wp), allocatable :: solid_fraction(:)     !! Share of the volume without voids [1]
       !> Gradient of place now to place at the start, dx_k/dX_l, column k + 3 (l - 1) (:, 9) [1].
@@ -81,6 +82,7 @@ contains
       if (allocated(self%distension)) call worker%scalar("distension", "1", self%distension)
       if (allocated(self%damage)) call worker%scalar("damage", "1", self%damage)
       if (allocated(self%scatter)) call worker%scalar("scatter", "1", self%scatter)
+      if (allocated(self%overload)) call worker%scalar("overload", "1", self%overload)
       if (allocated(self%bulking)) call worker%scalar("bulking", "Pa", self%bulking)
       if (allocated(self%solid_fraction)) &
          call worker%scalar("solid_fraction", "1", self%solid_fraction)

@@ -104,6 +104,7 @@ contains
       if (wishes%asked("distension")) allocate (matter%distension(n))
       if (wishes%asked("damage")) allocate (matter%damage(n))
       if (wishes%asked("scatter")) allocate (matter%scatter(n))
+      if (wishes%asked("overload")) allocate (matter%overload(n))
       if (wishes%asked("bulking")) allocate (matter%bulking(n))
       if (wishes%asked("solid_fraction")) allocate (matter%solid_fraction(n))
       if (wishes%asked("deformation_gradient")) allocate (matter%deformation_gradient(n, 9))
@@ -130,6 +131,7 @@ contains
       if (allocated(matter%distension)) matter%distension(first:last) = self%eos%distension
       if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
       if (allocated(matter%scatter)) matter%scatter(first:last) = 1.0_wp
+      if (allocated(matter%overload)) matter%overload(first:last) = -1.0_wp
       if (allocated(matter%bulking)) matter%bulking(first:last) = 0.0_wp
       if (allocated(matter%solid_fraction)) matter%solid_fraction(first:last) = self%voids%start
       if (allocated(matter%deformation_gradient)) then

@@ -15,8 +15,8 @@
 !! pressure.
 !!
 !! Particles carry the stress that acts. The one without cracks comes from it by division, before
-!! the trial of a step, which spares a second stress for each particle. Equations (F.6), (F.7) and
-!! (F.8) of doc/theory/failure.md.
+!! the trial of a step, which spares a second stress for each particle. Equations (F.8), (F.9) and
+!! (F.10) of doc/theory/failure.md.
 module material_softening
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -126,7 +126,7 @@ contains
 
    !> What is wrong with moduli and cell size; empty if nothing is. In too large a cell the stress
    !! falls while the cell itself springs back, and it releases more energy than the crack takes.
-   !! The limit is that of uniaxial stress and cracks in any direction. Equation (F.9).
+   !! The limit is that of uniaxial stress and cracks in any direction. Equation (F.11).
    pure function softening_band_fault(self, run, grid) result(text)
       class(softening_t), intent(in) :: self         !! How strength falls
       type(group_t), intent(in) :: run               !! &run
@@ -162,7 +162,7 @@ contains
          "that cracks would spring back; dx must be at most "//brief(greatest)//" m"
    end function softening_band_fault
 
-   !> Damage D of a state. Equation (F.6).
+   !> Damage D of a state. Equation (F.8).
    elemental real(wp) function opening_share(exponential, strength, band_strain, stress, strain) &
       result(damage)
       logical, intent(in) :: exponential             !! The curve; else linear
@@ -254,7 +254,7 @@ contains
       end do
    end subroutine softening_open
 
-   !> One particle that is near its strength or has cracks. Equations (F.7) and (F.8).
+   !> One particle that is near its strength or has cracks. Equations (F.9) and (F.10).
    pure subroutine crack(softening, factor, spacing, volume, stress, particle, pressure, damage, &
       plastic_work)
       type(softening_t), intent(in) :: softening         !! How strength falls

@@ -9,7 +9,7 @@
 !!
 !! Only theta is carried. Where alpha is 0 theta V is kept to round-off, and so is rho: voids open
 !! and close without pressure, and closed ones leave the pressure of the volume alone. Equation
-!! (F.15) of doc/theory/failure.md.
+!! (F.17) of doc/theory/failure.md.
 module material_voids
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -123,7 +123,7 @@ contains
          deformation%loosening, matter%solid_fraction, deformation%share)
    end subroutine voids_choose
 
-   !> Kernel of the above, with the voids that shear opens. Equations (F.17) and (F.18).
+   !> Kernel of the above, with the voids that shear opens. Equations (F.19) and (F.20).
    pure subroutine choose(first, last, voids, gradient, loose, pressure, solid_fraction, share)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -172,7 +172,7 @@ contains
    end subroutine voids_open
 
    !> Kernel of the above. What closes voids beyond the touching of grains is left to the matter.
-   !! Equation (F.16).
+   !! Equation (F.18).
    pure subroutine open_or_close(first, last, critical, volume, old_volume, share, solid_fraction)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -218,7 +218,7 @@ contains
          *matter%solid_fraction(first:last), 0.0_wp, deformation%share(:last - first + 1) > 0.0_wp)
    end subroutine voids_relax
 
-   !> Let heated grains fill voids: B = expansion dT/dt. Equation (F.18).
+   !> Let heated grains fill voids: B = expansion dT/dt. Equation (F.20).
    pure subroutine expand_grains(first, last, expansion, temperature, old_temperature, &
       solid_fraction)
       integer, intent(in) :: first                   !! First particle of the range

@@ -37,6 +37,7 @@ module mesh_boundary
       procedure :: ruled => boundary_ruled           !! Does a face rule velocities?
       procedure :: rubs => boundary_rubs             !! Is there friction on some face?
       procedure :: constrain => boundary_constrain   !! Impose velocities on nodes
+      procedure :: keep => boundary_keep             !! Hold nodes that were held in the step
       procedure :: rub => boundary_rub               !! Walls with friction
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
       procedure :: insulate => boundary_insulate     !! No flux through the faces
@@ -297,6 +298,39 @@ contains
          end do
       end do
    end subroutine boundary_rub
+
+   !> Take the normal velocity of nodes that walls with friction held in the step: those that did
+   !! not leave.
+   pure subroutine boundary_keep(self, grid, coordinate, ended, velocity)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), contiguous, intent(in) :: ended(:, :) !! (3, node) Velocity after the step [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Changed [m/s]
+      type(rule_t) :: rule
+      integer :: face, first, length(3), x, y, z, node, normal
+      real(wp) :: side
+      logical :: here
+
+      do face = 1, 6
+         if (.not. (self%kind(face) == face_friction .or. self%divided(face))) cycle
+         call face_box(grid, coordinate, face, here, first, length)
+         if (.not. here) cycle
+         normal = (face + 1)/2
+         rule = self%whole(face)
+         side = merge(1.0_wp, -1.0_wp, mod(face, 2) == 1)
+         do z = 0, length(3)
+            do y = 0, length(2)
+               do x = 0, length(1)
+                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+                  if (rule%kind == face_friction .and. .not. side*ended(normal, node) > 0.0_wp) &
+                     velocity(normal, node) = 0.0_wp
+               end do
+            end do
+         end do
+      end do
+   end subroutine boundary_keep
 
    !> On mirror planes the shear components of node tensors vanish, because they are odd.
    pure subroutine boundary_mirror(self, grid, coordinate, tensor)

@@ -33,6 +33,7 @@ module mesh_rigid
       procedure :: hold => rigid_hold                !! Find the nodes of a tile in them
       procedure :: holds => rigid_holds              !! Is a node of a tile in one of them?
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
+      procedure :: keep => rigid_keep                !! Hold nodes that were held in the step
       procedure :: rub => rigid_rub                  !! Regions that press and rub
    end type rigid_t
 
@@ -244,4 +245,31 @@ contains
          end do
       end associate
    end subroutine rigid_rub
+
+   !> Take the velocity along the normal of nodes that regions held in the step: those that did not
+   !! leave.
+   pure subroutine rigid_keep(self, tile, ended, velocity)
+      class(rigid_t), intent(in) :: self             !! The regions
+      integer, intent(in) :: tile                    !! Index of the tile
+      real(wp), contiguous, intent(in) :: ended(:, :) !! (3, node) Velocity after the step [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Changed [m/s]
+      real(wp), parameter :: little = 1.0e-12_wp     ! what is left of a velocity that is taken
+      real(wp) :: wall_velocity(3)
+      integer :: n, node
+
+      if (.not. self%holds(tile)) return
+      associate (held => self%held(tile))
+         do n = 1, size(held%node)
+            node = held%node(n)
+            associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
+               if (.not. maxval(abs(normal)) > 0.0_wp) cycle
+               wall_velocity = wall%velocity + self%kick*wall%gain
+               if (dot_product(ended(:, node) - wall_velocity, normal) &
+                  > little*(norm2(ended(:, node)) + norm2(wall_velocity))) cycle
+               velocity(:, node) = velocity(:, node) &
+                  - dot_product(velocity(:, node) - wall_velocity, normal)*normal
+            end associate
+         end do
+      end associate
+   end subroutine rigid_keep
 end module mesh_rigid

@@ -15,6 +15,8 @@ ONE = """&run dimension = 'plane_strain' /
 &material name = 'stone' density = 2500  young = 70e9 /
 &material name = 'clay'  density = 2000  bulk = 1e9  shear = 1e8  damage_model = 'principal_stress'
   failure_stress = 1e6  fracture_energy = 1e3  failure_delay = 1e-3 /
+&material name = 'slate' density = 2700  bulk = 1e9  shear = 1e8  damage_model = 'principal_stress'
+  failure_stress = 1e6  failure_delay_power = 2 /
 &region name = 'ball'  shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.2 /
 &region name = 'far'   shape = 'sphere'  centre = 5 0 5  radius = 0.2 /
 &body name = 'one'    region = 'ball'  material = 'metal' /
@@ -44,8 +46,10 @@ DECKS = [
      "given",
         "10: error: &material 'clay': fracture_energy and failure_delay are both given; keep "
      "one: cracks take either an energy or a time",
-        "15: error: &body 'two': lies outside of the grid; move its region or widen &grid",
-        "16: error: &output 'h': give one of dt, every, times, count",
+        "12: error: &material 'slate': failure_delay_power needs failure_delay [s], the time to "
+     "failure at twice the strength; without it failure takes no time",
+        "17: error: &body 'two': lies outside of the grid; move its region or widen &grid",
+        "18: error: &output 'h': give one of dt, every, times, count",
     ]),
     (TWO, [
         "2: error: &grid: unknown key 'dxx'; did you mean 'dx'?",

@@ -4,7 +4,8 @@
 
 Would catch a command of a document that nobody tried, a deck or a script that was renamed, an option that is gone.
 Runs of the program are cut after a few steps and studies that take minutes are asked for their options; commands
-of scree-post are run by test_post_documents, two pages as a whole by tests of their own.
+of scree-post are run by test_post_documents, two pages as a whole by tests of their own, those of single messages by
+test_message_pages.
 """
 
 import os
@@ -33,7 +34,8 @@ LEAST = 60                             # commands that the documents are known t
 
 def shown():
     """Pages and commands of all console blocks; without what is printed, comments behind them, and scripts."""
-    pages = [case.ROOT / "README.md", *sorted((case.ROOT / "doc").rglob("*.md")),
+    pages = [case.ROOT / "README.md",                    # those of messages are made by running what they show
+             *sorted(path for path in (case.ROOT / "doc").rglob("*.md") if path.parent.name != "messages"),
              *sorted((case.ROOT / "input").glob("*/README.md"))]
     for page in pages:
         text = page.read_text(encoding="utf-8")

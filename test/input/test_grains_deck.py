@@ -276,7 +276,7 @@ class Without(unittest.TestCase):
     def test_cohesion(self):
         """A cohesion of half its weight over the height lets the column stand."""
         run = case.Case(OPTIONS, "stands", DECK).run(*COARSE, "--set", "material.cohesion=800",
-                                                     "--set", "time.t_end=0.2")
+                                                     "--set", "time.t_end=0.12")
         self.assertLess(table(run, "_history.csv")["runout"][-1], 0.055)
 
     def test_faces(self):

@@ -5,7 +5,8 @@ Would catch: strength that is drawn by place or rank instead of by particle, fai
 follow their law only on some ranks, voids, temperatures or flags that a migration or a
 checkpoint mixes up, heat whose flow knows of ranks, flags that are
 anything but 0 and 1, mass or momentum lost on failing; cracks that open by a stress whose way back from the one that
-acts depends on the layout.
+acts depends on the layout; a delay whose load of the step before stays behind when a particle
+moves or a run is stopped.
 """
 # timeout: 400
 
@@ -43,7 +44,8 @@ def main():
     options = case.arguments()
     sheet = report.Report()
     for remains, more in (("granular", ""), ("drucker_prager", "failed_friction_angle=30"),
-                          ("rubble", "fracture_energy=2.0e-3  softening='exponential'")):
+                          ("rubble", "fracture_energy=2.0e-3  softening='exponential'"),
+                          ("rubble", "failure_delay=0.5  failure_delay_power=2")):
         digest = {}
         words = {"seed": 7, "steps": 60, "remains": remains, "more": more}
         for ranks, threads in ((1, 1), (2, 1), (1, 2)):

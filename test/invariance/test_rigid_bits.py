@@ -45,12 +45,15 @@ def main():
             ("space", {"dimension": "3d", "method": "ddmp", "deep": 0.4, "dx": 0.04, "across": 2, "middle": 0.21,
                        "words": ""}),
             ("wide", {"dimension": "plane_strain", "method": "mpm", "deep": 1, "dx": 0.01, "across": 1, "middle": 0.5,
-                      "words": "&method  basis='quadratic' /"})):
+                      "words": "&method  basis='quadratic' /"}),
+            ("before", {"dimension": "plane_strain", "method": "mpm", "deep": 1, "dx": 0.02, "across": 1, "middle": 0.5,
+                        "words": "&method  stress_update='usf' /"})):
         matrix = layouts.Matrix(options, sheet, name, DECK.format(**words), STEPS)
         matrix.whole(2, 1, "on")
         matrix.whole(3, 1, "off")
         if name == "plane":
             matrix.whole(1, 2, "off")
+        if name in ("plane", "before"):
             matrix.stopped(STEPS // 2, (2, 1), ((1, 1),), "on")
         first = matrix.new("free", 1, 1, "off")
         first.deck.write_text("".join(line for line in first.deck.read_text(encoding="utf-8").splitlines(True)

@@ -61,6 +61,11 @@ CONCRETE = """
 &material  name='c'  density=2400  bulk=20e9  shear=15e9  damage_model='principal_stress'  failure_stress=3e6
   fracture_energy=1  softening='{curve}' /
 """
+SLOW = """
+&effects  damage=.true.  eos=.false. /
+&material  name='g'  density=2230  bulk=36e9  shear=26e9  {model}
+  failure_delay={time}  failure_delay_power={power} /
+"""
 TILLOTSON = """
 &effects  strength=.false. /
 &material  name='t'  density=2700  eos_model='tillotson'  till_a=0.5  till_b=1.63  till_bulk=75.2e9  till_square=65e9
@@ -298,6 +303,22 @@ def crack(options, sheet):
                 {"damage": rows[:, 0], "xx": rows[:, 1], "yy": rows[:, 2]}, (400, 800, 1600), 1.0e-12)
 
 
+def delay(options, sheet):
+    """Glass that fails by the time and size of its load, pulled and released: the load grows and falls evenly, and
+    the damage is the integral of a power, exact in few steps of which two cross the strength."""
+    axial, rate, keep = 36.0e9 + 4.0 / 3.0 * 26.0e9, 1.0e5, 33
+    for model, unit in (("damage_model='principal_stress'  failure_stress=1.5e8", 1.5e8 / axial),
+                        ("damage_model='principal_strain'  failure_strain=2e-3", 2.0e-3)):
+        for power, peak in ((0.5, 1.4), (2.0, 1.7)):
+            rise = np.maximum(np.linspace(0.0, peak, keep + 1) - 1.0, 0.0) ** (power + 1.0)
+            right = 0.4 * np.concatenate((rise, 2.0 * rise[-1] - rise[-2::-1])) / rise[-1]
+            time = rise[-1] / (0.4 * (power + 1.0) * rate / unit)
+            compare(options, sheet, f"delay, {model[14:30]}, power {power}", SLOW.format(
+                model=model, power=power, time=time),
+                f"path='uniaxial_strain'  rate={rate}  strain={peak * unit}  returns=.true.", {"damage": right},
+                (33, 330), 1.0e-10)
+
+
 def break_copper(options, sheet):
     """Copper is pulled until it fails: the strain at which it does, and what it bears then."""
     rows = copper_strain(1.0e4, 1.2, 16000, 16000, False)
@@ -349,6 +370,7 @@ def main():
             "path='uniaxial_strain'  rate=1e5  strain=-0.2  returns=.true.",
             {"xx": rows[:, 0], "pressure": rows[:, 2], "damage": rows[:, 1]}, (1000, 2000, 4000), 4.0e-3, 0.7)
     crack(options, sheet)
+    delay(options, sheet)
     break_copper(options, sheet)
     sheet.end()
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Commands for the pages of messages that no wrong deck alone brings: options, files, and runs that end early.
 
-SESSIONS: name of the page: a dictionary of
+SITUATIONS: name of the page: a dictionary of
   files      by name, written before; "scene.nml" is the deck
   before     commands that make the situation; they are not shown and must end with 0 or 75
   text       a sentence above what is shown, shows: lines of a file, language: of the block
@@ -113,7 +113,7 @@ CHECK = "scree --check scene.nml"
 RUN = "scree -q scene.nml"
 AGAIN = "scree -q --restart scene.nml"
 
-SESSIONS = {
+SITUATIONS = {
     # the command line
     "the-deck-is-empty": {
         "files": {"scene.nml": "! density 2700, young 70e9\n"}, "text": "A deck that holds a comment alone:",
@@ -129,6 +129,18 @@ SESSIONS = {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'material[steel].young=200e9'"],
         "then": ["scree --check scene.nml --set 'material[metal].young=200e9'"],
         "see": ["deck.md#values-from-the-command-line"]},
+    "is-no-value": {
+        "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'time.t_end=1e-4 /'"],
+        "then": ["scree --check scene.nml --set time.t_end=1e-4"],
+        "see": ["deck.md#values-from-the-command-line"]},
+    "the-value-of-is-empty": {"files": {"scene.nml": BAR}, "commands": ["scree --check --case= scene.nml"],
+                              "then": ["scree --check --case=first scene.nml"], "see": ["running.md"]},
+    "takes-no-value": {"files": {"scene.nml": BAR}, "commands": ["scree --check --force=yes scene.nml"],
+                       "then": ["scree --check --force scene.nml"], "see": ["running.md"]},
+    "exclude-each-other": {"files": {"scene.nml": BAR}, "commands": ["scree --check --restart scene.nml"],
+                           "then": [CHECK], "see": ["running.md"]},
+    "list-knows": {"commands": ["scree --list material"], "then": ["scree --list materials"],
+                   "see": ["materials.md"]},
     "one-deck-at-a-time": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set run.title=my first run"],
         "then": ["scree --check scene.nml --set \"run.title='my first run'\""], "see": ["running.md"]},
