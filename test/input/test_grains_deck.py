@@ -254,6 +254,10 @@ class Meaning(unittest.TestCase):
         first, last = (profile["time"] == when for when in (0.0, profile["time"].max()))
         number = profile["inertial_number"][last][1:8]
         self.assertLess(np.abs(number / wanted - 1.0).max(), 0.05)
+        # that of the formula, with the velocities and pressures of the same layers
+        shear = np.gradient(profile["velocity_x"][last], cell)[1:8]
+        formula = shear * flows.DIAMETER * np.sqrt(flows.GRAIN_DENSITY / profile["pressure"][last][1:8])
+        self.assertLess(np.abs(number / formula - 1.0).max(), 0.01)
         # and the strain is that of the velocity at the start, as the flow hardly changes
         rate = np.gradient(profile["velocity_x"][first], cell)[1:8]
         strain = profile["equivalent_strain"][last][1:8]
