@@ -52,7 +52,7 @@ contains
       end do
    end subroutine check_schema
 
-   !> True if a former name is none of today and its new one is.
+   !> True if a former name is none of today and its new one is; what is always so has none.
    function former_is_sound(rule, former) result(sound)
       type(group_rule_t), intent(in) :: rule             !! Its group
       type(former_t), intent(in) :: former               !! The entry
@@ -66,10 +66,11 @@ contains
          if (place > 0) sound = sound .and. .not. takes(rule%keys(place), former%words(i)%text)
       end do
       if (.not. allocated(former%becomes)) then
-         sound = sound .and. former%doc /= ""
+         sound = sound .and. former%doc /= "" .and. .not. former%holds
          return
       end if
       if (former%becomes == "") return
+      sound = sound .and. .not. former%holds
       new = former%becomes
       place = rule%find(trim(new(:index(new//"=", "=") - 1)))
       sound = sound .and. place > 0 .and. (size(former%words) == 0 .neqv. index(new, "=") > 0)

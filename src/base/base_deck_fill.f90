@@ -11,7 +11,7 @@ module base_deck_fill
    implicit none
    private
 
-   public :: fill_defaults, fill_groups, start_group, store, unknown_key, written
+   public :: fill_defaults, fill_groups, start_group, store, tell_unknown, written
 
    integer, parameter :: longest_quotation = 60          !! Longer values are cut in messages
 
@@ -106,8 +106,8 @@ contains
             place = rule%find(piece%key)
             if (piece%key == "") cycle
             if (place == 0) then
-               call problems%error(block%file, piece%line, unknown_key(rule, piece%key, &
-                  written(piece%tokens), block%file))
+               call tell_unknown(rule, piece%key, written(piece%tokens), block%file, piece%line, &
+                  problems)
                cycle
             end if
             if (group%values(place)%given .and. piece%subscript == "") then
@@ -120,24 +120,49 @@ contains
       end do
    end subroutine fill_group
 
-   !> What to say of a key that does not exist, or does not any more.
-   function unknown_key(rule, key, value, file) result(text)
+   !> Tell of a key that does not exist, or does not any more.
+   subroutine tell_unknown(rule, key, value, file, line, problems)
       type(group_rule_t), intent(in) :: rule             !! What is allowed
       character(len=*), intent(in) :: key                !! As written
       character(len=*), intent(in) :: value              !! As written
-      character(len=*), intent(in) :: file               !! Where, empty: on the command line
+      character(len=*), intent(in) :: file               !! Where
+      integer, intent(in) :: line                        !! Line of the file, 0 = none
+      type(problems_t), intent(inout) :: problems        !! Gets it
       character(len=:), allocatable :: text
-      integer :: former
+      logical :: was
 
-      former = find_former(rule%formers, key(:index(key//"(", "(") - 1), value)
-      if (former > 0) then
-         text = tell_former(rule%formers(former), rule%name, value, file)
-         return
-      end if
+      call tell_if_former(rule, key(:index(key//"(", "(") - 1), value, file, line, problems, was)
+      if (was) return
       text = meant("'", closest(key, rule%names()), "'")
       if (text == "") text = "; scree --explain "//rule%name//" shows those that there are"
-      text = "&"//rule%name//": unknown key '"//key//"'"//text
-   end function unknown_key
+      call problems%error(file, line, "&"//rule%name//": unknown key '"//key//"'"//text)
+   end subroutine tell_unknown
+
+   !> Tell of a key or word of before: an error, or a warning if it says what is always so.
+   subroutine tell_if_former(rule, key, value, file, line, problems, was, holds)
+      type(group_rule_t), intent(in) :: rule             !! What is allowed
+      character(len=*), intent(in) :: key                !! Without its subscript
+      character(len=*), intent(in) :: value              !! As written
+      character(len=*), intent(in) :: file               !! Where
+      integer, intent(in) :: line                        !! Line of the file, 0 = none
+      type(problems_t), intent(inout) :: problems        !! Gets it
+      logical, intent(out) :: was                        !! Was it one?
+      logical, intent(out), optional :: holds            !! Does it say what is always so?
+      integer :: place
+
+      place = find_former(rule%formers, key, value)
+      was = place > 0
+      if (present(holds)) holds = .false.
+      if (.not. was) return
+      associate (former => rule%formers(place))
+         if (present(holds)) holds = former%holds
+         if (former%holds) then
+            call problems%warning(file, line, tell_former(former, rule%name, value, deck_of(file)))
+         else
+            call problems%error(file, line, tell_former(former, rule%name, value, deck_of(file)))
+         end if
+      end associate
+   end subroutine tell_if_former
 
    !> Convert a piece and keep its value.
    subroutine store(rule, place, piece, file, system, problems, group)
@@ -149,7 +174,8 @@ contains
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       type(group_t), intent(inout) :: group              !! Gets the value
       character(len=:), allocatable :: complaint, hint
-      integer :: former, subscript
+      integer :: subscript
+      logical :: was, holds
 
       associate (key => rule%keys(place), value => group%values(place))
          value%given = .true.
@@ -168,12 +194,11 @@ contains
          end if
          call convert(key, piece%tokens, subscript, system, value, complaint)
          if (complaint == "") return
-         former = find_former(rule%formers, key%name, written(piece%tokens))
-         if (former > 0) then
-            call problems%error(file, piece%line, tell_former(rule%formers(former), rule%name, &
-               written(piece%tokens), deck_of(file)))
-            return
-         end if
+         call tell_if_former(rule, key%name, written(piece%tokens), file, piece%line, problems, &
+            was, holds)
+         ! what is always so is as if it were not written
+         if (holds) value = value_t(key=key%name)
+         if (was) return
          hint = lost_sign(rule, piece%tokens)
          call problems%error(file, piece%line, "&"//rule%name//": "//key%name//piece%subscript// &
             " = "//written(piece%tokens)//complaint//hint)

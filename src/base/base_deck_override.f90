@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Values that the command line puts in place of those of the deck: `--set GROUP.KEY=VALUE`.
 module base_deck_override
-   use base_deck_fill, only: start_group, store, unknown_key
+   use base_deck_fill, only: start_group, store, tell_unknown
    use base_deck_group, only: group_t
    use base_deck_problems, only: command_line, problems_t
    use base_namelist, only: namelist_t, piece_t, token_t
@@ -37,7 +37,7 @@ contains
       end if
       place = schema%groups(rule)%find(key(:index(key//"(", "(") - 1))
       if (place == 0) then
-         call problems%error(command_line, 0, unknown_key(schema%groups(rule), key, value, ""))
+         call tell_unknown(schema%groups(rule), key, value, command_line, 0, problems)
          return
       end if
       call choose(schema%groups(rule), choice, problems, groups, filled, which)

@@ -18,16 +18,18 @@ module base_former
       character(len=:), allocatable :: becomes
       character(len=:), allocatable :: doc               !! Why, and what takes its place, or empty
       integer :: since = 1                               !! deck_version that brought the new name
+      logical :: holds = .false.                         !! It says what is always so
    end type former_t
 
 contains
 
    !> Make an entry.
-   pure function make_former(old, becomes, doc, since) result(former)
+   pure function make_former(old, becomes, doc, since, holds) result(former)
       character(len=*), intent(in) :: old                !! A key, or key = word word
       character(len=*), intent(in), optional :: becomes  !! New key, key = word, or blank: none
       character(len=*), intent(in), optional :: doc      !! Why, and what takes its place
       integer, intent(in), optional :: since             !! deck_version that brought the new name
+      logical, intent(in), optional :: holds             !! It says what is always so
       type(former_t) :: former
       integer :: equals
 
@@ -38,6 +40,7 @@ contains
       former%doc = ""
       if (present(doc)) former%doc = doc
       if (present(since)) former%since = since
+      if (present(holds)) former%holds = holds
    end function make_former
 
    !> Index of the first entry that fits a key and its value, 0 if none does.
@@ -90,7 +93,10 @@ contains
          text = text//" is gone"//since_when(former)//": "//former%doc
          return
       end if
-      if (former%becomes == "") then
+      if (former%holds) then
+         text = text//trim(merge(" is always so", " does nothing", size(former%words) > 0))// &
+            since_when(former)//": "//former%doc//"; it can go"
+      else if (former%becomes == "") then
          text = text//" is gone"//since_when(former)//": "//former%doc//"; remove it"
       else if (size(former%words) > 0) then
          text = text//" is called "//quoted(former%becomes)//since_when(former)//": write that"

@@ -341,7 +341,7 @@ contains
    end subroutine schema_preset
 
    !> Declare a key, or words of one as key = word word, that decks are not written with any more.
-   subroutine schema_former(self, group, old, becomes, doc, since)
+   subroutine schema_former(self, group, old, becomes, doc, since, holds)
       class(schema_t), intent(inout) :: self             !! The schema
       character(len=*), intent(in) :: group              !! Group it belonged to
       character(len=*), intent(in) :: old                !! The key, or the key with the words
@@ -349,6 +349,7 @@ contains
       character(len=*), intent(in), optional :: becomes
       character(len=*), intent(in), optional :: doc      !! Why, and what takes its place
       integer, intent(in), optional :: since             !! deck_version that brought the new name
+      logical, intent(in), optional :: holds             !! It says what is always so: a warning
       integer :: place
 
       place = self%find(group)
@@ -357,7 +358,7 @@ contains
          return
       end if
       associate (rule => self%groups(place))
-         rule%formers = [rule%formers, make_former(old, becomes, doc, since)]
+         rule%formers = [rule%formers, make_former(old, becomes, doc, since, holds)]
       end associate
    end subroutine schema_former
 

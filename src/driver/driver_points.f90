@@ -18,7 +18,7 @@ module driver_points
    use io_fields, only: field_names
    use material_type, only: material_t
    use material_wishes, only: wishes_t
-   use mesh_boundary, only: boundary_t, face_outflow
+   use mesh_boundary, only: boundary_t, lets_out
    use mesh_grid, only: grid_t
    use particle_body, only: body_t
    use particle_points, only: cloud, points_t, set_points
@@ -245,15 +245,17 @@ contains
       low = grid%lower
       high = grid%upper
       do k = 1, 3
-         if (grid%wall(2*k - 1)) low(k) = low(k) - behind*grid%spacing
-         if (grid%wall(2*k)) high(k) = high(k) + behind*grid%spacing
+         if (grid%wall(2*k - 1) .and. .not. lets_out(boundary%kind(2*k - 1))) &
+            low(k) = low(k) - behind*grid%spacing
+         if (grid%wall(2*k) .and. .not. lets_out(boundary%kind(2*k))) &
+            high(k) = high(k) + behind*grid%spacing
       end do
       if (grid%axisymmetric) low(1) = grid%lower(1)
       allocate (key(size(place)))
       do n = 1, size(place)
          associate (x => points%list%position(:, place(n)))
             if (any(grid%active .and. (x < low .or. x > high .or. (x >= high .and. &
-               (grid%periodic .or. boundary%kind(2::2) == face_outflow))))) then
+               (grid%periodic .or. lets_out(boundary%kind(2::2))))))) then
                call deck%complain(group, where_text(points, place(n))//" of '"//points%path// &
                   "': the point "//place_text(deck, grid, x)//" lies outside of the grid; "// &
                   "widen &grid or move the points with translate", "region")

@@ -5,6 +5,7 @@ module driver_scene
    use base_kinds, only: int64, wp
    use base_text, only: text_t
    use base_units, only: system_number, system_si
+   use driver_absorbing, only: read_absorbing
    use driver_bounds, only: read_bounds
    use driver_contact_deck, only: read_contact
    use driver_exact_deck, only: read_exact
@@ -71,6 +72,8 @@ contains
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
       call read_walls(deck, simulation, shapes)
+      if (deck%errors() > 0) return
+      if (simulation%boundary%absorbs()) call read_absorbing(deck, simulation, bodies)
       if (deck%errors() > 0) return
       call read_contact(deck, simulation, bodies)
       if (deck%errors() > 0) return

@@ -152,7 +152,7 @@ contains
          call deck%complain(boundary, "face or region must be given (a face of the grid, or a "// &
             "rigid region)")
       else if (boundary%given("region") .and. (kind == "symmetry" .or. kind == "periodic" .or. &
-         (kind == "outflow" .and. .not. boundary%given("face")))) then
+         kind == "absorbing" .or. (kind == "outflow" .and. .not. boundary%given("face")))) then
          call deck%complain(boundary, "a region cannot be type = '"//kind//"'; "//trim(merge( &
             "use outflow, stick, slip, friction or velocity", &
             "use stick, slip, friction or velocity         ", boundary%given("face"))), "type")

@@ -122,8 +122,9 @@ contains
       call schema%words("boundary", "face", face_names)
       call schema%text("boundary", "region", "without face: a rigid body, whose nodes have the "// &
          "type; with face: the part of the face in it")
-      call schema%text("boundary", "type", "outflow: points leave and are booked; velocity: a "// &
-         "rigid moving wall; friction: a wall that rubs and does not pull")
+      call schema%text("boundary", "type", "outflow: points leave and are booked; absorbing: "// &
+         "the same, and waves leave; velocity: a rigid moving wall; friction: a wall that rubs "// &
+         "and does not pull")
       call schema%words("boundary", "type", face_types)
       call schema%real("boundary", "velocity(3)", "velocity of the wall; of a face only with "// &
          "type = velocity", unit="m/s", default="0 0 0", owner="type = "//walls)
@@ -142,7 +143,7 @@ contains
       call schema%require("boundary", "type friction")
       call schema%refer("boundary", "region", "region")
       call schema%former("boundary", "face = none", becomes="", doc="a rigid region stands "// &
-         "without a face")
+         "without a face", holds=.true.)
    end subroutine declare_boundary
 
    !> Declare &contact.

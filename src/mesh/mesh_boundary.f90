@@ -3,19 +3,19 @@
 module mesh_boundary
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use mesh_wall, only: face_friction, face_outflow, face_periodic, face_slip, face_stick, &
-      face_symmetry, face_velocity, node_place, rule_t, wall_t
+   use mesh_wall, only: face_absorbing, face_friction, face_outflow, face_periodic, face_slip, &
+      face_stick, face_symmetry, face_velocity, node_place, rule_t, wall_t
    implicit none
    private
 
-   public :: boundary_t, face_friction, face_names, face_outflow, face_periodic, face_slip, &
-      face_stick, face_symmetry, face_types, face_velocity
+   public :: boundary_t, face_absorbing, face_friction, face_names, face_outflow, face_periodic, &
+      face_slip, face_stick, face_symmetry, face_types, face_velocity, lets_out
 
    !> Names of the faces, two a direction, the lower first.
    character(len=3), parameter :: face_names(6) = ["xlo", "xhi", "ylo", "yhi", "zlo", "zhi"]
    !> Names of the types in the order of their numbers.
-   character(len=8), parameter :: face_types(7) = [character(len=8) :: "outflow", "symmetry", &
-      "slip", "stick", "periodic", "velocity", "friction"]
+   character(len=9), parameter :: face_types(8) = [character(len=9) :: "outflow", "symmetry", &
+      "slip", "stick", "periodic", "velocity", "friction", "absorbing"]
 
    !> The conditions on the faces.
    type :: boundary_t
@@ -23,6 +23,8 @@ module mesh_boundary
       real(wp) :: velocity(3, 6) = 0.0_wp            !! (component, face) Of a moving face [m/s]
       real(wp) :: friction(6) = 0.0_wp               !! (face) Coefficient of friction [1]
       real(wp) :: gain(3, 6) = 0.0_wp                !! Acceleration of a moving face [m/s2]
+      !> (along the normal or the face, face) At which an absorbing face slows its nodes [1/s]
+      real(wp) :: decay(2, 6) = 0.0_wp
       real(wp) :: kick = 0.0_wp                      !! Time for which it lasts [s]
       logical :: warm(6) = .false.                   !! (face) Is it held at a temperature?
       real(wp) :: temperature(6) = 0.0_wp            !! (face) Which one [K]
@@ -39,6 +41,8 @@ module mesh_boundary
       procedure :: constrain => boundary_constrain   !! Impose velocities on nodes
       procedure :: keep => boundary_keep             !! Hold nodes that were held in the step
       procedure :: rub => boundary_rub               !! Walls with friction
+      procedure :: absorbs => boundary_absorbs       !! Do waves leave through some face?
+      procedure :: absorb => boundary_absorb         !! Let them leave
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
       procedure :: insulate => boundary_insulate     !! No flux through the faces
       procedure :: held_at => boundary_held_at       !! Temperatures that faces give their nodes
@@ -126,6 +130,13 @@ contains
       part = 0
    end function part_at
 
+   !> Whether particles leave through a face of a type.
+   elemental logical function lets_out(kind) result(open)
+      integer, intent(in) :: kind                    !! One of the types above
+
+      open = kind == face_outflow .or. kind == face_absorbing
+   end function lets_out
+
    !> Whether a face, or a part of it, rules velocities.
    elemental logical function boundary_ruled(self, face) result(ruled)
       class(boundary_t), intent(in) :: self          !! The conditions
@@ -141,6 +152,13 @@ contains
 
       rubs = any(self%kind == face_friction) .or. any(self%divided)
    end function boundary_rubs
+
+   !> Whether waves leave through some face.
+   pure logical function boundary_absorbs(self) result(absorbs)
+      class(boundary_t), intent(in) :: self          !! The conditions
+
+      absorbs = any(self%kind == face_absorbing)
+   end function boundary_absorbs
 
    !> True if some node of the tile lies on a face that rules velocities.
    pure logical function boundary_touches(self, grid, coordinate) result(touches)
@@ -195,7 +213,7 @@ contains
                   case (face_velocity)
                      velocity(:, node) = rule%velocity + lead*rule%gain
                      acceleration(:, node) = merge(0.0_wp, rule%gain, lead > 0.0_wp)
-                  case (face_outflow)
+                  case (face_outflow, face_absorbing)
                      cycle
                   case default
                      velocity(:, node) = 0.0_wp
@@ -233,7 +251,7 @@ contains
                do x = 0, length(1)
                   node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
                   if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
-                  if (rule%kind == face_outflow) cycle
+                  if (lets_out(rule%kind)) cycle
                   inner = node + merge(1, -1, mod(face, 2) == 1)*grid%stride(normal)
                   if (.not. min(around(node), around(inner)) > 0.0_wp) cycle
                   fill = filled(1, node)/around(node)
@@ -331,6 +349,43 @@ contains
          end do
       end do
    end subroutine boundary_keep
+
+   !> Absorbing faces take from their nodes what waves carry to them: dashpots after J. Lysmer,
+   !! R. L. Kuhlemeyer (J. Eng. Mech. Div. ASCE 95 (1969) 859), whose force is that of the velocity
+   !! in the middle of the step. Equation (R.7) of doc/theory/rigid.md.
+   pure subroutine boundary_absorb(self, grid, coordinate, dt, velocity, acceleration)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)        !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      type(rule_t) :: rule
+      real(wp) :: decay(3)
+      integer :: face, first, length(3), x, y, z, node, normal
+      logical :: here
+
+      do face = 1, 6
+         if (self%kind(face) /= face_absorbing) cycle
+         call face_box(grid, coordinate, face, here, first, length)
+         if (.not. here) cycle
+         normal = (face + 1)/2
+         decay = self%decay(2, face)
+         decay(normal) = self%decay(1, face)
+         rule = self%whole(face)
+         do z = 0, length(3)
+            do y = 0, length(2)
+               do x = 0, length(1)
+                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+                  if (rule%kind /= face_absorbing) cycle
+                  acceleration(:, node) = (acceleration(:, node) - decay*velocity(:, node)) &
+                     /(1.0_wp + 0.5_wp*dt*decay)
+               end do
+            end do
+         end do
+      end do
+   end subroutine boundary_absorb
 
    !> On mirror planes the shear components of node tensors vanish, because they are odd.
    pure subroutine boundary_mirror(self, grid, coordinate, tensor)

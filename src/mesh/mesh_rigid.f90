@@ -2,10 +2,10 @@
 !> Rigid regions: bodies without particles that rule the velocity of the nodes inside of them.
 module mesh_rigid
    use base_kinds, only: int64, wp
-   use mesh_boundary, only: boundary_t
+   use mesh_boundary, only: boundary_t, lets_out
    use mesh_grid, only: grid_t
    use mesh_outward, only: find_outward, touches
-   use mesh_wall, only: face_outflow, face_periodic, face_slip, face_friction, face_stick, &
+   use mesh_wall, only: face_periodic, face_slip, face_friction, face_stick, &
       face_symmetry, face_velocity, node_place, wall_t
    implicit none
    private
@@ -153,7 +153,7 @@ contains
          if (global(k) == grid%cells(k)) face = 2*k
          if (face == 0) cycle
          kind = boundary%kind_at(face, place)
-         if (kind == face_outflow .or. kind == face_periodic) cycle
+         if (lets_out(kind) .or. kind == face_periodic) cycle
          normal(k) = 0.0_wp
          if (kind == face_stick .or. kind == face_velocity) normal = 0.0_wp
       end do

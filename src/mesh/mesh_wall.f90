@@ -17,6 +17,7 @@ module mesh_wall
    integer, parameter, public :: face_periodic = 5   !! Joined to the face across
    integer, parameter, public :: face_velocity = 6   !! Nodes move with a given velocity
    integer, parameter, public :: face_friction = 7   !! Rigid wall with friction
+   integer, parameter, public :: face_absorbing = 8  !! Open, and waves leave through it
 
    !> What holds at a node now.
    type :: rule_t

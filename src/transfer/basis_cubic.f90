@@ -15,11 +15,20 @@ module basis_cubic
    !> Cubic B-splines.
    type, extends(basis_tensor_t) :: basis_cubic_t
    contains
+      procedure :: at_wall => cubic_at_wall          !! Integral of the function of a wall
       procedure :: reach => cubic_reach              !! Nodes of a line that are touched
       procedure :: weigh => cubic_weigh              !! Functions along one direction
    end type basis_cubic_t
 
 contains
+
+   !> Integral of the function of a node on a face in cells: 1/2, and twice the 1/24 of that of
+   !! the node beyond, which is folded in.
+   pure real(wp) function cubic_at_wall(self) result(integral)
+      class(basis_cubic_t), intent(in) :: self               !! The basis
+
+      integral = 7.0_wp/12.0_wp
+   end function cubic_at_wall
 
    !> Four nodes along a line.
    pure integer function cubic_reach(self) result(reach)

@@ -15,10 +15,19 @@ module basis_quadratic
    !> Quadratic B-splines.
    type, extends(basis_tensor_t) :: basis_quadratic_t
    contains
+      procedure :: at_wall => quadratic_at_wall      !! Integral of the function of a wall
       procedure :: weigh => quadratic_weigh          !! Functions along one direction
    end type basis_quadratic_t
 
 contains
+
+   !> Integral of the function of a node on a face in cells: 1/2, and twice the 1/48 of that of
+   !! the node beyond, which is folded in.
+   pure real(wp) function quadratic_at_wall(self) result(integral)
+      class(basis_quadratic_t), intent(in) :: self           !! The basis
+
+      integral = 13.0_wp/24.0_wp
+   end function quadratic_at_wall
 
    !> With the distance d from a node in cells: (3/2 - d)**2/2, less 3 (1/2 - d)**2/2 where d < 1/2,
    !! which is 3/4 - d**2. Equation (N.4) of doc/theory/node_functions.md.

@@ -19,6 +19,7 @@ module transfer_basis
    type, abstract :: basis_t
    contains
       procedure :: margin => basis_margin            !! Layers of nodes reached beyond a tile
+      procedure :: at_wall => basis_at_wall          !! Integral of the function of a wall
       procedure :: declare => basis_declare          !! Declares its keys, if it has any
       procedure :: request => basis_request          !! Asks for what particles must carry
       procedure(locate_i), deferred :: locate        !! Looks where the particles of a tile are
@@ -131,6 +132,14 @@ contains
 
       margin = 0
    end function basis_margin
+
+   !> Integral over the box of the function of a node on a face, along the normal of that face, in
+   !! cells; it is one on the face and the only one there.
+   pure real(wp) function basis_at_wall(self) result(integral)
+      class(basis_t), intent(in) :: self                     !! The basis
+
+      integral = 0.5_wp
+   end function basis_at_wall
 
    !> Declare the keys of &method that belong to the basis. Most have none.
    subroutine basis_declare(self, schema)

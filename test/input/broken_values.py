@@ -235,13 +235,11 @@ UNKNOWN = [
     ("shock", "strength_model = 'johnson_cook'", "strength_model = 'fluid'", 8,
      "&material: strength_model = 'fluid' is called elastic = 'none': write that, or run "
      "scree-deck migrate deck.nml"),
-    ("plain", "dx = 0.1", "dx = 0.1  sparse = T", 2,
+    ("plain", "dx = 0.1", "dx = 0.1  sparse = F", 2,
      "&grid: key 'sparse' is gone: tiles exist only where matter is; remove it, or run "
      "scree-deck migrate deck.nml"),
     ("plain", "dx = 0.1", "dx = 0.1  grow = .true.", 2,
      "&grid: key 'grow' is gone: the box keeps its size; choose lo and hi for all of the run"),
-    ("sand", "face = 'zlo'", "face = 'none'", 9,
-     "&boundary: face = 'none' is gone: a rigid region stands without a face; remove it"),
     ("plain", "dimension = 'plane_strain'", "dimension = 'plane_strain' deck_version = 9", 1,
      "&run: deck_version = 9  <- must be > 0 and <= 1; this is scree "),
     ("plain", "density", "densty", 4, "&material: unknown key 'densty'; did you mean 'density'?"),

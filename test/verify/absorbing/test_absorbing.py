@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Waves that meet a face of type = 'absorbing': along the normal, of shear, askew, round an axis, and in the books.
+
+Would catch: a face that is as open or as closed as others, speeds of the wrong material or of P and S waves exchanged,
+the wrong share of the face in a node, a force of the velocity before the step, normal and tangential directions mixed
+up, impulse or work that is not booked, nodes that two ranks slow differently.
+
+A velocity of the face xlo, sin**2 of 20 cells, runs through a bar of 100 cells; the amplitude that comes back is
+compared with what came. A free face gives +0.87, a mirror -0.86, as the method itself dulls so short a pulse on its
+way of 200 cells; the absorbing face 0.0013, limit 0.005; of shear 0.0042, limit 0.01. Shorter pulses come back more:
+0.006 with 10 cells, 0.0011 with 40. mpm with linear functions 0.0075, quadratic ones 0.015, limit 0.02.
+
+Askew: packets of P waves of 17 cells that meet two faces at 45 degrees and those around it. What dashpots throw back
+is a linear problem of three waves, solved here and averaged over the directions of the packet: 0.0050 of its energy;
+energy afterwards against that with free faces 0.0091, limit 0.01 more than the dashpots.
+"""
+# timeout: 120
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import case    # noqa: E402
+import report  # noqa: E402
+
+DENSITY, BULK, SHEAR = 2000.0, 1.0e9, 0.6e9
+P_SPEED, S_SPEED = math.sqrt((BULK + 4.0 / 3.0 * SHEAR) / DENSITY), math.sqrt(SHEAR / DENSITY)
+EDGE = 0.01
+
+MATTER = f"&material  name='m'  density={DENSITY}  bulk={BULK}  shear={SHEAR} /"
+BAR = """
+&run  dimension='{dimension}'  method='{method}' /
+&grid  lo=0,0,0  hi={size[0]!r},1,{size[1]!r}  dx=0.01 /
+&method  {words} /
+&time  t_end={end!r} /
+{matter}
+&region  name='bar'  shape='box'  lo=0,0,0  hi={size[0]!r},1,{size[1]!r} /
+&body  name='bar'  region='bar'  material='m'  ppc={ppc} /
+&boundary  face='{front}'  type='velocity'  table='pulse.csv' /
+&boundary  face='{back}'  type='{kind}' /
+{sides}
+&output  name='p'  kind='particles'  times={half!r},{end!r}  precision='double'  fields='velocity' /
+&output  name='h'  kind='history'  every=5 /
+&checkpoint  at_end=.false. /
+"""
+
+ASKEW = """
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=1,1,{high!r}  dx=0.01 /
+&time  t_end={end!r} /
+{matter}
+&region  name='dots'  shape='points'  file='dots.csv' /
+&body  name='bar'  region='dots'  material='m'  packing='file' /
+&boundary  face='xlo'  type='{kind}' /
+&boundary  face='xhi'  type='{kind}' /
+&boundary  face='zlo'  type='periodic' /
+&boundary  face='zhi'  type='periodic' /
+&output  name='p'  kind='particles'  times=0,{end!r}  precision='double'  fields='velocity' /
+&checkpoint  at_end=.false. /
+"""
+
+BLOW = """
+&run  dimension='{dimension}' /
+&grid  lo=0,0,0  hi=0.2,{wide},0.2  dx=0.01 /
+&time  t_end={end!r} /
+&effects  strength={strength} /
+&material  name='m'  density=2785  eos_model='mie_gruneisen'  mg_c0=5328  mg_s=1.338  mg_gamma=2 {shear} /
+&region  name='all'  shape='box'  lo=0,0,0  hi=0.2,0.2,0.2 /
+&region  name='core'  shape='{core}'  centre=0,0,0.1  radius=0.04  {core_words} /
+&body  name='all'  region='all'  material='m' /
+&body  name='core'  region='core'  material='m'  {blow} /
+{faces}
+&output  name='h'  kind='history'  every=5 /
+&checkpoint  at_end=.false. /
+"""
+
+
+def pulse(folder, component, width):
+    """The table of the velocity of the face that makes a smooth pulse."""
+    lines = ["t,vx,vy,vz"]
+    for time in np.linspace(0.0, width, 201).tolist():
+        row = [0.0, 0.0, 0.0]
+        row[component] = float(0.01 * np.sin(np.pi * time / width) ** 2)
+        lines.append(",".join(repr(number) for number in [time, *row]))
+    (folder / "pulse.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def returned(options, name, kind, component=0, along=0, cells=20, dimension="1d", method="ddmp", words=""):
+    """Amplitude that comes back from the face over that which came, with its sign."""
+    speed = P_SPEED if component == along else S_SPEED
+    length, width = 100 * EDGE, cells * EDGE / speed
+    size = [length, 5 * EDGE] if along == 0 else [5 * EDGE, length]
+    sides = ""
+    if dimension == "plane_strain":
+        sides = "&boundary face='zlo' type='periodic' /\n&boundary face='zhi' type='periodic' /"
+    if dimension == "axisymmetric":
+        sides = "&boundary face='xhi' type='slip' /"
+    deck = BAR.format(dimension=dimension, method=method, words=words, size=size, matter=MATTER, sides=sides, kind=kind,
+                      ppc="4,1,1" if dimension == "1d" else "2,1,2", front="xz"[along > 0] + "lo",
+                      back="xz"[along > 0] + "hi", half=0.5 * length / speed + 0.5 * width,
+                      end=1.5 * length / speed + 0.5 * width)
+    box = case.Case(options, name, deck)
+    pulse(box.folder, component, width)
+    states = [snap.fields["velocity"][:, component] for _, snap in box.run("-q").snapshots()]
+    came, back = np.abs(states[0]).max(), states[-1][np.abs(states[-1]).argmax()]
+    print(f"         {name}: came {came:.5f} m/s, comes back {back / came:+.4f}", flush=True)
+    if not 0.005 < came < 0.011:
+        raise AssertionError(f"{name}: no pulse came")
+    return back / came
+
+
+def along_the_normal(options, sheet):
+    """P waves in bars of all node functions that suit a face, and S waves."""
+    sheet.above("free face gives the pulse back", returned(options, "free", "outflow"), 0.8)
+    sheet.above("mirror gives it back turned", -returned(options, "mirror", "symmetry"), 0.8)
+    sheet.below("P wave", returned(options, "normal", "absorbing"), 0.005)
+    sheet.below("P wave, 40 cells", returned(options, "long", "absorbing", cells=40), 0.003)
+    sheet.below("P wave, mpm", returned(options, "mpm", "absorbing", method="mpm"), 0.02)
+    sheet.below("P wave, quadratic splines", returned(
+        options, "quadratic", "absorbing", method="mpm", words="basis='quadratic'"), 0.02)
+    sheet.below("P wave along an axis", returned(
+        options, "axial", "absorbing", component=2, along=2, dimension="axisymmetric"), 0.005)
+    sheet.above("S wave, free face", returned(
+        options, "free_shear", "outflow", component=2, dimension="plane_strain"), 0.8)
+    sheet.below("S wave", returned(
+        options, "shear", "absorbing", component=2, dimension="plane_strain"), 0.01)
+
+
+def thrown_back(angle):
+    """Share of the energy of a plane P wave that dashpots throw back as P and S waves."""
+    lame = BULK - 2.0 / 3.0 * SHEAR
+
+    def fault(way, motion, speed):
+        """Stress on the face and the dashpots' that a wave needs besides, with the normal along x."""
+        stress = -(lame * (way @ motion) * np.eye(2) + SHEAR * (np.outer(way, motion) + np.outer(motion, way))) / speed
+        return stress[0] + DENSITY * np.array([P_SPEED * motion[0], S_SPEED * motion[1]])
+
+    turned = np.arcsin(S_SPEED / P_SPEED * np.sin(angle))
+    back = np.array([-np.cos(angle), np.sin(angle)])
+    matrix = np.column_stack([
+        fault(back, back, P_SPEED),
+        fault(np.array([-np.cos(turned), np.sin(turned)]), np.array([np.sin(turned), np.cos(turned)]), S_SPEED)])
+    came = np.array([np.cos(angle), np.sin(angle)])
+    p_wave, s_wave = np.linalg.solve(matrix, -fault(came, came, P_SPEED))
+    return p_wave ** 2 + s_wave ** 2 * S_SPEED * np.cos(turned) / (P_SPEED * np.cos(angle))
+
+
+def waves(snap):
+    """Measure of the kinetic energy of the mean velocities of cells: what particles of a cell keep for themselves, as
+    the nodes do not see it, is no wave."""
+    cell = np.floor(snap.points / EDGE).astype(int)
+    place = cell[:, 0] * 1000 + cell[:, 2]
+    count = np.maximum(np.bincount(place), 1)
+    return sum(((np.bincount(place, snap.fields["velocity"][:, k]) / count) ** 2).sum() for k in (0, 2))
+
+
+def askew(options, sheet):
+    """Plane packets of P waves in a box that is periodic along its faces. They begin with a velocity alone, so that
+    half of them goes to the one face and half to the other."""
+    half, cells = 50 * EDGE, 24
+    slope, depth = 2.0 * math.pi / (cells * EDGE), 16 * EDGE
+    x, z = [places.ravel() for places in np.meshgrid(
+        (np.arange(200) + 0.5) * 0.5 * EDGE - half, (np.arange(2 * cells) + 0.5) * 0.5 * EDGE)]
+    phase, hull = slope * (x + z), 0.01 * np.exp(-0.5 * (x / depth) ** 2)
+    # the gradient of a potential, so that there are no S waves
+    across, along = hull * (np.cos(phase) - x / (slope * depth ** 2) * np.sin(phase)), hull * np.cos(phase)
+    lines = ["x,y,z,volume,vx,vy,vz"] + [
+        f"{a!r},0.5,{b!r},{0.25 * EDGE ** 2!r},{u!r},0.0,{w!r}"
+        for a, b, u, w in zip((x + half).tolist(), z.tolist(), across.tolist(), along.tolist())]
+    energy = {}
+    for kind in ("outflow", "absorbing"):
+        box = case.Case(options, f"askew_{kind}", ASKEW.format(
+            end=95 * EDGE * math.sqrt(2.0) / P_SPEED, kind=kind, matter=MATTER, high=cells * EDGE))
+        (box.folder / "dots.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        states = [waves(snap) for _, snap in box.run("-q").snapshots()]
+        energy[kind] = states[-1] / states[0]
+        print(f"         askew, {kind}: {energy[kind]:.4f} of the kinetic energy of the start is left", flush=True)
+    normal = slope * np.linspace(0.2, 3.0, 1401)
+    weight = (normal ** 2 + slope ** 2) * np.exp(-(depth * (normal - slope)) ** 2)
+    wanted = sum(weight * [thrown_back(math.atan2(slope, part)) for part in normal]) / sum(weight)
+    print(f"         askew: dashpots throw back {thrown_back(0.25 * math.pi):.4f} of the energy at 45 degrees, "
+          f"{wanted:.4f} of that of the packet", flush=True)
+    sheet.above("askew: free faces give back", energy["outflow"], 0.25)
+    sheet.below("askew: share that comes back less that of dashpots",
+                energy["absorbing"] / energy["outflow"] - wanted, 0.01)
+
+
+def books(options, sheet):
+    """A ball that flies apart in space, with the same bits on ranks; round an axis a rod that does, with strength."""
+    sides = "".join(f"&boundary face='{face}' type='{{}}' /\n" for face in ("xhi", "zlo", "zhi"))
+    ball = BLOW.format(dimension="3d", wide=0.2, end=8.0e-5, strength=".false.", shear="", core="sphere", core_words="",
+                       blow="velocity=30,20,5", faces="&boundary face='all' type='absorbing' /\n"
+                       "&boundary face='xlo' type='symmetry' /\n&boundary face='ylo' type='slip' /")
+    runs = [case.Case(options, f"ball_{ranks}", ball, ranks=ranks).run("-q") for ranks in (1, 3)]
+    sheet.require(runs[0].summary["digest"] == runs[1].summary["digest"], "3 ranks have the bits of 1")
+    rod = {kind: case.Case(options, f"rod_{kind}", BLOW.format(
+        dimension="axisymmetric", wide=0, end=9.0e-5, strength=".true.", core="cylinder", core_words="height=1",
+        blow="specific_energy=2e4", shear="shear=27e9", faces=sides.format(kind, "slip", "slip"))).run("-q")
+        for kind in ("outflow", "absorbing")}
+    for name, run in [("ball", runs[0]), ("rod", rod["absorbing"])]:
+        ledger = run.summary["ledger"]
+        if name == "ball":
+            sheet.below(f"{name}: momentum error", ledger["momentum_error"], 1.0e-13)
+        sheet.below(f"{name}: energy error", ledger["energy_error"], 1.0e-13)
+    left = [run.history["kinetic"][-1] / run.history["kinetic"].max() for run in (rod["absorbing"], rod["outflow"])]
+    print(f"         rod: {left[0]:.4f} of the greatest kinetic energy is left, {left[1]:.4f} with a free face")
+    sheet.below("rod: kinetic energy against that with a free face", left[0] / left[1], 0.2)
+    work = runs[0].history["external_work"][-1]
+    sheet.below("ball: work of the faces over the energy of motion", work / runs[0].history["kinetic"][0], 1.0)
+    sheet.above("ball: the faces take energy", -work / runs[0].history["kinetic"][0], 0.1)
+
+
+def main():
+    """All of them."""
+    options = case.arguments(__doc__)
+    sheet = report.Report()
+    along_the_normal(options, sheet)
+    askew(options, sheet)
+    books(options, sheet)
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
