@@ -73,7 +73,7 @@ contains
       call read_bodies(deck, simulation, shapes, bodies)
       call read_walls(deck, simulation, shapes)
       if (deck%errors() > 0) return
-      if (simulation%boundary%absorbs()) call read_absorbing(deck, simulation, bodies)
+      call read_absorbing(deck, simulation, bodies)
       if (deck%errors() > 0) return
       call read_contact(deck, simulation, bodies)
       if (deck%errors() > 0) return

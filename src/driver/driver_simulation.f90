@@ -14,6 +14,7 @@ module driver_simulation
    use material_matter, only: deformation_t
    use material_models, only: chain_effects
    use material_type, only: material_t
+   use mesh_absorbing, only: absorbing_t
    use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
    use mesh_halo, only: halo_t
@@ -176,6 +177,7 @@ module driver_simulation
       type(communicator_t) :: communicator           !! The ranks
       type(grid_t) :: grid                           !! The grid
       type(boundary_t) :: boundary                   !! The faces
+      type(absorbing_t), allocatable :: absorbing    !! Those through which waves leave
       type(rigid_t), allocatable :: rigid            !! If regions rule nodes
       type(tiles_t) :: tiles                         !! The tiles of this rank
       type(halo_t) :: halo                           !! Which of them other ranks see

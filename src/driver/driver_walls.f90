@@ -83,8 +83,8 @@ contains
       free_velocity = velocity
       free_acceleration = acceleration
       associate (coordinate => simulation%tiles%coordinate(:, tile))
-         if (dt > 0.0_wp .and. simulation%boundary%absorbs()) call simulation%boundary%absorb( &
-            simulation%grid, coordinate, dt, velocity, acceleration)
+         if (dt > 0.0_wp .and. allocated(simulation%absorbing)) call simulation%absorbing%absorb( &
+            simulation%grid, simulation%boundary, coordinate, dt, velocity, acceleration)
          call simulation%boundary%constrain(simulation%grid, coordinate, velocity, acceleration)
          if (allocated(simulation%rigid)) &
             call simulation%rigid%constrain(tile, velocity, acceleration, at_end=.false.)

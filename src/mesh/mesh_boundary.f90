@@ -8,8 +8,8 @@ module mesh_boundary
    implicit none
    private
 
-   public :: boundary_t, face_absorbing, face_friction, face_names, face_outflow, face_periodic, &
-      face_slip, face_stick, face_symmetry, face_types, face_velocity, lets_out
+   public :: boundary_t, face_absorbing, face_box, face_friction, face_names, face_outflow, &
+      face_periodic, face_slip, face_stick, face_symmetry, face_types, face_velocity, lets_out
 
    !> Names of the faces, two a direction, the lower first.
    character(len=3), parameter :: face_names(6) = ["xlo", "xhi", "ylo", "yhi", "zlo", "zhi"]
@@ -23,8 +23,6 @@ module mesh_boundary
       real(wp) :: velocity(3, 6) = 0.0_wp            !! (component, face) Of a moving face [m/s]
       real(wp) :: friction(6) = 0.0_wp               !! (face) Coefficient of friction [1]
       real(wp) :: gain(3, 6) = 0.0_wp                !! Acceleration of a moving face [m/s2]
-      !> (along the normal or the face, face) At which an absorbing face slows its nodes [1/s]
-      real(wp) :: decay(2, 6) = 0.0_wp
       real(wp) :: kick = 0.0_wp                      !! Time for which it lasts [s]
       logical :: warm(6) = .false.                   !! (face) Is it held at a temperature?
       real(wp) :: temperature(6) = 0.0_wp            !! (face) Which one [K]
@@ -41,8 +39,6 @@ module mesh_boundary
       procedure :: constrain => boundary_constrain   !! Impose velocities on nodes
       procedure :: keep => boundary_keep             !! Hold nodes that were held in the step
       procedure :: rub => boundary_rub               !! Walls with friction
-      procedure :: absorbs => boundary_absorbs       !! Do waves leave through some face?
-      procedure :: absorb => boundary_absorb         !! Let them leave
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
       procedure :: insulate => boundary_insulate     !! No flux through the faces
       procedure :: held_at => boundary_held_at       !! Temperatures that faces give their nodes
@@ -152,13 +148,6 @@ contains
 
       rubs = any(self%kind == face_friction) .or. any(self%divided)
    end function boundary_rubs
-
-   !> Whether waves leave through some face.
-   pure logical function boundary_absorbs(self) result(absorbs)
-      class(boundary_t), intent(in) :: self          !! The conditions
-
-      absorbs = any(self%kind == face_absorbing)
-   end function boundary_absorbs
 
    !> True if some node of the tile lies on a face that rules velocities.
    pure logical function boundary_touches(self, grid, coordinate) result(touches)
@@ -349,43 +338,6 @@ contains
          end do
       end do
    end subroutine boundary_keep
-
-   !> Absorbing faces take from their nodes what waves carry to them: dashpots after J. Lysmer,
-   !! R. L. Kuhlemeyer (J. Eng. Mech. Div. ASCE 95 (1969) 859), whose force is that of the velocity
-   !! in the middle of the step. Equation (R.7) of doc/theory/rigid.md.
-   pure subroutine boundary_absorb(self, grid, coordinate, dt, velocity, acceleration)
-      class(boundary_t), intent(in) :: self          !! The conditions
-      type(grid_t), intent(in) :: grid               !! The grid
-      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), contiguous, intent(in) :: velocity(:, :)        !! (3, node) [m/s]
-      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
-      type(rule_t) :: rule
-      real(wp) :: decay(3)
-      integer :: face, first, length(3), x, y, z, node, normal
-      logical :: here
-
-      do face = 1, 6
-         if (self%kind(face) /= face_absorbing) cycle
-         call face_box(grid, coordinate, face, here, first, length)
-         if (.not. here) cycle
-         normal = (face + 1)/2
-         decay = self%decay(2, face)
-         decay(normal) = self%decay(1, face)
-         rule = self%whole(face)
-         do z = 0, length(3)
-            do y = 0, length(2)
-               do x = 0, length(1)
-                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
-                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
-                  if (rule%kind /= face_absorbing) cycle
-                  acceleration(:, node) = (acceleration(:, node) - decay*velocity(:, node)) &
-                     /(1.0_wp + 0.5_wp*dt*decay)
-               end do
-            end do
-         end do
-      end do
-   end subroutine boundary_absorb
 
    !> On mirror planes the shear components of node tensors vanish, because they are odd.
    pure subroutine boundary_mirror(self, grid, coordinate, tensor)

@@ -3,7 +3,8 @@
 
 Would catch: a face that is as open or as closed as others, speeds of the wrong material or of P and S waves exchanged,
 the wrong share of the face in a node, a force of the velocity before the step, normal and tangential directions mixed
-up, impulse or work that is not booked, nodes that two ranks slow differently.
+up, impulse or work that is not booked, nodes that two ranks slow differently, what flies stopped where no matter goes
+on, waves of points of a list, or of the other of two layers, thrown back.
 
 A velocity of the face xlo, sin**2 of 20 cells, runs through a bar of 100 cells; the amplitude that comes back is
 compared with what came. A free face gives +0.87, a mirror -0.86, as the method itself dulls so short a pulse on its
@@ -59,6 +60,37 @@ ASKEW = """
 &boundary  face='zlo'  type='periodic' /
 &boundary  face='zhi'  type='periodic' /
 &output  name='p'  kind='particles'  times=0,{end!r}  precision='double'  fields='velocity' /
+&checkpoint  at_end=.false. /
+"""
+
+FLIGHT = """
+&run  dimension='1d' /
+&grid  lo=0,0,0  hi=1,1,1  dx=0.01 /
+&time  t_end=1.5e-2 /
+{matter}
+&region  name='block'  shape='box'  lo=0.6,0,0  hi=0.8,1,1 /
+&body  name='block'  region='block'  material='m'  velocity=40,0,0 /
+&boundary  face='xhi'  type='absorbing' /
+&output  name='h'  kind='history'  every=20 /
+&checkpoint  at_end=.false. /
+"""
+
+LAYERS = """
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=0.6,1,0.12  dx=0.01 /
+&time  t_end=2.4e-3 /
+&material  name='fast'  density=1000  young=1e9  poisson=0 /
+&material  name='slow'  density=4000  young=1e9  poisson=0 /
+&region  name='lower'  shape='box'  lo=0,0,0  hi=0.6,1,0.05 /
+&region  name='upper'  shape='box'  lo=0,0,0.07  hi=0.6,1,0.12 /
+&region  name='lower_end'  shape='box'  lo=0,0,0  hi=0.2,1,0.05 /
+&region  name='upper_end'  shape='box'  lo=0,0,0.07  hi=0.2,1,0.12 /
+&body  name='a'  region='lower'  material='fast' /
+&body  name='b'  region='upper'  material='slow' /
+&body  name='c'  region='lower_end'  material='fast'  velocity=0.1,0,0 /
+&body  name='d'  region='upper_end'  material='slow'  velocity=0.1,0,0 /
+&boundary  face='xhi'  type='{kind}' /
+&output  name='h'  kind='history'  every=20 /
 &checkpoint  at_end=.false. /
 """
 
@@ -213,12 +245,28 @@ def books(options, sheet):
     sheet.above("ball: the faces take energy", -work / runs[0].history["kinetic"][0], 0.1)
 
 
+def where_matter_goes_on(options, sheet):
+    """A block flies out where none reaches the face at the start; two bars without a Poisson effect, the second with
+    half the wave speed, are at rest when their waves have left. With the speeds of the first in both, a ninth of the
+    energy of the second comes back."""
+    run = case.Case(options, "flight", FLIGHT.format(matter=MATTER)).run("-q")
+    sheet.near("flight: mass that leaves [kg]", run.history["lost_mass"][-1], run.history["mass"][0], 1.0e-12)
+    sheet.near("flight: its momentum [kg m/s]", run.history["lost_momentum_x"][-1], run.history["momentum_x"][0], 1.0e-9)
+    left = {}
+    for kind in ("outflow", "absorbing"):
+        kinetic = case.Case(options, f"layers_{kind}", LAYERS.format(kind=kind)).run("-q").history["kinetic"]
+        left[kind] = kinetic[-1] / kinetic[0]
+    sheet.above("layers: kinetic energy left with a free face", left["outflow"], 0.2)
+    sheet.below("layers: the same with an absorbing one", left["absorbing"], 0.02)
+
+
 def main():
     """All of them."""
     options = case.arguments(__doc__)
     sheet = report.Report()
     along_the_normal(options, sheet)
     askew(options, sheet)
+    where_matter_goes_on(options, sheet)
     books(options, sheet)
     sheet.end()
 

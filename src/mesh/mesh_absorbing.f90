@@ -1,0 +1,87 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Faces through which waves leave, where matter reaches the face at the start.
+module mesh_absorbing
+   use base_kinds, only: wp
+   use mesh_boundary, only: boundary_t, face_absorbing, face_box
+   use mesh_grid, only: grid_t
+   use mesh_wall, only: rule_t
+   implicit none
+   private
+
+   public :: absorbing_t
+
+   !> What a face takes from its nodes.
+   type :: dashpots_t
+      !> (along the normal or the face, material) Rate at which a node is slowed [1/s]
+      real(wp), allocatable :: decay(:, :)
+      !> (x, y, z) Number of the material that goes on beyond each node of the face, counted from 0;
+      !! 0: none does, and the face is open
+      integer, allocatable :: beyond(:, :, :)
+   end type dashpots_t
+
+   !> Those of all faces of a run; not allocated for faces of other types.
+   type :: absorbing_t
+      type(dashpots_t) :: face(6)                    !! (face)
+   contains
+      procedure :: absorb => absorbing_absorb        !! Let waves leave
+   end type absorbing_t
+
+contains
+
+   !> Absorbing faces take from their nodes what waves carry to them: dashpots after J. Lysmer,
+   !! R. L. Kuhlemeyer (J. Eng. Mech. Div. ASCE 95 (1969) 859), whose force is that of the velocity
+   !! in the middle of the step. Equation (R.7) of doc/theory/rigid.md.
+   pure subroutine absorbing_absorb(self, grid, boundary, coordinate, dt, velocity, acceleration)
+      class(absorbing_t), intent(in) :: self         !! The faces
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! The conditions on its faces
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)        !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      type(rule_t) :: rule
+      real(wp) :: decay(3)
+      integer :: face, first, length(3), x, y, z, node, normal, matter
+      logical :: here
+
+      do face = 1, 6
+         if (.not. allocated(self%face(face)%beyond)) cycle
+         call face_box(grid, coordinate, face, here, first, length)
+         if (.not. here) cycle
+         normal = (face + 1)/2
+         do z = 0, length(3)
+            do y = 0, length(2)
+               do x = 0, length(1)
+                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+                  matter = matter_beyond(self%face(face), grid, coordinate, normal, node)
+                  if (matter == 0) cycle
+                  if (boundary%divided(face)) then
+                     rule = boundary%rule_at(grid, coordinate, face, node)
+                     if (rule%kind /= face_absorbing) cycle
+                  end if
+                  decay = self%face(face)%decay(2, matter)
+                  decay(normal) = self%face(face)%decay(1, matter)
+                  acceleration(:, node) = (acceleration(:, node) - decay*velocity(:, node)) &
+                     /(1.0_wp + 0.5_wp*dt*decay)
+               end do
+            end do
+         end do
+      end do
+   end subroutine absorbing_absorb
+
+   !> Number of the material beyond a node on a face, 0 = none; that of the next node on the face for
+   !! one outside of the box.
+   pure integer function matter_beyond(dashpots, grid, coordinate, normal, node) result(matter)
+      type(dashpots_t), intent(in) :: dashpots       !! Of the face
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: normal                  !! Direction across the face
+      integer, intent(in) :: node                    !! Node of the tile, counted from 1
+      integer :: place(3)
+
+      place = coordinate*grid%width + grid%node_position(node)
+      place = min(max(place, 0), merge(grid%cells, 0, grid%active))
+      place(normal) = 0
+      matter = dashpots%beyond(place(1), place(2), place(3))
+   end function matter_beyond
+end module mesh_absorbing
