@@ -4,9 +4,11 @@ module driver_lists
    use base_former, only: former_line
    use base_schema, only: schema_t
    use base_text, only: join, number
+   use driver_history, only: history_names
    use exact_catalogue, only: exact_names
    use io_deck_schema, only: deck_version
    use io_fields, only: field_names
+   use io_means, only: profile_names
    use material_catalogue, only: damage_names, eos_names, law_names
    implicit none
    private
@@ -23,7 +25,8 @@ contains
 
       select case (name)
       case ("fields")
-         text = joined(field_names)
+         text = joined(field_names)//new_line("a")//"profile: "//joined(profile_names) &
+            //new_line("a")//"history: "//join(history_names(), " ")
       case ("shapes")
          associate (region => schema%groups(schema%find("region")))
             text = join(region%keys(region%find("shape"))%words, " ")

@@ -6,8 +6,7 @@ module driver_output
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use base_text, only: brief, size_text
-   use driver_exact_error, only: error_columns, take_errors
-   use driver_ledger, only: balance_t, entries, entry_names, entry_units
+   use driver_history, only: choose_history, history_row, heading_length
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
    use driver_streams, only: of_bins, of_cells, of_fragments, of_particles, plan_streams, &
@@ -28,7 +27,6 @@ module driver_output
    real(wp), parameter :: most_rows = 1.0e9_wp       !! The same for rows of a table
    real(wp), parameter :: most_cells = 1.0e9_wp      !! The same for cells of a file
    real(wp), parameter :: cell_bytes = 0.5_wp        !! A number of a cell, most of them empty
-   integer, parameter :: column_width = 40           !! Longest name of a column
 
    !> All streams of a run.
    type :: outputs_t
@@ -58,6 +56,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
       type(named_shape_t), intent(in) :: shapes(:)   !! The regions
       real(wp), intent(in) :: time_end               !! End of the run [s]
+      type(error_t), allocatable :: error
 
       call plan_streams(deck, simulation, shapes, time_end, self%case, self%snapshots, &
          self%tables)
@@ -69,6 +68,8 @@ contains
       self%snapshots(1)%schedule%interval = time_end
       self%tables(1)%name = self%case//"_history.csv"
       self%tables(1)%schedule%interval = time_end/100.0_wp
+      call choose_history(["default"], allocated(simulation%exact), simulation%grid, &
+         allocated(simulation%gravity), self%tables(1)%columns, error)
    end subroutine outputs_plan
 
    !> Open the streams; after a restart what was written later than the checkpoint is cut away.
@@ -92,17 +93,16 @@ contains
       do n = 1, size(self%tables)
          self%tables(n)%file%units = self%header%units
          call self%tables(n)%file%open(simulation%communicator, &
-            self%folder//"/"//self%tables(n)%name, headings(self%tables(n), simulation), &
+            self%folder//"/"//self%tables(n)%name, headings(self%tables(n)), &
             merge(simulation%step, -1_int64, restarted), error)
          if (allocated(error)) return
       end do
    end subroutine outputs_open
 
    !> Headings of the columns of a table.
-   function headings(table, simulation) result(columns)
+   function headings(table) result(columns)
       type(tables_t), intent(in) :: table            !! Which one
-      type(simulation_t), intent(in) :: simulation   !! The run
-      character(len=column_width), allocatable :: columns(:)
+      character(len=heading_length), allocatable :: columns(:)
 
       select case (table%kind)
       case (of_bins)
@@ -110,25 +110,9 @@ contains
       case (of_fragments)
          columns = fragment_columns()
       case default
-         columns = column_names()
-         if (allocated(simulation%exact)) columns = &
-            [character(len=column_width) :: columns, error_columns]
+         columns = table%columns%headings()
       end select
    end function headings
-
-   !> Columns of a history, names with units.
-   pure function column_names() result(columns)
-      character(len=column_width) :: columns(entries + 8)
-      integer, parameter :: before = 3
-      integer :: n
-
-      columns(:before) = [character(len=column_width) :: "time [s]", "step", "dt [s]"]
-      do n = 1, entries
-         columns(before + n) = trim(entry_names(n))//" ["//trim(entry_units(n))//"]"
-      end do
-      columns(before + entries + 1:) = [character(len=column_width) :: "total [J]", &
-         "mass_error [1]", "momentum_error [1]", "angular_momentum_error [1]", "energy_error [1]"]
-   end function column_names
 
    !> Write what is due. With `last` every stream writes the final state, once.
    subroutine outputs_write_due(self, simulation, last, note, error)
@@ -169,21 +153,19 @@ contains
       type(tables_t), intent(inout) :: stream        !! The table
       type(simulation_t), intent(inout) :: simulation !! The run
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
-      type(balance_t) :: now
-      real(wp), allocatable :: rows(:, :)
+      real(wp), allocatable :: row(:), rows(:, :)
 
       select case (stream%kind)
       case (of_bins)
-         call profile_rows(simulation%communicator, simulation%stores, stream%profile, rows)
+         call profile_rows(simulation%communicator, simulation%grid, simulation%stores, &
+            stream%profile, rows)
       case (of_fragments)
          call fragment_rows(simulation%communicator, simulation%grid, &
             simulation%tiles%coordinate(:, :simulation%tiles%own), simulation%stores, &
             stream%fragments, rows)
       case default
-         call simulation%ledger%balance(simulation%communicator, simulation%grid, &
-            simulation%stores, simulation%materials, now)
-         if (allocated(simulation%exact)) call take_errors(simulation)
-         call stream%file%row(simulation%communicator, row_of(simulation, now), error)
+         call history_row(simulation, stream%columns, row)
+         call stream%file%row(simulation%communicator, row, error)
          return
       end select
       call stream%file%rows(simulation%communicator, [simulation%time, real(simulation%step, &
@@ -228,17 +210,6 @@ contains
       note = note//"  wrote "//path(index(path, "/", back=.true.) + 1:)//"  t = "// &
          trim(adjustl(text))//" s"
    end subroutine write_snapshot
-
-   !> Values of one row of a history.
-   pure function row_of(simulation, now) result(row)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(balance_t), intent(in) :: now             !! The books
-      real(wp), allocatable :: row(:)
-
-      row = [simulation%time, real(simulation%step, wp), simulation%dt, now%entry, now%total, &
-         now%mass_error, now%momentum_error, now%angular_error, now%energy_error]
-      if (allocated(simulation%exact)) row = [row, simulation%exact%error]
-   end function row_of
 
    !> Snapshots that the run will write, as far as that is known before it.
    pure integer(int64) function outputs_expected(self, time_end) result(number)

@@ -22,6 +22,7 @@ module driver_scene
       version_text
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_check_grid, only: axis_names
+   use material_record, only: read_record
    use material_type, only: material_t
    use material_wishes, only: wishes_t
    use mesh_boundary, only: face_names, face_outflow, face_periodic, face_symmetry, face_types
@@ -267,6 +268,7 @@ contains
       do index = 1, size(simulation%materials)
          call simulation%materials(index)%read(deck, index)
       end do
+      simulation%materials%record = read_record(deck)
    end subroutine read_materials
 
    !> The bodies.

@@ -6,13 +6,14 @@ module driver_streams
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use base_text, only: text_t
+   use driver_history, only: choose_history, history_columns_t
    use driver_schedule, only: read_schedule, schedule_t
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
    use io_fields, only: choose_columns, column_t
    use io_fragments, only: fragments_t
    use io_history, only: history_t
-   use io_means, only: choose_means, mean_t
+   use io_means, only: choose_means, highest, mean_t
    use io_pick, only: pick_rule_t
    use io_profile, only: profile_t
    use io_snapshot, only: snapshot_format_t
@@ -57,6 +58,7 @@ module driver_streams
       integer :: place = 0                           !! Number of its &output, 0 = none
       integer :: kind = of_ledger                    !! One of the constants above
       character(len=:), allocatable :: name          !! CASE_history.csv
+      type(history_columns_t) :: columns             !! Of histories: what they show
       type(profile_t) :: profile                     !! Of profiles: what they show
       type(fragments_t) :: fragments                 !! Of fragments: what is looked for
       type(schedule_t) :: schedule                   !! When
@@ -202,6 +204,9 @@ contains
          table%profile%lower = simulation%grid%lower(table%profile%axis)
          table%profile%upper = simulation%grid%upper(table%profile%axis)
          call group%get("bins", table%profile%bins)
+         if (any(table%profile%means%weight == highest) .and. (table%profile%axis == 3 .or. &
+            .not. simulation%grid%active(3))) call deck%complain(group, "surface_height is a "// &
+            "height along z and needs bins along x or y in a scene that has a z", "fields")
       case (of_fragments)
          call read_rule(group, deck, shapes, table%fragments%rule)
          call group%get("matter", word)
@@ -209,7 +214,10 @@ contains
          call group%get("velocity_cut", limit)
          if (limit > unset) table%fragments%velocity_cut = limit
       case default
-         continue
+         call read_fields(group, fields)
+         call choose_history(fields, allocated(simulation%exact), simulation%grid, &
+            allocated(simulation%gravity), table%columns, error)
+         if (allocated(error)) call deck%complain(group, error%message, "fields")
       end select
    end subroutine plan_table
 

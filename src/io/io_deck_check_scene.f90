@@ -187,6 +187,10 @@ contains
 
       direction = (face + 1)/2
       if (dimension == "") return
+      ! matter in plane strain lies between mirrors and does not move along y
+      if (direction == 2 .and. dimension == "plane_strain" .and. (kind == "symmetry" .or. &
+         kind == "slip") .and. .not. (boundary%given("region") .or. boundary%given("temperature") &
+         .or. boundary%given("t_on") .or. boundary%given("t_off"))) return
       if (direction == 2 .and. dimension /= "3d" .or. direction == 3 .and. dimension == "1d") then
          call deck%complain(boundary, "dimension = '"//dimension//"' has no face "// &
             face_names(face), "face")

@@ -27,8 +27,8 @@ contains
       call schema%integer("output", "every", "steps between two outputs", range="> 0")
       call schema%real("output", "times(:50)", "times of output", unit="s", range=">= 0")
       call schema%integer("output", "count", "number of outputs, evenly over t_end", range="> 0")
-      call schema%text("output", "fields(:40)", "names from scree --list fields; state: "// &
-         "all from which another run can go on", &
+      call schema%text("output", "fields(:40)", "names from scree --list fields; default: "// &
+         "the usual ones; state: all from which another run can go on", &
          default="default", owner="kind = particles slice grid history profile")
       call schema%text("output", "bodies(:20)", "only points of these bodies; default: all", &
          owner=matter)

@@ -10,11 +10,16 @@ module io_means
    implicit none
    private
 
-   public :: choose_means, fill_mean, mean_t
+   public :: choose_means, fill_mean, mean_t, profile_names
 
    integer, parameter, public :: added = 0               !! No mean but a sum
    integer, parameter, public :: by_mass = 1             !! Weight of a particle: its mass
    integer, parameter, public :: by_volume = 2           !! Weight of a particle: its volume
+   integer, parameter, public :: highest = 3             !! No mean but the greatest height
+   integer, parameter, public :: along_axis = 4          !! By mass, only what goes along the axis
+   !> What only a profile can hold: where its matter ends above, its velocity along the axis.
+   character(len=field_name_length), parameter :: profile_names(2) = &
+      [character(len=field_name_length) :: "surface_height", "depth_mean_velocity"]
    !> What only a grid can hold: volume of matter over that of the cell.
    character(len=*), parameter, public :: volume_fraction = "volume_fraction"
    !> Means that "default" asks for, as far as there are.
@@ -30,10 +35,10 @@ module io_means
 contains
 
    !> What is averaged. An unknown field, or one that has no mean, is an error.
-   subroutine choose_means(stores, fields, with_fraction, means, error)
+   subroutine choose_means(stores, fields, of_grid, means, error)
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       character(len=*), intent(in) :: fields(:)          !! Names, or "default"
-      logical, intent(in) :: with_fraction               !! Is there a volume fraction?
+      logical, intent(in) :: of_grid                     !! Of cells; else in a profile
       type(mean_t), allocatable, intent(out) :: means(:) !! In the order asked for
       type(error_t), allocatable, intent(out) :: error   !! A name does not work
       integer :: n, m
@@ -44,15 +49,31 @@ contains
             do m = 1, size(usual)
                call add_mean(stores, usual(m), .true., means, error)
             end do
-            if (with_fraction) call add_fraction(means)
-         else if (fields(n) == volume_fraction .and. with_fraction) then
+            if (of_grid) call add_fraction(means)
+         else if (fields(n) == volume_fraction .and. of_grid) then
             call add_fraction(means)
+         else if (any(profile_names == fields(n)) .and. .not. of_grid) then
+            call add_of_profile(fields(n), means)
          else
             call add_mean(stores, fields(n), .false., means, error)
          end if
-         if (allocated(error)) return
+         if (.not. allocated(error)) cycle
+         if (.not. of_grid) call add_names(error%message)
+         return
       end do
    end subroutine choose_means
+
+   !> Add the names that only a profile has to a message that lists all others.
+   pure subroutine add_names(message)
+      character(len=:), allocatable, intent(inout) :: message !! What is wrong
+      integer :: n
+
+      if (index(message, "is unknown") == 0) return
+      message = message//"; a profile also has"
+      do n = 1, size(profile_names)
+         message = message//" "//trim(profile_names(n))
+      end do
+   end subroutine add_names
 
    !> Add a field unless it is there.
    subroutine add_mean(stores, name, if_carried, means, error)
@@ -96,6 +117,18 @@ contains
       mean%weight = added
       call append(means, mean)
    end subroutine add_fraction
+
+   !> Add what only a profile can hold.
+   subroutine add_of_profile(name, means)
+      character(len=*), intent(in) :: name               !! One of `profile_names`
+      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
+      type(mean_t) :: mean
+
+      mean%column%name = name
+      mean%column%unit = merge("m  ", "m/s", name == profile_names(1))
+      mean%weight = merge(highest, along_axis, name == profile_names(1))
+      call append(means, mean)
+   end subroutine add_of_profile
 
    !> Add to the list unless it is there.
    subroutine append(means, mean)

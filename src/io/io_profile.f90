@@ -1,18 +1,20 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Profiles hold counts, masses and means of particles in equal bins along an axis. All sums are
-!! exact, so they do not depend on the order of the particles.
+!> Profiles hold counts, masses and means of particles in equal bins along an axis, and how high
+!! matter reaches in them. All sums are exact, so they do not depend on the order of the particles.
 module io_profile
+   use base_constants, only: pi
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t, exact_sum_words
    use base_kinds, only: int64, wp
    use io_fields, only: picks_t
-   use io_means, only: added, by_volume, fill_mean, mean_t
+   use io_means, only: added, along_axis, by_volume, fill_mean, highest, mean_t
    use io_pick, only: pick_rule_t
+   use mesh_grid, only: grid_t
    use particle_store, only: store_t
    implicit none
    private
 
-   public :: profile_columns, profile_rows, profile_t
+   public :: half_height, profile_columns, profile_rows, profile_t
 
    integer, parameter :: column_length = 40              !! Longest heading of a column
    integer, parameter :: before = 5                      !! Columns before the means, and time, step
@@ -73,8 +75,9 @@ contains
    end function part_name
 
    !> The table of one time, all columns but time and step: (column, bin). Collective.
-   subroutine profile_rows(communicator, stores, profile, rows)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+   subroutine profile_rows(communicator, grid, stores, profile, rows)
+      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(grid_t), intent(in) :: grid                   !! The box and its directions
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(profile_t), intent(in) :: profile             !! What is wanted
       real(wp), allocatable, intent(out) :: rows(:, :)   !! The table
@@ -110,7 +113,12 @@ contains
       call add_up(communicator, bin, one, volume, rows(5, :))
       at = before
       do n = 1, size(profile%means)
-         call fill_mean(stores, picks, profile%means(n)%column, values)
+         if (profile%means(n)%weight == highest) then
+            at = at + 1
+            call find_heights(communicator, grid, stores, picks, bin, rows(at, :))
+            cycle
+         end if
+         call fill_values(stores, picks, profile%means(n), profile%axis, values)
          do part = 1, size(values, 1)
             at = at + 1
             select case (profile%means(n)%weight)
@@ -126,6 +134,79 @@ contains
          end do
       end do
    end subroutine profile_rows
+
+   !> Values of all particles, of which the rows are means or sums.
+   subroutine fill_values(stores, picks, mean, axis, values)
+      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(mean_t), intent(in) :: mean                   !! The field
+      integer, intent(in) :: axis                        !! Direction of the bins
+      real(wp), allocatable, intent(out) :: values(:, :) !! (component, row)
+      integer :: filled, rows, store
+
+      if (mean%weight /= along_axis) then
+         call fill_mean(stores, picks, mean%column, values)
+         return
+      end if
+      rows = 0
+      do store = 1, size(picks)
+         rows = rows + size(picks(store)%order)
+      end do
+      allocate (values(1, rows))
+      filled = 0
+      do store = 1, size(picks)
+         rows = size(picks(store)%order)
+         values(1, filled + 1:filled + rows) = stores(store)%velocity(picks(store)%order, axis)
+         filled = filled + rows
+      end do
+   end subroutine fill_values
+
+   !> Greatest height of matter in each bin, on all ranks. Where there is none it is that of the
+   !! lower end of the grid. Collective.
+   subroutine find_heights(communicator, grid, stores, picks, bin, heights)
+      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(grid_t), intent(in) :: grid                   !! The box and its directions
+      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      integer, intent(in) :: bin(:)                      !! (row)
+      real(wp), intent(out) :: heights(:)                !! (bin) [m]
+      real(wp) :: greatest(size(heights))
+      integer :: row, seen, store
+
+      greatest = grid%lower(3)
+      seen = 0
+      do store = 1, size(stores)
+         do row = 1, size(picks(store)%order)
+            associate (p => picks(store)%order(row), top => greatest(bin(seen + row)))
+               top = max(top, stores(store)%position(p, 3) + half_height(grid, stores(store), p))
+            end associate
+         end do
+         seen = seen + size(picks(store)%order)
+      end do
+      call communicator%maxima(greatest)
+      heights = greatest
+   end subroutine find_heights
+
+   !> Half the height of a particle: that of the box it carries, else of a cube, in two dimensions a
+   !! square, of its present volume [m].
+   pure real(wp) function half_height(grid, store, p) result(half)
+      type(grid_t), intent(in) :: grid                   !! The box and its directions
+      type(store_t), intent(in) :: store                 !! The particles
+      integer, intent(in) :: p                           !! Which one
+      real(wp) :: width
+
+      if (allocated(store%extent)) then
+         half = store%extent(p, 3)
+      else if (allocated(store%domain)) then
+         half = abs(store%domain(p, 3)) + abs(store%domain(p, 6)) + abs(store%domain(p, 9))
+      else if (grid%dimensions == 3) then
+         half = 0.5_wp*store%matter%volume(p)**(1.0_wp/3.0_wp)
+      else
+         width = grid%upper(2) - grid%lower(2)
+         if (grid%axisymmetric) width = 2.0_wp*pi*max(store%position(p, 1), tiny(width))
+         half = 0.5_wp*sqrt(store%matter%volume(p)/width)
+      end if
+   end function half_height
 
    !> Bin, mass and volume of each particle, store after store.
    pure subroutine sort_into_bins(stores, picks, profile, bin, mass, volume)

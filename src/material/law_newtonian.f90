@@ -23,7 +23,7 @@ module law_newtonian
       procedure :: declare => newtonian_declare      !! Declares its key
       procedure :: read => newtonian_read            !! Reads its key
       procedure :: has_shear => newtonian_has_shear  !! It has no shear modulus
-      procedure :: needs_eos => newtonian_needs_eos  !! Its pressure has no rate form
+      procedure :: follows_density => newtonian_follows_density !! Its pressure has no rate form
       procedure :: request => newtonian_request      !! Asks for nothing
       procedure :: predict => newtonian_predict      !! Volume, there is no trial
       procedure :: update => newtonian_update        !! Viscous stress
@@ -62,11 +62,11 @@ contains
    end function newtonian_has_shear
 
    !> The stress keeps nothing from step to step, so the pressure cannot be found from it.
-   pure logical function newtonian_needs_eos(self) result(needs)
+   pure logical function newtonian_follows_density(self) result(follows)
       class(law_newtonian_t), intent(in) :: self     !! The law
 
-      needs = .true.
-   end function newtonian_needs_eos
+      follows = .true.
+   end function newtonian_follows_density
 
    !> A fluid remembers nothing.
    pure subroutine newtonian_request(self, wishes)

@@ -8,6 +8,7 @@ module material_chain
    use material_matter, only: deformation_t, matter_t
    use material_models, only: effect_damage, effect_eos, effect_strength, effect_thermal, &
       effect_viscosity, effect_voids, models_t
+   use material_record, only: add_strain
    use material_remains, only: share_t, vanish
    use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
    use material_tension, only: break, cut_tension, drop_failed, drop_melted, fail, open_voids
@@ -131,6 +132,8 @@ contains
          deformation%plastic_work(:count) = 0.0_wp
          deformation%viscous_work(:count) = 0.0_wp
          deformation%plastic_increment(:count) = 0.0_wp
+         if (allocated(matter%equivalent_strain)) call add_strain(first, last, deformation%plane, &
+            deformation%gradient, matter%equivalent_strain)
          if (allocated(self%law)) then
             call self%law%predict(matter, deformation, first, last)
          else

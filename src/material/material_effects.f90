@@ -12,7 +12,7 @@ module material_effects
    !! then a component of the material that is allocated.
    type :: effects_t
       logical :: strength = .true.                   !! Stress has a deviator
-      logical :: eos = .true.                        !! Pressure from an equation of state
+      logical :: eos = .true. !! Pressure from an equation of state, else of the bulk modulus
       logical :: damage = .false.                    !! Particles fail for good
       logical :: size_scatter = .false.              !! Their strength scatters
       logical :: voids = .false.                     !! Volume is more than that of the matter
@@ -34,8 +34,8 @@ contains
       call schema%group("effects", "physics switches; a switched-off effect costs nothing and "// &
          "its keys are refused")
       call schema%logical("effects", "strength", "stress has a deviator", default=".true.")
-      call schema%logical("effects", "eos", "pressure from an equation of state; else the mean "// &
-         "stress follows a rate form", default=".true.")
+      call schema%logical("effects", "eos", "pressure from an equation of state; else of the "// &
+         "elastic moduli, the bulk modulus times the compression, without energy", default=".true.")
       call schema%logical("effects", "damage", "particles fail for good", default=".false.")
       call schema%logical("effects", "size_scatter", "the strength of particles scatters after "// &
          "Weibull and falls with their size", default=".false.", owner="effects.damage")

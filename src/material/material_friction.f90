@@ -31,7 +31,7 @@ module material_friction
       real(wp) :: apex = 0.0_wp                      !! Least pressure, at the apex [Pa]
       logical :: dilates = .false.                   !! Shear loosens
    contains
-      procedure :: needs_eos => frictional_needs_eos !! It does
+      procedure :: follows_density => frictional_follows_density !! Its pressure does
       procedure :: request => frictional_request     !! Asks for what shear loosened
       procedure :: stiffen => frictional_stiffen     !! Shear, where matter holds together
       procedure :: least_pressure => frictional_least_pressure !! That of the apex
@@ -48,7 +48,7 @@ contains
       call schema%real("material", "friction_angle", "angle of friction", unit="deg", &
          range=">= 0 < 90", owner=owner)
       call schema%real("material", "cohesion", "strength without pressure", unit="Pa", &
-         default="0", range=">= 0", owner=owner)
+         default="0", range=">= 0", owner=owner//" mu_i")
       call schema%real("material", "dilation_angle", "angle by which shear loosens", &
          unit="deg", default="0", range=">= 0 < 90", owner=owner)
       call schema%require("material", "friction_angle")
@@ -93,11 +93,11 @@ contains
    end function fault_of_angles
 
    !> The pressure must know the density.
-   pure logical function frictional_needs_eos(self) result(needs)
+   pure logical function frictional_follows_density(self) result(follows)
       class(frictional_t), intent(in) :: self        !! The law
 
-      needs = .true.
-   end function frictional_needs_eos
+      follows = .true.
+   end function frictional_follows_density
 
    !> Matter that shear loosens carries by how much.
    pure subroutine frictional_request(self, wishes)

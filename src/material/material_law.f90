@@ -29,6 +29,8 @@ module material_law
       procedure :: whole => law_whole                !! True if it gives the whole stress
       procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
       procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
+      procedure :: follows_density => law_follows_density !! True if its pressure must know it
+      procedure :: has_grains => law_has_grains      !! True if it has an inertial number
       procedure :: plastic => law_plastic            !! True if it flows and so takes energy
       procedure(request_i), deferred :: request      !! Asks for the fields it needs
       procedure :: predict => law_predict            !! Trial deviator of the step
@@ -109,7 +111,22 @@ contains
       has = .true.
    end function law_has_shear
 
-   !> True if the law cannot do with a mean stress in rate form.
+   !> True if the law cannot do with a mean stress in rate form. Without an equation of state it
+   !! then gets p = K (rho/rho0 - 1) with the bulk modulus of the material.
+   pure logical function law_follows_density(self) result(follows)
+      class(law_t), intent(in) :: self                         !! The law
+
+      follows = .false.
+   end function law_follows_density
+
+   !> True if the law knows the size and density of grains, and so their inertial number.
+   pure logical function law_has_grains(self) result(has)
+      class(law_t), intent(in) :: self                         !! The law
+
+      has = .false.
+   end function law_has_grains
+
+   !> True if the law needs an equation of state of its own kind.
    pure logical function law_needs_eos(self) result(needs)
       class(law_t), intent(in) :: self                         !! The law
 

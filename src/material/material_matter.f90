@@ -28,6 +28,8 @@ module material_matter
       real(wp), allocatable :: solid_fraction(:)     !! Share of the volume without voids [1]
       !> Gradient of place now to place at the start, dx_k/dX_l, column k + 3 (l - 1) (:, 9) [1].
       real(wp), allocatable :: deformation_gradient(:, :)
+      real(wp), allocatable :: equivalent_strain(:)  !! Sum of sqrt(2/3 e:e), only for outputs [1]
+      real(wp), allocatable :: inertial_number(:)    !! Of flowing grains, only for outputs [1]
       integer(int64), allocatable :: failed(:)       !! Failure flag, 0 or 1, never averaged
    contains
       procedure :: walk => matter_walk               !! Shows each allocated field to a worker
@@ -86,6 +88,10 @@ contains
          call worker%scalar("solid_fraction", "1", self%solid_fraction)
       if (allocated(self%deformation_gradient)) &
          call worker%vector("deformation_gradient", "1", self%deformation_gradient)
+      if (allocated(self%equivalent_strain)) &
+         call worker%scalar("equivalent_strain", "1", self%equivalent_strain)
+      if (allocated(self%inertial_number)) &
+         call worker%scalar("inertial_number", "1", self%inertial_number)
       if (allocated(self%failed)) call worker%whole("failed", "1", self%failed)
    end subroutine matter_walk
 

@@ -7,6 +7,7 @@ module material_models
    use material_heat, only: heat_t
    use material_law, only: law_t
    use material_matter, only: matter_t
+   use material_record, only: record_t
    use material_remains, only: remains_t
    use material_softening, only: softening_t
    use material_tension, only: fracture_t, spall_t
@@ -40,7 +41,9 @@ module material_models
       type(fracture_t), allocatable :: fracture      !! Failure for good
       type(remains_t), allocatable :: remains        !! Law of failed matter
       type(voids_t), allocatable :: voids            !! Voids open and close
+      logical :: elastic_pressure = .false. !! The eos is K (rho/rho0 - 1) as the effect is off
       logical :: repacks = .false.                   !! The fill of nodes corrects volumes
+      type(record_t) :: record                       !! What outputs alone ask of particles
       integer(int64) :: seed = 0                     !! Of random strength
       type(heat_t), allocatable :: heat              !! Temperature follows the work
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]
@@ -74,6 +77,10 @@ contains
          call wishes%ask("damage", "failure", 1)
          call wishes%ask("failed", "failure", 1)
       end if
+      if (self%record%strain) call wishes%ask("equivalent_strain", "output", 1)
+      if (self%record%inertia .and. allocated(self%law)) then
+         if (self%law%has_grains()) call wishes%ask("inertial_number", "output", 1)
+      end if
    end function models_wishes
 
    !> Allocate exactly the fields that the chain needs.
@@ -101,6 +108,8 @@ contains
       if (wishes%asked("bulking")) allocate (matter%bulking(n))
       if (wishes%asked("solid_fraction")) allocate (matter%solid_fraction(n))
       if (wishes%asked("deformation_gradient")) allocate (matter%deformation_gradient(n, 9))
+      if (wishes%asked("equivalent_strain")) allocate (matter%equivalent_strain(n))
+      if (wishes%asked("inertial_number")) allocate (matter%inertial_number(n))
       if (wishes%asked("failed")) allocate (matter%failed(n))
    end subroutine models_request
 
@@ -129,6 +138,8 @@ contains
          matter%deformation_gradient(first:last, :) = 0.0_wp
          matter%deformation_gradient(first:last, [1, 5, 9]) = 1.0_wp
       end if
+      if (allocated(matter%equivalent_strain)) matter%equivalent_strain(first:last) = 0.0_wp
+      if (allocated(matter%inertial_number)) matter%inertial_number(first:last) = 0.0_wp
       if (allocated(matter%failed)) matter%failed(first:last) = 0
    end subroutine models_start
 
@@ -169,7 +180,7 @@ contains
       case (effect_strength)
          is_on = allocated(self%law)
       case (effect_eos)
-         is_on = allocated(self%eos)
+         is_on = allocated(self%eos) .and. .not. self%elastic_pressure
       case (effect_voids)
          is_on = allocated(self%voids)
       case (effect_damage)

@@ -183,6 +183,9 @@ contains
       end if
       call group%get("eos_model", word)
       if (effects%eos .and. .not. gives_whole(material)) call choose_eos(word, material%eos)
+      if (allocated(material%law) .and. .not. effects%eos) &
+         material%elastic_pressure = material%law%follows_density()
+      if (material%elastic_pressure) call choose_eos("linear", material%eos)
       call group%get("volume_from", word)
       material%repacks = word == "grid"
       call group%get("damage_model", word)

@@ -104,7 +104,12 @@ class DocumentGate(unittest.TestCase):
     def test_fields(self):
         code, text = scree("--list", "fields")
         self.assertEqual(code, 0, text)
-        self.assertEqual(first_cells(OUTPUT, "Snapshots"), text.split())
+        lines = dict(re.findall(r"^(?:(\w+): )?(.*)$", text.strip(), re.M))
+        self.assertEqual(first_cells(OUTPUT, "Snapshots"), lines[""].split())
+        profile = first_cells(MATTER_OUTPUTS, "Profiles")
+        self.assertEqual(profile, lines["profile"].split())
+        history = sum((first_cells(OUTPUT, part) for part in ("History", "Errors against", "Columns by name")), [])
+        self.assertEqual(sorted(history), sorted(lines["history"].split()))
 
     def test_columns(self):
         with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
