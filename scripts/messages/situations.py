@@ -219,7 +219,11 @@ SITUATIONS = {
             "tail -n 2 screen; exit $code")],
         "then": [AGAIN], "see": ["running.md#signals"]},
     "nothing-tells-when-the-job-ends": {
-        "files": {"scene.nml": BAR}, "text": "On a machine without Slurm, or outside of a job:",
+        "files": {"scene.nml": BAR}, "text": "In a job that `squeue` does not know:",
+        "commands": ["SLURM_JOB_ID=12 scree -q scene.nml --set \"time.wall_limit='slurm'\""],
+        "then": ["scree -q scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},
+    "this-is-no-job-of-slurm": {
+        "files": {"scene.nml": BAR}, "text": "Outside of a job:",
         "commands": ["scree -q scene.nml --set \"time.wall_limit='slurm'\""],
         "then": ["scree -q scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},
     # files

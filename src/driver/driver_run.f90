@@ -14,7 +14,7 @@ module driver_run
    use driver_ledger, only: balance_t, kinetic
    use driver_output, only: outputs_t
    use driver_restart, only: write_checkpoint
-   use driver_scheduler, only: job_seconds_left
+   use driver_scheduler, only: job_seconds_left, no_job
    use driver_signal, only: signal_caught, watch_signal
    use driver_simulation, only: requests_t, simulation_t
    use driver_step, only: advance, count_particles
@@ -185,6 +185,8 @@ contains
       if (limits%ask_scheduler) then
          call job_seconds_left(simulation%communicator, watch%wall_limit, error)
          if (allocated(error)) return
+         if (watch%wall_limit >= no_job) call log%warn("warning: wall_limit = 'slurm', but "// &
+            "this is no job of Slurm: the run has no limit of time")
          watch%wall_limit = watch%wall_limit - scheduler_reserve
       end if
       if (limits%checkpoint_time > 0.0_wp) &

@@ -10,10 +10,11 @@ module driver_scheduler
    implicit none
    private
 
-   public :: job_seconds_left, span_seconds
+   public :: job_seconds_left, no_job, span_seconds
 
    integer, parameter :: longest_answer = 256        !! Characters of a line
    real(wp), parameter :: unlimited = 1.0e12_wp      !! Seconds of a job without an end
+   real(wp), parameter :: no_job = huge(1.0_wp)      !! Seconds of a run that is no job
 
    interface
       !> Seconds since 1970.
@@ -55,11 +56,12 @@ module driver_scheduler
 contains
 
    !> Wall time until Slurm ends the job of this run: SLURM_JOB_END_TIME where it is set, else what
-   !! `squeue` says. Collective; the first rank asks.
+   !! `squeue` says. A run that is no job of Slurm has no end: decks move between workstations and
+   !! clusters. Collective; the first rank asks.
    subroutine job_seconds_left(communicator, seconds, error)
       type(communicator_t), intent(in) :: communicator !! The ranks
-      real(wp), intent(out) :: seconds               !! [s]
-      type(error_t), allocatable, intent(out) :: error !! Nobody knows
+      real(wp), intent(out) :: seconds               !! [s]; `no_job` outside of a job
+      type(error_t), allocatable, intent(out) :: error !! Nobody knows the end of the job
       character(len=:), allocatable :: word
       integer(int64) :: ends
       integer :: status
@@ -72,6 +74,7 @@ contains
             seconds = max(real(ends - int(c_time(c_null_ptr), int64), wp), 0.0_wp)
          else
             word = environment("SLURM_JOB_ID")
+            if (len(word) == 0) seconds = no_job
             if (len(word) > 0 .and. verify(word, "0123456789_") == 0) &
                seconds = span_seconds(first_line("squeue -h -j "//word//" -o %L 2>/dev/null"))
          end if

@@ -91,9 +91,14 @@ def scheduler(options, sheet):
     try:
         os.environ.pop("SLURM_JOB_END_TIME", None)
         os.environ.pop("SLURM_JOB_ID", None)
-        run = case.Case(options, "no_job", deck(100000000, "wall_limit='slurm'"))
+        run = case.Case(options, "no_job", deck(5, "wall_limit='slurm'"))
+        run.run()
+        sheet.require("this is no job of Slurm" in run.output, f"no job: says so: {run.output}")
+        os.environ["SLURM_JOB_ID"] = "no number"
+        run = case.Case(options, "no_end", deck(100000000, "wall_limit='slurm'"))
         run.run("-q", expect=2)
-        sheet.require("SLURM_JOB_END_TIME" in run.output, f"no job: says so: {run.output}")
+        sheet.require("SLURM_JOB_END_TIME" in run.output, f"a job without an end: says so: {run.output}")
+        del os.environ["SLURM_JOB_ID"]
         os.environ["SLURM_JOB_END_TIME"] = str(int(time.time()) + 63)
         run = case.Case(options, "job_end", deck(100000000, "wall_limit='slurm'"), ranks=2)
         run.run("-q", expect=75)
