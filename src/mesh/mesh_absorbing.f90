@@ -2,7 +2,7 @@
 !> Faces through which waves leave, where matter reaches the face at the start.
 module mesh_absorbing
    use base_kinds, only: wp
-   use mesh_boundary, only: boundary_t, face_absorbing, face_box
+   use mesh_boundary, only: boundary_t, face_absorbing, face_nodes
    use mesh_grid, only: grid_t
    use mesh_wall, only: rule_t
    implicit none
@@ -41,30 +41,24 @@ contains
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       type(rule_t) :: rule
       real(wp) :: decay(3)
-      integer :: face, first, length(3), x, y, z, node, normal, matter
-      logical :: here
+      integer :: nodes(grid%tile_nodes), number, n, face, node, normal, matter
 
       do face = 1, 6
          if (.not. allocated(self%face(face)%beyond)) cycle
-         call face_box(grid, coordinate, face, here, first, length)
-         if (.not. here) cycle
+         call face_nodes(grid, coordinate, face, nodes, number)
          normal = (face + 1)/2
-         do z = 0, length(3)
-            do y = 0, length(2)
-               do x = 0, length(1)
-                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
-                  matter = matter_beyond(self%face(face), grid, coordinate, normal, node)
-                  if (matter == 0) cycle
-                  if (boundary%divided(face)) then
-                     rule = boundary%rule_at(grid, coordinate, face, node)
-                     if (rule%kind /= face_absorbing) cycle
-                  end if
-                  decay = self%face(face)%decay(2, matter)
-                  decay(normal) = self%face(face)%decay(1, matter)
-                  acceleration(:, node) = (acceleration(:, node) - decay*velocity(:, node)) &
-                     /(1.0_wp + 0.5_wp*dt*decay)
-               end do
-            end do
+         do n = 1, number
+            node = nodes(n)
+            matter = matter_beyond(self%face(face), grid, coordinate, normal, node)
+            if (matter == 0) cycle
+            if (boundary%divided(face)) then
+               rule = boundary%rule_at(grid, coordinate, face, node)
+               if (rule%kind /= face_absorbing) cycle
+            end if
+            decay = self%face(face)%decay(2, matter)
+            decay(normal) = self%face(face)%decay(1, matter)
+            acceleration(:, node) = (acceleration(:, node) - decay*velocity(:, node)) &
+               /(1.0_wp + 0.5_wp*dt*decay)
          end do
       end do
    end subroutine absorbing_absorb

@@ -8,7 +8,7 @@ module mesh_boundary
    implicit none
    private
 
-   public :: boundary_t, face_absorbing, face_box, face_friction, face_names, face_outflow, &
+   public :: boundary_t, face_absorbing, face_friction, face_names, face_nodes, face_outflow, &
       face_periodic, face_slip, face_stick, face_symmetry, face_types, face_velocity, lets_out
 
    !> Names of the faces, two a direction, the lower first.
@@ -176,40 +176,34 @@ contains
       logical, intent(in), optional :: at_end        !! Velocities are those after the step
       type(rule_t) :: rule
       real(wp) :: lead
-      integer :: face, first, length(3), x, y, z, node, normal
-      logical :: here
+      integer :: nodes(grid%tile_nodes), number, n, face, node, normal
 
       lead = 0.0_wp
       if (present(at_end)) lead = merge(self%kick, 0.0_wp, at_end)
       do face = 1, 6
          if (.not. self%ruled(face)) cycle
-         call face_box(grid, coordinate, face, here, first, length)
-         if (.not. here) cycle
+         call face_nodes(grid, coordinate, face, nodes, number)
          normal = (face + 1)/2
          rule = self%whole(face)
-         do z = 0, length(3)
-            do y = 0, length(2)
-               do x = 0, length(1)
-                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
-                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
-                  select case (rule%kind)
-                  case (face_symmetry, face_slip)
-                     velocity(normal, node) = 0.0_wp
-                     acceleration(normal, node) = 0.0_wp
-                  case (face_friction)
-                     velocity(normal, node) = merge(max(velocity(normal, node), 0.0_wp), &
-                        min(velocity(normal, node), 0.0_wp), mod(face, 2) == 1)
-                  case (face_velocity)
-                     velocity(:, node) = rule%velocity + lead*rule%gain
-                     acceleration(:, node) = merge(0.0_wp, rule%gain, lead > 0.0_wp)
-                  case (face_outflow, face_absorbing)
-                     cycle
-                  case default
-                     velocity(:, node) = 0.0_wp
-                     acceleration(:, node) = 0.0_wp
-                  end select
-               end do
-            end do
+         do n = 1, number
+            node = nodes(n)
+            if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+            select case (rule%kind)
+            case (face_symmetry, face_slip)
+               velocity(normal, node) = 0.0_wp
+               acceleration(normal, node) = 0.0_wp
+            case (face_friction)
+               velocity(normal, node) = merge(max(velocity(normal, node), 0.0_wp), &
+                  min(velocity(normal, node), 0.0_wp), mod(face, 2) == 1)
+            case (face_velocity)
+               velocity(:, node) = rule%velocity + lead*rule%gain
+               acceleration(:, node) = merge(0.0_wp, rule%gain, lead > 0.0_wp)
+            case (face_outflow, face_absorbing)
+               cycle
+            case default
+               velocity(:, node) = 0.0_wp
+               acceleration(:, node) = 0.0_wp
+            end select
          end do
       end do
    end subroutine boundary_constrain
@@ -226,29 +220,23 @@ contains
       real(wp), contiguous, intent(inout) :: excess(:, :) !! (1, node) Fill less 1 [1]
       type(rule_t) :: rule
       real(wp) :: fill
-      integer :: face, first, length(3), x, y, z, node, inner, normal
-      logical :: here
+      integer :: nodes(grid%tile_nodes), number, n, face, node, inner, normal
 
       do face = 1, 6
          if (.not. self%ruled(face)) cycle
-         call face_box(grid, coordinate, face, here, first, length)
-         if (.not. here) cycle
+         call face_nodes(grid, coordinate, face, nodes, number)
          normal = (face + 1)/2
          rule = self%whole(face)
-         do z = 0, length(3)
-            do y = 0, length(2)
-               do x = 0, length(1)
-                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
-                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
-                  if (lets_out(rule%kind)) cycle
-                  inner = node + merge(1, -1, mod(face, 2) == 1)*grid%stride(normal)
-                  if (.not. min(around(node), around(inner)) > 0.0_wp) cycle
-                  fill = filled(1, node)/around(node)
-                  if (fill < filled(1, inner)/around(inner)) &
-                     excess(1, node) = max(0.0_wp, fill - 1.0_wp - noise) &
-                     + min(0.0_wp, fill - 1.0_wp + noise)
-               end do
-            end do
+         do n = 1, number
+            node = nodes(n)
+            if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+            if (lets_out(rule%kind)) cycle
+            inner = node + merge(1, -1, mod(face, 2) == 1)*grid%stride(normal)
+            if (.not. min(around(node), around(inner)) > 0.0_wp) cycle
+            fill = filled(1, node)/around(node)
+            if (fill < filled(1, inner)/around(inner)) &
+               excess(1, node) = max(0.0_wp, fill - 1.0_wp - noise) &
+               + min(0.0_wp, fill - 1.0_wp + noise)
          end do
       end do
    end subroutine boundary_see_gaps
@@ -268,40 +256,34 @@ contains
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       type(rule_t) :: rule
       real(wp) :: along(3), side, taken, speed
-      integer :: face, first, length(3), x, y, z, node, normal
-      logical :: here
+      integer :: nodes(grid%tile_nodes), number, n, face, node, normal
 
       do face = 1, 6
          if (.not. (self%kind(face) == face_friction .or. self%divided(face))) cycle
-         call face_box(grid, coordinate, face, here, first, length)
-         if (.not. here) cycle
+         call face_nodes(grid, coordinate, face, nodes, number)
          normal = (face + 1)/2
          rule = self%whole(face)
          side = merge(1.0_wp, -1.0_wp, mod(face, 2) == 1)
-         do z = 0, length(3)
-            do y = 0, length(2)
-               do x = 0, length(1)
-                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
-                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
-                  if (rule%kind /= face_friction) cycle
-                  ! what particles gain through the node in velocity if the wall holds it
-                  taken = -side*(dt*acceleration(normal, node) + share*free(normal, node))
-                  if (.not. taken > 0.0_wp) cycle
-                  if (side*(free(normal, node) + dt*acceleration(normal, node)) > 0.0_wp) cycle
-                  velocity(normal, node) = 0.0_wp
-                  acceleration(normal, node) = 0.0_wp
-                  along = velocity(:, node) + dt*acceleration(:, node)
-                  if (.not. dt > 0.0_wp) cycle
-                  taken = rule%friction*taken
-                  speed = norm2(along)
-                  if (taken < speed) then
-                     taken = taken/speed
-                  else
-                     taken = 1.0_wp
-                  end if
-                  acceleration(:, node) = acceleration(:, node) - taken/dt*along
-               end do
-            end do
+         do n = 1, number
+            node = nodes(n)
+            if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+            if (rule%kind /= face_friction) cycle
+            ! what particles gain through the node in velocity if the wall holds it
+            taken = -side*(dt*acceleration(normal, node) + share*free(normal, node))
+            if (.not. taken > 0.0_wp) cycle
+            if (side*(free(normal, node) + dt*acceleration(normal, node)) > 0.0_wp) cycle
+            velocity(normal, node) = 0.0_wp
+            acceleration(normal, node) = 0.0_wp
+            along = velocity(:, node) + dt*acceleration(:, node)
+            if (.not. dt > 0.0_wp) cycle
+            taken = rule%friction*taken
+            speed = norm2(along)
+            if (taken < speed) then
+               taken = taken/speed
+            else
+               taken = 1.0_wp
+            end if
+            acceleration(:, node) = acceleration(:, node) - taken/dt*along
          end do
       end do
    end subroutine boundary_rub
@@ -315,26 +297,20 @@ contains
       real(wp), contiguous, intent(in) :: ended(:, :) !! (3, node) Velocity after the step [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Changed [m/s]
       type(rule_t) :: rule
-      integer :: face, first, length(3), x, y, z, node, normal
+      integer :: nodes(grid%tile_nodes), number, n, face, node, normal
       real(wp) :: side
-      logical :: here
 
       do face = 1, 6
          if (.not. (self%kind(face) == face_friction .or. self%divided(face))) cycle
-         call face_box(grid, coordinate, face, here, first, length)
-         if (.not. here) cycle
+         call face_nodes(grid, coordinate, face, nodes, number)
          normal = (face + 1)/2
          rule = self%whole(face)
          side = merge(1.0_wp, -1.0_wp, mod(face, 2) == 1)
-         do z = 0, length(3)
-            do y = 0, length(2)
-               do x = 0, length(1)
-                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
-                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
-                  if (rule%kind == face_friction .and. .not. side*ended(normal, node) > 0.0_wp) &
-                     velocity(normal, node) = 0.0_wp
-               end do
-            end do
+         do n = 1, number
+            node = nodes(n)
+            if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+            if (rule%kind == face_friction .and. .not. side*ended(normal, node) > 0.0_wp) &
+               velocity(normal, node) = 0.0_wp
          end do
       end do
    end subroutine boundary_keep
@@ -347,27 +323,21 @@ contains
       !> (9, node) Component (k, l) in row k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: tensor(:, :)
       type(rule_t) :: rule
-      integer :: face, first, length(3), x, y, z, node, normal, other
-      logical :: here
+      integer :: nodes(grid%tile_nodes), number, n, face, node, normal, other
 
       do face = 1, 6
          if (self%kind(face) /= face_symmetry) cycle
-         call face_box(grid, coordinate, face, here, first, length)
-         if (.not. here) cycle
+         call face_nodes(grid, coordinate, face, nodes, number)
          normal = (face + 1)/2
          rule = self%whole(face)
-         do z = 0, length(3)
-            do y = 0, length(2)
-               do x = 0, length(1)
-                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
-                  if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
-                  if (rule%kind /= face_symmetry) cycle
-                  do other = 1, 3
-                     if (other == normal) cycle
-                     tensor(normal + 3*(other - 1), node) = 0.0_wp
-                     tensor(other + 3*(normal - 1), node) = 0.0_wp
-                  end do
-               end do
+         do n = 1, number
+            node = nodes(n)
+            if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+            if (rule%kind /= face_symmetry) cycle
+            do other = 1, 3
+               if (other == normal) cycle
+               tensor(normal + 3*(other - 1), node) = 0.0_wp
+               tensor(other + 3*(normal - 1), node) = 0.0_wp
             end do
          end do
       end do
@@ -381,21 +351,14 @@ contains
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       !> (9, node) Flux along direction l in row 1 + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: tensor(:, :)
-      integer :: face, first, length(3), x, y, z, node, row
-      logical :: here
+      integer :: nodes(grid%tile_nodes), number, n, face, row
 
       do face = 1, 6
          if (self%kind(face) == face_periodic .or. self%warm(face)) cycle
-         call face_box(grid, coordinate, face, here, first, length)
-         if (.not. here) cycle
+         call face_nodes(grid, coordinate, face, nodes, number)
          row = 1 + 3*((face - 1)/2)
-         do z = 0, length(3)
-            do y = 0, length(2)
-               do x = 0, length(1)
-                  node = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
-                  tensor(row, node) = 0.0_wp
-               end do
-            end do
+         do n = 1, number
+            tensor(row, nodes(n)) = 0.0_wp
          end do
       end do
    end subroutine boundary_insulate
@@ -406,24 +369,40 @@ contains
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), intent(out) :: held(:)               !! (node) Below 0 where none is given [K]
-      integer :: face, first, length(3), x, y, z
-      logical :: here
+      integer :: nodes(grid%tile_nodes), number, n, face
 
       held = -1.0_wp
       do face = 1, 6
          if (.not. self%warm(face)) cycle
-         call face_box(grid, coordinate, face, here, first, length)
-         if (.not. here) cycle
-         do z = 0, length(3)
-            do y = 0, length(2)
-               do x = 0, length(1)
-                  held(first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)) = &
-                     self%temperature(face)
-               end do
-            end do
+         call face_nodes(grid, coordinate, face, nodes, number)
+         do n = 1, number
+            held(nodes(n)) = self%temperature(face)
          end do
       end do
    end subroutine boundary_held_at
+
+   !> The nodes of a tile, its margin included, that lie on a face, x running fastest.
+   pure subroutine face_nodes(grid, coordinate, face, nodes, number)
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: face                    !! 1 to 6
+      integer, intent(out) :: nodes(:)               !! As many as there are; room for a tile
+      integer, intent(out) :: number                 !! How many, 0 = the tile is not on the face
+      integer :: first, length(3), x, y, z
+      logical :: here
+
+      number = 0
+      call face_box(grid, coordinate, face, here, first, length)
+      if (.not. here) return
+      do z = 0, length(3)
+         do y = 0, length(2)
+            do x = 0, length(1)
+               number = number + 1
+               nodes(number) = first + x*grid%stride(1) + y*grid%stride(2) + z*grid%stride(3)
+            end do
+         end do
+      end do
+   end subroutine face_nodes
 
    !> The box of nodes of a tile, its margin included, that lies on a face.
    pure subroutine face_box(grid, coordinate, face, here, first, length)
