@@ -177,8 +177,8 @@ class Migrate(unittest.TestCase):
         deck = self.deck(text)
         answer = migrate(deck, "--write")
         self.assertEqual(answer.returncode, 1)
-        self.assertEqual([line.split(" ")[0] for line in answer.stderr.splitlines()[:3]],
-                         [f"{deck}:{line}:" for line in (1, 3, 4)])
+        self.assertEqual([line.split(": ")[0] for line in answer.stderr.splitlines()[:3]],
+                         [f"{deck}:{line}" for line in (1, 3, 4)])
         self.assertIn("volume_from is given already in line 5", answer.stderr)
         self.assertIn("nothing is written", answer.stderr)
         self.assertEqual(deck.read_text(encoding="utf-8"), text)
