@@ -7,6 +7,7 @@ column that was added or renamed without a word, and printed examples that the p
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -143,7 +144,7 @@ class DocumentGate(unittest.TestCase):
         code, text = scree(*command.split()[2:])
         self.assertEqual(code, 0, text)
         # the program is named by its whole path, wherever that is here
-        self.assertEqual(text.replace(f"srun {SCREE} ", "srun build/bin/scree "), script)
+        self.assertEqual(text.replace(f"srun {shlex.quote(SCREE)} ", "srun build/bin/scree "), script)
 
     def test_printed_examples(self):
         shown = next(block for block in blocks(RUNNING, "console") if "--list examples" in block)
