@@ -51,10 +51,8 @@ contains
             node = nodes(n)
             matter = matter_beyond(self%face(face), grid, coordinate, normal, node)
             if (matter == 0) cycle
-            if (boundary%divided(face)) then
-               rule = boundary%rule_at(grid, coordinate, face, node)
-               if (rule%kind /= face_absorbing) cycle
-            end if
+            rule = boundary%rule_at(grid, coordinate, face, node)
+            if (rule%kind /= face_absorbing) cycle
             decay = self%face(face)%decay(2, matter)
             decay(normal) = self%face(face)%decay(1, matter)
             acceleration(:, node) = (acceleration(:, node) - decay*velocity(:, node)) &

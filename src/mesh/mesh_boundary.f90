@@ -94,6 +94,7 @@ contains
       integer :: n
 
       rule = self%whole(face)
+      if (.not. self%divided(face)) return
       n = part_at(self, face, node_place(grid, coordinate, node))
       if (n > 0) rule = self%wall(n)%rule_t
    end function boundary_rule_at
@@ -184,10 +185,9 @@ contains
          if (.not. self%ruled(face)) cycle
          call face_nodes(grid, coordinate, face, nodes, number)
          normal = (face + 1)/2
-         rule = self%whole(face)
          do n = 1, number
             node = nodes(n)
-            if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+            rule = self%rule_at(grid, coordinate, face, node)
             select case (rule%kind)
             case (face_symmetry, face_slip)
                velocity(normal, node) = 0.0_wp
@@ -226,10 +226,9 @@ contains
          if (.not. self%ruled(face)) cycle
          call face_nodes(grid, coordinate, face, nodes, number)
          normal = (face + 1)/2
-         rule = self%whole(face)
          do n = 1, number
             node = nodes(n)
-            if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+            rule = self%rule_at(grid, coordinate, face, node)
             if (lets_out(rule%kind)) cycle
             inner = node + merge(1, -1, mod(face, 2) == 1)*grid%stride(normal)
             if (.not. min(around(node), around(inner)) > 0.0_wp) cycle
@@ -262,11 +261,10 @@ contains
          if (.not. (self%kind(face) == face_friction .or. self%divided(face))) cycle
          call face_nodes(grid, coordinate, face, nodes, number)
          normal = (face + 1)/2
-         rule = self%whole(face)
          side = merge(1.0_wp, -1.0_wp, mod(face, 2) == 1)
          do n = 1, number
             node = nodes(n)
-            if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+            rule = self%rule_at(grid, coordinate, face, node)
             if (rule%kind /= face_friction) cycle
             ! what particles gain through the node in velocity if the wall holds it
             taken = -side*(dt*acceleration(normal, node) + share*free(normal, node))
@@ -304,11 +302,10 @@ contains
          if (.not. (self%kind(face) == face_friction .or. self%divided(face))) cycle
          call face_nodes(grid, coordinate, face, nodes, number)
          normal = (face + 1)/2
-         rule = self%whole(face)
          side = merge(1.0_wp, -1.0_wp, mod(face, 2) == 1)
          do n = 1, number
             node = nodes(n)
-            if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+            rule = self%rule_at(grid, coordinate, face, node)
             if (rule%kind == face_friction .and. .not. side*ended(normal, node) > 0.0_wp) &
                velocity(normal, node) = 0.0_wp
          end do
@@ -329,10 +326,9 @@ contains
          if (self%kind(face) /= face_symmetry) cycle
          call face_nodes(grid, coordinate, face, nodes, number)
          normal = (face + 1)/2
-         rule = self%whole(face)
          do n = 1, number
             node = nodes(n)
-            if (self%divided(face)) rule = self%rule_at(grid, coordinate, face, node)
+            rule = self%rule_at(grid, coordinate, face, node)
             if (rule%kind /= face_symmetry) cycle
             do other = 1, 3
                if (other == normal) cycle
