@@ -9,7 +9,6 @@ module driver_history
    use driver_exact_error, only: error_columns, take_errors
    use driver_ledger, only: balance_t, entries, entry_names, entry_units
    use driver_simulation, only: simulation_t
-   use io_pick, only: pick_rule_t
    use io_profile, only: half_height, profile_rows, profile_t
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
@@ -260,18 +259,19 @@ contains
       real(wp), intent(out) :: top                   !! Along z [m]
       real(wp), intent(out) :: greatest(3)           !! Along x, y, z [m]
       real(wp), intent(out) :: least(3)              !! Along x, y, z [m]
-      type(pick_rule_t) :: everything
-      integer, allocatable :: order(:)
       real(wp) :: ends(7)
-      integer :: index, k
+      integer :: index, p, tile
 
       associate (grid => simulation%grid)
          ends = [grid%lower(3), grid%lower, -grid%upper]
          do index = 1, size(simulation%stores)
-            call everything%pick(simulation%stores(index), order)
-            do k = 1, size(order)
-               call widen(grid, simulation%stores(index), order(k), ends)
-            end do
+            associate (store => simulation%stores(index))
+               do tile = 1, size(store%count)
+                  do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                     call widen(grid, store, p, ends)
+                  end do
+               end do
+            end associate
          end do
          call simulation%communicator%maxima(ends)
       end associate
