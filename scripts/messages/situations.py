@@ -14,6 +14,8 @@ SITUATIONS: name of the page: a dictionary of
   traps      the numbers of the run end a Debug build before the message
 """
 
+from examples import GRAINS, THREE
+
 BAR = """&run dimension = '1d' /
 &grid lo = 0 0 0  hi = 1 1 1  dx = 0.1 /
 &time t_end = 1e-4 /
@@ -64,14 +66,6 @@ DROP = """&run dimension = '3d' /
 &region name = 'cube'  shape = 'box'  lo = 0.25 0.25 3  hi = 0.75 0.75 3.5 /
 &body name = 'one'  region = 'cube'  material = 'rubber' /
 """
-GRAINS = """&run dimension = '3d' /
-&grid lo = 0 0 0  hi = 1 1 1  dx = 0.125 /
-&time t_end = 1e-5 /
-&material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
-&region name = 'grains'  shape = 'points'  file = 'grains.csv' /
-&body name = 'one'  region = 'grains'  material = 'metal'  packing = 'file' /
-"""
-THREE = "x,y,z,volume\n0.2,0.2,0.2,1e-3\n0.5,0.5,0.5,1e-3\n0.7,0.7,0.7,1e-3\n"
 PUSHED = """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
 &time t_end = 1e-5 /
