@@ -5,12 +5,30 @@
     sheet = report.Report()
     sheet.below("momentum error", error, 1.0e-13)
     sheet.require(steps > 100, "the run made more than 100 steps")
+    sheet.known("energy lost [%]", lost, limit=10.0, target=2.0)   # a known miss
+    sheet.skipped("full disk", "needs a file system of its own")
     sheet.end()
+
+Lines that begin with KNOWN or SKIPPED are collected by scripts/run_tests.py, which prints them in one table at the
+end of every run.
 """
 
 import math
 import sys
 import time
+
+NOT_RUN = 77    # exit code of a test that was skipped whole
+
+
+def skipped(what, why):
+    """Print that a part of a test was skipped; scripts/run_tests.py lists it."""
+    print(f"SKIPPED  {what}: {why}", flush=True)
+
+
+def skip_all(why):
+    """Leave a test that cannot run here."""
+    skipped("all", why)
+    sys.exit(NOT_RUN)
 
 
 class Report:
@@ -39,6 +57,27 @@ class Report:
         if not condition:
             self.missed.append(text)
             print(f"FAILED   {text}", flush=True)
+
+    def known(self, name, value, limit, target):
+        """A known miss: the size of a number must not exceed `limit`, and its target is not met yet.
+
+        A value that meets the target fails too: replace the row by `below(name, value, target)`. The limit keeps a
+        known miss from growing and has a reason like any other limit.
+        """
+        self.checks += 1
+        missed = math.isfinite(value) and target < abs(value) <= limit
+        if not missed:
+            self.missed.append(name)
+            met = math.isfinite(value) and abs(value) <= target
+            print(f"FAILED   {name}: {value:.6g} "
+                  + (f"meets its target {target:.3g}: it is no longer a known miss" if met else f"(<= {limit:.3g})"),
+                  flush=True)
+            return
+        print(f"KNOWN    {name}: {value:.6g} (target <= {target:.3g}, limit {limit:.3g})", flush=True)
+
+    def skipped(self, what, why):
+        """A part of the test that cannot run here."""
+        skipped(what, why)
 
     def note(self, name, value):
         """A number that is reported only."""
