@@ -24,3 +24,26 @@ if(NOT scree_python)
    endif()
    set(scree_python "${SCREE_PYTHON3}")
 endif()
+
+# Recorded seconds of the tests (scripts/run_tests.py --record), so that the longest start first and the
+# tiers can say how long they take.
+set(scree_costs_file "${PROJECT_SOURCE_DIR}/test/costs.csv")
+set_property(DIRECTORY "${PROJECT_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${scree_costs_file}")
+file(STRINGS "${scree_costs_file}" scree_costs)
+
+# Seconds of a test; 1 if it was never recorded.
+function(scree_cost_of name result)
+   set(${result} 1 PARENT_SCOPE)
+   list(FIND scree_cost_names "${name}" at)
+   if(NOT at EQUAL -1)
+      list(GET scree_cost_seconds ${at} seconds)
+      set(${result} ${seconds} PARENT_SCOPE)
+   endif()
+endfunction()
+
+foreach(line IN LISTS scree_costs)
+   if(line MATCHES "^([^,#]+),([0-9.]+)$")
+      list(APPEND scree_cost_names "${CMAKE_MATCH_1}")
+      list(APPEND scree_cost_seconds "${CMAKE_MATCH_2}")
+   endif()
+endforeach()

@@ -1,8 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
-#   scree_unit_test(path/to/test_name.pf LABEL unit [ALONE])
-# builds one .pf file into one program that sees the modules of all folders of src/ (ALONE: of
-# none), and registers it with CTest on as many ranks as its greatest npes. With the label none it
-# is only built.
+#   scree_unit_test(path/to/test_name.pf LABEL unit [LAYER material | ALONE])
+# builds one .pf file into one program that sees the modules of a folder of src/ and of those below
+# it (ALONE: of none), and registers it with CTest on as many ranks as its greatest npes. With the
+# label none it is only built. A test waits for the libraries that it sees and no others, so tests of
+# lower layers are compiled beside the upper ones. A test that needs an upper layer says so in a line
+# `! layer: io`.
+
+# Tests are compiled once and run once: code that is optimised less is compiled in half the time.
+add_library(scree_unit_options INTERFACE)
+target_compile_options(scree_unit_options INTERFACE
+   ${scree_language_flags}
+   ${scree_warning_flags}
+   "$<$<CONFIG:Release>:-O1>"
+   "$<$<CONFIG:Debug>:${scree_debug_flags}>"
+   "$<$<CONFIG:Sanitize>:${scree_sanitize_flags}>")
+target_link_options(scree_unit_options INTERFACE
+   "$<$<CONFIG:Sanitize>:-fsanitize=address,undefined>")
 
 # Greatest number in npes=[...]; 0 for a test without ranks.
 function(scree_ranks_of file result)
@@ -21,11 +34,21 @@ function(scree_ranks_of file result)
 endfunction()
 
 function(scree_unit_test file)
-   cmake_parse_arguments(unit "ALONE" "LABEL" "" ${ARGN})
+   cmake_parse_arguments(unit "ALONE" "LABEL;LAYER" "" ${ARGN})
    get_filename_component(name "${file}" NAME_WE)
    set(layers)
+   file(STRINGS "${file}" marks REGEX "^! layer: ")
+   if(marks MATCHES "^! layer: *([a-z]+)")
+      set(unit_LAYER "${CMAKE_MATCH_1}")
+   endif()
    if(NOT unit_ALONE)
-      get_property(layers GLOBAL PROPERTY scree_layers)
+      get_property(all_layers GLOBAL PROPERTY scree_layers)
+      foreach(layer IN LISTS all_layers)
+         list(APPEND layers ${layer})
+         if(layer STREQUAL "scree_${unit_LAYER}")
+            break()
+         endif()
+      endforeach()
    endif()
    scree_ranks_of("${file}" ranks)
    if(PFUNIT_FOUND)
@@ -35,10 +58,11 @@ function(scree_unit_test file)
    endif()
    target_link_libraries(${name} ${layers} OpenMP::OpenMP_Fortran)
    if(TEST ${name})
-      set_tests_properties(${name} PROPERTIES LABELS "${unit_LABEL}" TIMEOUT 120
-         ENVIRONMENT "${scree_test_environment}")
+      scree_cost_of(${name} cost)
+      set_tests_properties(${name} PROPERTIES LABELS "${unit_LABEL};smoke;full" TIMEOUT 120
+         COST ${cost} ENVIRONMENT "${scree_test_environment}")
       if(ranks GREATER 1)
-         set_tests_properties(${name} PROPERTIES PROCESSORS 2)
+         set_tests_properties(${name} PROPERTIES PROCESSORS ${ranks})
       endif()
    endif()
 endfunction()
@@ -70,7 +94,7 @@ function(scree_with_translator name file ranks label)
    set_target_properties(${name} PROPERTIES
       Fortran_MODULE_DIRECTORY "${folder}" RUNTIME_OUTPUT_DIRECTORY "${folder}")
    target_compile_options(${name} PRIVATE -ffree-line-length-none)
-   target_link_libraries(${name} scree_options scree_pfunit)
+   target_link_libraries(${name} scree_unit_options scree_pfunit)
    if(label STREQUAL "none")
       return()
    endif()
