@@ -1,20 +1,23 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Usage: scripts/test.sh [--debug] [--no-setup] [options of ctest]
+# Usage: scripts/test.sh [--full | --long] [options] [options of ctest]
 #
-# Installs what is missing, builds and runs the tests: unit, verification, invariance, input,
-# hard cases and gates. Tests with the label long or bench run only if that label is named:
+# Installs what is missing, builds, and runs the tests of one tier:
 #
-#   scripts/test.sh                all but the long ones
-#   scripts/test.sh -L unit        one label
-#   scripts/test.sh -L long        the long ones
-#   scripts/test.sh -R deck        tests with deck in their names
+#   scripts/test.sh                smoke: every part of the program, at most 4 minutes on 2 cores
+#   scripts/test.sh --full         all that is verified by default
+#   scripts/test.sh --long         studies that take many minutes each
+#   scripts/test.sh -R deck        tests of --full with deck in their names
+#   scripts/test.sh -L unit        one label: unit, verify, invariance, input, hard, gate, bench
 #
-#   --debug       build and test the Debug build, with bounds and floating point checks
-#   --no-setup    neither look for nor install missing packages
-#   --help        this text (ctest --help: all options)
+#   --long-share [K]  besides, a third of the long tests: K = 0, 1, 2, or by the day
+#   --debug           build and test the Debug build, with bounds and floating point checks
+#   --no-setup        neither look for nor install missing packages
+#   --record          write how long the tests took into test/costs.csv
+#   --jobs N          cores to use (default: all, or TEST_JOBS of the environment)
+#   --help            this text (ctest --help: all options)
 #
-# Environment: TEST_JOBS (tests at a time, default 2).
+# The last lines list known misses, skipped parts and failures, and how long the next tier takes.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
@@ -38,18 +41,8 @@ for argument in "$@"; do
    esac
 done
 
-selection=()
-if [[ " ${arguments[*]} " != *long* && " ${arguments[*]} " != *bench* ]]; then
-   selection=(-LE '^(long|bench)$')
-   if [[ " ${arguments[*]} " != *" -L "* && " ${arguments[*]} " != *" -R "* ]]; then
-      selection+=(-L '^(unit|verify|invariance|input|hard|regress|gate)$')
-   fi
-fi
-
 if [[ "${setup}" == yes ]]; then
    "${scripts}/setup.sh"
 fi
 "${scripts}/build.sh" "${type}"
-cd "${folder}"
-exec ctest --output-on-failure --no-tests=error -j "${TEST_JOBS:-2}" "${selection[@]}" \
-   "${arguments[@]}"
+exec python3 "${scripts}/run_tests.py" --folder "${folder}" "${arguments[@]}"

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Choose the tests of a tier, run them with CTest and say at the end what passed, failed and was skipped.
+
+Called by scripts/test.sh, which builds first and documents the options. Needs Python's standard library only.
+
+Every test is in one or more tiers, by its labels: smoke (a few minutes, every part of the program), full (all that is
+verified by default) and long (studies of many minutes). Lines of a test's output that begin with KNOWN (a known miss:
+a target that is not met yet) or SKIPPED (a part that cannot run here) are gathered into tables.
+"""
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+COSTS = ROOT / "test/costs.csv"
+NEXT_TIER = {"smoke": "full", "full": "long"}
+SHARES = 3      # the long tests are run by thirds
+DAY = 86400
+
+
+class Test:
+    """One test as CTest lists it."""
+
+    def __init__(self, entry):
+        self.name = entry["name"]
+        values = {item["name"]: item["value"] for item in entry.get("properties", ())}
+        self.labels = set(values.get("LABELS", ()))
+        self.cost = float(values.get("COST", 1.0))
+        self.cores = int(values.get("PROCESSORS", 1))
+
+
+def listed(folder, options):
+    """The tests that CTest knows, filtered by options such as -R or -L."""
+    answer = subprocess.run(["ctest", "--show-only=json-v1", *options], cwd=folder, capture_output=True,
+                            text=True, check=False)
+    if answer.returncode:
+        sys.exit(f"ctest --show-only failed:\n{answer.stderr}")
+    return [Test(entry) for entry in json.loads(answer.stdout)["tests"]]
+
+
+def long_share(tests, share):
+    """One of SHARES groups of the long tests, of about the same cost; every test is in one of them."""
+    groups = [[] for _ in range(SHARES)]
+    for test in sorted(tests, key=lambda test: (-test.cost * test.cores, test.name)):
+        min(groups, key=lambda group: sum(one.cost * one.cores for one in group)).append(test)
+    return groups[share]
+
+
+def choose(tests, choice, filtered):
+    """Tests of the tiers that were named; those of `full` for a filter without a tier, or what it finds at all."""
+    tiers = [name for name in ("smoke", "full", "long") if getattr(choice, name)]
+    if not tiers:
+        tiers = ["full"] if filtered else ["smoke"]
+        if filtered and not any("full" in test.labels for test in tests):
+            return tests
+    chosen = [test for test in tests if test.labels & set(tiers)]
+    if choice.long_share is not None:
+        extra = [test for test in tests if "long" in test.labels and test not in chosen]
+        chosen += long_share(extra, choice.long_share)
+    return chosen
+
+
+def minutes(seconds):
+    """A length of time for people."""
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60.0:.0f} min"
+
+
+def expected(tests, jobs):
+    """Seconds that tests take on `jobs` cores, by the recorded costs."""
+    work = sum(test.cost * min(test.cores, jobs) for test in tests) / jobs
+    return max([work] + [test.cost for test in tests])
+
+
+def outcomes(file):
+    """(name, result, seconds, output) of each test in a JUnit file; result is passed, failed or skipped."""
+    found = []
+    for entry in ElementTree.parse(file).getroot().iter("testcase"):
+        status = entry.get("status")
+        skipped = entry.find("skipped") is not None or status in ("notrun", "disabled")
+        result = "failed" if status == "fail" else "skipped" if skipped else "passed"
+        # What could not be started, such as a program that was not built, is no skip.
+        message = entry.find("skipped")
+        if result == "skipped" and message is not None and "SKIP" not in message.get("message", ""):
+            result = "failed"
+        found.append((entry.get("name"), result, float(entry.get("time", 0)), entry.findtext("system-out") or ""))
+    return found
+
+
+def table(title, rows):
+    """Print rows of text under a title, in columns."""
+    if not rows:
+        return
+    print(f"\n{title}")
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    for row in rows:
+        print("  " + "  ".join(text.ljust(width) for text, width in zip(row, widths)).rstrip())
+
+
+def marked(results, word):
+    """(test, rest of the line) for all lines of the outputs that begin with a word."""
+    return [(name, line[len(word):].strip()) for name, _, _, output in results
+            for line in output.splitlines() if line.startswith(word + " ")]
+
+
+def record(results, tests):
+    """Write the seconds of tests that passed into the list of costs; those of the others stay, gone tests go."""
+    costs = {}
+    for line in COSTS.read_text(encoding="utf-8").splitlines()[1:]:
+        name, seconds = line.rsplit(",", 1)
+        costs[name] = seconds
+    costs.update({name: f"{max(seconds, 0.1):.1f}" for name, result, seconds, _ in results if result == "passed"})
+    names = sorted(set(costs) & {test.name for test in tests})
+    COSTS.write_text("name,seconds\n" + "".join(f"{name},{costs[name]}\n" for name in names), encoding="utf-8")
+
+
+def report(results, choice, everything, spent):
+    """The tables and the closing lines; true if nothing failed."""
+    known = []
+    for name, text in marked(results, "KNOWN"):
+        match = re.match(r"(.*): (\S+) \((.*)\)$", text)
+        known.append((name, *match.groups()) if match else (name, text, "", ""))
+    skipped = marked(results, "SKIPPED")
+    said = {name for name, _ in skipped}
+    skipped += [(name, "all: no reason was given") for name, result, _, _ in results
+                if result == "skipped" and name not in said]
+    table("Known misses: targets that are not met yet", known)
+    table("Skipped", skipped)
+    failed = [name for name, result, _, _ in results if result == "failed"]
+    table("Failed", [(name,) for name in failed])
+    print(f"\nThe tests took {minutes(spent)}.", end="")
+    following = NEXT_TIER.get("full" if choice.full or choice.long_share is not None
+                              else "long" if choice.long else "smoke")
+    if following:
+        more = [test for test in everything if following in test.labels]
+        print(f" Next: scripts/test.sh --{following}, {len(more)} tests, about "
+              f"{minutes(expected(more, choice.jobs))}.", end="")
+    print("\nOne test: scripts/test.sh -R NAME (all names: ctest --test-dir build -N)")
+    count = {word: sum(result == word for _, result, _, _ in results) for word in ("passed", "failed", "skipped")}
+    print(f"{count['passed']} passed, {count['failed']} failed, {count['skipped']} skipped", flush=True)
+    return not failed
+
+
+class Filter(argparse.Action):
+    """Keeps an option that chooses tests as CTest wants it."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        namespace.filters = namespace.filters + [option_string, values]
+
+
+def arguments():
+    """Our options; the rest goes to CTest."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--folder", type=Path, default=ROOT / "build")
+    for word in ("smoke", "full", "long", "record"):
+        parser.add_argument(f"--{word}", action="store_true")
+    today = int(time.time() // DAY) % SHARES
+    parser.add_argument("--long-share", type=int, nargs="?", const=today, choices=range(SHARES))
+    for word in ("-R", "-E", "-L", "-LE"):
+        parser.add_argument(word, dest="filters", action=Filter)
+    parser.set_defaults(filters=[])
+    parser.add_argument("--jobs", "-j", type=int, default=int(os.environ.get("TEST_JOBS", os.cpu_count() or 2)))
+    return parser.parse_known_args()
+
+
+def main():
+    """Choose, run, report."""
+    choice, options = arguments()
+    everything = listed(choice.folder, [])
+    chosen = choose(listed(choice.folder, choice.filters), choice, bool(choice.filters))
+    if not chosen:
+        sys.exit("no test fits these options; all names: ctest --test-dir build -N")
+    about = expected(chosen, choice.jobs)
+    print(f"{len(chosen)} tests, {choice.jobs} at a time, about {minutes(about)}", flush=True)
+    names = "|".join(re.escape(test.name).replace("\\-", "-").replace("\\/", "/") for test in chosen)
+    results_file = choice.folder / "Testing/results.xml"
+    results_file.unlink(missing_ok=True)
+    begin = time.time()
+    answer = subprocess.run(
+        ["ctest", "--output-on-failure", "--no-tests=error", "-j", str(choice.jobs), *options, "-R", f"^({names})$",
+         "--output-junit", str(results_file), "--test-output-size-passed", "1000000",
+         "--test-output-size-failed", "1000000"], cwd=choice.folder, check=False)
+    if not results_file.is_file():
+        sys.exit(answer.returncode or 1)
+    results = outcomes(results_file)
+    good = report(results, choice, everything, time.time() - begin)
+    if choice.record:
+        record(results, everything)
+    sys.exit(0 if good and answer.returncode == 0 else 1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+"""The runner of tests, and the marks in the heads of tests.
+
+Would catch a long test that no third runs, a failed or never started test that is counted as passed or skipped, a
+known miss or a skipped part that is not listed, and a misspelt mark, which CMake would ignore.
+"""
+
+import re
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+from sources import ROOT, place
+
+sys.path.insert(0, str(ROOT / "scripts"))
+import run_tests  # noqa: E402
+
+RESULTS = """<?xml version="1.0" encoding="UTF-8"?>
+<testsuite name="Linux" tests="5">
+ <testcase name="good" time="1.5" status="run"><system-out>met      a: 1
+KNOWN    energy lost [%]: 7.5 (target &lt;= 2, limit 10)
+SKIPPED  full disk: no file system for it
+SKIPPEDNOT a line of ours
+</system-out></testcase>
+ <testcase name="bad" time="1" status="fail"><failure message="Failed"/><system-out>x</system-out></testcase>
+ <testcase name="left out" time="0" status="notrun"><skipped message="SKIP_RETURN_CODE=77"/></testcase>
+ <testcase name="not built" time="0" status="notrun"><skipped message="Unable to find executable"/></testcase>
+ <testcase name="plain" time="0" status="run"/>
+</testsuite>
+"""
+MARK = re.compile(r"^# ?([a-z]+(?: (?:smoke|full|long))?) ?: ")
+KNOWN_MARKS = {"tiers", "cores", "timeout", "timeout smoke", "timeout full", "timeout long"}
+
+
+def test(name, cost, *labels, cores=1):
+    """A test as CTest lists it."""
+    return run_tests.Test({"name": name, "properties": [
+        {"name": "LABELS", "value": list(labels)}, {"name": "COST", "value": cost},
+        {"name": "PROCESSORS", "value": cores}]})
+
+
+def choice(*words, share=None):
+    """The options of a user."""
+    return type("Choice", (), {"smoke": False, "full": False, "long": False, "long_share": share,
+                               **{word: True for word in words}})
+
+
+class Runner(unittest.TestCase):
+    """What is run, and what is made of the results."""
+
+    def test_results(self):
+        """What could not start has failed; what left with 77 is skipped."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "results.xml"
+            file.write_text(RESULTS, encoding="utf-8")
+            found = run_tests.outcomes(file)
+        self.assertEqual([result for _, result, _, _ in found], ["passed", "failed", "skipped", "failed", "passed"])
+        self.assertEqual(run_tests.marked(found, "KNOWN"), [("good", "energy lost [%]: 7.5 (target <= 2, limit 10)")])
+        self.assertEqual(run_tests.marked(found, "SKIPPED"), [("good", "full disk: no file system for it")])
+
+    def test_thirds(self):
+        """Every long test is in one third, and thirds take about the same."""
+        tests = [test(f"t{number}", 10.0 * number, "long", cores=1 + number % 2) for number in range(1, 20)]
+        groups = [run_tests.long_share(tests, share) for share in range(run_tests.SHARES)]
+        self.assertEqual(sorted(one.name for group in groups for one in group), sorted(one.name for one in tests))
+        work = [sum(one.cost * one.cores for one in group) for group in groups]
+        self.assertLess(max(work), 1.2 * min(work))
+
+    def test_choice(self):
+        """Tiers, filters and thirds choose what they say."""
+        tests = [test("a", 1, "unit", "smoke", "full"), test("b", 1, "full"), test("b.smoke", 1, "smoke"),
+                 test("c", 1, "long"), test("d", 1, "bench")]
+        for expected, words, share, filtered in (
+                (["a", "b.smoke"], (), None, False), (["a", "b"], ("full",), None, False),
+                (["a", "b"], (), None, True), (["c"], ("long",), None, False), (["a", "b.smoke"], ("smoke",), None, True)):
+            names = [one.name for one in run_tests.choose(tests, choice(*words, share=share), filtered)]
+            self.assertEqual(names, expected)
+        self.assertEqual([one.name for one in run_tests.choose(tests[4:], choice(), True)], ["d"])
+        found = [one.name for share in range(3) for one in run_tests.choose(tests, choice("full", share=share), False)]
+        self.assertEqual((found.count("a"), found.count("c")), (3, 1))
+
+    def test_time(self):
+        """No shorter than the longest test, nor than the work on all cores."""
+        self.assertEqual(run_tests.expected([test("a", 10, cores=2), test("b", 4)], 2), 12.0)
+        self.assertEqual(run_tests.expected([test("a", 10), test("b", 4)], 2), 10.0)
+
+
+class Marks(unittest.TestCase):
+    """Lines in the heads of tests."""
+
+    def test_marks(self):
+        """Only those that CMake reads, before the first line of code."""
+        files = sorted((ROOT / "test").glob("*/test_*.py")) + sorted((ROOT / "test").glob("*/*/test_*.py"))
+        self.assertGreater(len(files), 80)
+        offences, found = [], 0
+        for path in files:
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+                if line.startswith(("import ", "from ")):
+                    break
+                match = MARK.match(line)
+                if match and number > 1:
+                    found += 1
+                    if match.group(1) not in KNOWN_MARKS:
+                        offences.append(f"{place(path, number)}: unknown mark '{match.group(1)}'")
+        self.assertGreater(found, 20)
+        self.assertEqual(offences, [])
+
+    def test_costs(self):
+        """The list of costs is sorted and has one line a test."""
+        lines = (ROOT / "test/costs.csv").read_text(encoding="utf-8").splitlines()
+        names = [line.rsplit(",", 1)[0] for line in lines[1:]]
+        self.assertEqual(lines[0], "name,seconds")
+        self.assertEqual(names, sorted(set(names)))
+        self.assertTrue(all(float(line.rsplit(",", 1)[1]) > 0.0 for line in lines[1:]))
+
+
+if __name__ == "__main__":
+    unittest.main()
