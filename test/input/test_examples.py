@@ -13,6 +13,7 @@ import sys
 import unittest
 
 import case
+import report
 
 OPTIONS = case.arguments(__doc__)
 BUILD = OPTIONS.scree.parents[1]
@@ -98,7 +99,7 @@ class Examples(unittest.TestCase):
     def test_installed(self):
         """Would catch an installation that still looks into the tree it was built in."""
         if not (BUILD / "cmake_install.cmake").is_file():
-            self.skipTest("no build tree around the program")
+            report.skip_part(self, "there is no build tree around the program")
         place = self.folder / "opt"
         done = subprocess.run(["cmake", "--install", BUILD, "--prefix", place], text=True, capture_output=True)
         self.assertEqual(done.returncode, 0, done.stderr)
