@@ -54,8 +54,7 @@ class Examples(unittest.TestCase):
                 self.assertEqual(code, 0, wrong)
                 self.assertIn(f"{name}.nml", told)
                 copy = self.folder / "mine" / name
-                code, _, wrong = run(OPTIONS.scree, "--check", f"{name}.nml", "--set", "time.max_steps=1",
-                                     folder=copy)
+                code, _, wrong = run(OPTIONS.scree, "--check", "--no-estimate", f"{name}.nml", folder=copy)
                 self.assertEqual(code, 0, wrong)
                 readme = (copy / "README.md").read_text(encoding="utf-8")
                 self.assertNotIn("scene.nml", readme)
