@@ -133,6 +133,8 @@ SITUATIONS = {
                        "then": ["scree --check --force scene.nml"], "see": ["running.md"]},
     "exclude-each-other": {"files": {"scene.nml": BAR}, "commands": ["scree --check --restart scene.nml"],
                            "then": [CHECK], "see": ["running.md"]},
+    "no-estimate-needs": {"files": {"scene.nml": BAR}, "commands": ["scree --no-estimate scene.nml"],
+                          "then": ["scree --check --no-estimate scene.nml"], "see": ["running.md#what-it-costs"]},
     "list-knows": {"commands": ["scree --list material"], "then": ["scree --list materials"],
                    "see": ["materials.md"]},
     "one-deck-at-a-time": {

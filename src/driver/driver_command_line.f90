@@ -12,6 +12,7 @@ module driver_command_line
    type :: command_t
       character(len=:), allocatable :: deck              !! Name of the deck
       logical :: check = .false.                         !! Read and check, compute nothing
+      logical :: estimate = .true.                       !! A check times the first steps
       logical :: point = .false.                         !! Drive one material point
       logical :: restart = .false.                       !! Go on from a checkpoint
       character(len=:), allocatable :: checkpoint        !! Which; without it the newest valid one
@@ -37,13 +38,13 @@ module driver_command_line
 
    !> One option.
    type :: option_t
-      character(len=8) :: name                           !! After the two dashes
+      character(len=11) :: name                          !! After the two dashes
       character(len=1) :: letter                         !! After one dash, or blank
       integer :: takes                                   !! One of the constants below
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(20) = [ &
+   type(option_t), parameter :: options(21) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
@@ -53,7 +54,8 @@ module driver_command_line
       option_t("list    ", " ", a_value), option_t("point   ", " ", nothing), &
       option_t("force   ", " ", nothing), option_t("new     ", " ", a_value), &
       option_t("job     ", " ", a_value), option_t("ranks   ", " ", a_value), &
-      option_t("threads ", " ", a_value), option_t("time    ", " ", a_value)]
+      option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
+      option_t("no-estimate", " ", nothing)]
    character(len=9), parameter :: lists(5) = [character(len=9) :: "materials", "fields", &
       "shapes", "examples", "former"]
    character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
@@ -254,6 +256,8 @@ contains
          command%version = .true.
       case ("check")
          command%check = .true.
+      case ("no-estimate")
+         command%estimate = .false.
       case ("point")
          command%point = .true.
       case ("restart")
@@ -354,7 +358,9 @@ contains
          return
       end if
       if (allocated(command%explain) .or. command%template .or. allocated(command%digest)) return
-      if (allocated(command%example)) then
+      if (.not. (command%estimate .or. command%check)) then
+         call complain(error, "--no-estimate needs --check; nothing else makes an estimate")
+      else if (allocated(command%example)) then
          call move_alloc(command%deck, command%folder)
          if (.not. allocated(command%folder)) call complain(error, &
             "--new needs a folder behind the example; usage: scree --new "//command%example// &
@@ -426,6 +432,7 @@ contains
 
       text = "usage: scree [options] DECK.nml"//newline//newline// &
          "  -n, --check            read and check the deck, say what a run will cost"//newline// &
+         "      --no-estimate      leave out how long it takes, which --check tries out"//newline// &
          "  -s, --set G.K=VALUE    put a value in place of the deck's; may be repeated"//newline// &
          "  -c, --case NAME        prefix of all output files"//newline// &
          "  -o, --outdir DIR       folder of all output files, default out/CASE"//newline// &
@@ -449,7 +456,7 @@ contains
          "again"//newline//newline//"examples:"//newline// &
          "  scree --check input/debris_cloud/scene.nml"//newline// &
          "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
-         "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline//newline// &
+         "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline// &
          "The README and doc/guide explain the rest."
    end function help_text
 end module driver_command_line

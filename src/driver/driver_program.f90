@@ -24,6 +24,7 @@ module driver_program
    use driver_point, only: drive_point
    use driver_restart, only: resume
    use driver_run, only: run_to_end
+   use driver_signal, only: outlive_file_limit
    use driver_summary, only: summarise
    use io_deck_check, only: check_case
    use io_digest, only: file_digest
@@ -49,6 +50,7 @@ contains
       type(error_t), allocatable :: error
 
       code = exit_success
+      call outlive_file_limit()
       call parse(program_arguments(), session%command, error)
       if (.not. allocated(error)) then
          if (only_talks(session%command)) then
@@ -175,7 +177,8 @@ contains
          write (output_unit, "(a)", advance="no") effects_text(session%deck)
          write (output_unit, "(a)", advance="no") cost_text(session%simulation, session%bodies, &
             session%survey, session%limits, session%outputs%expected(session%limits%time_end))
-         if (session%survey%particles <= most_particles) call try_out(session, error)
+         if (session%command%estimate .and. session%survey%particles <= most_particles) &
+            call try_out(session, error)
          return
       end if
       call perform(session, code, error)

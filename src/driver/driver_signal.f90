@@ -5,7 +5,7 @@ module driver_signal
    implicit none
    private
 
-   public :: signal_caught, watch_signal
+   public :: outlive_file_limit, signal_caught, watch_signal
 
    !> A signal handler has no arguments of its own, so this one number cannot live in a type.
    integer(c_int), volatile :: caught = 0
@@ -43,6 +43,20 @@ contains
          ! `none` and whatever this system does not know
       end select
    end subroutine watch_signal
+
+   !> A file that reaches the limit on the size of files (`ulimit -f`) becomes an error of the write, as
+   !! on a full disk. Without this the system ends the program by the signal SIGXFSZ.
+   subroutine outlive_file_limit()
+      integer(c_int), parameter :: file_limit = 25_c_int  ! SIGXFSZ of Linux
+      type(c_funptr) :: previous
+
+      previous = c_signal(file_limit, c_funloc(pass_over))
+   end subroutine outlive_file_limit
+
+   !> Do nothing: the write that caused the signal fails with a reason of its own.
+   subroutine pass_over(number) bind(c)
+      integer(c_int), value, intent(in) :: number      !! Which signal
+   end subroutine pass_over
 
    !> Note the signal; the run looks at it between steps.
    subroutine handle(number) bind(c)

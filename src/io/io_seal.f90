@@ -11,7 +11,7 @@ module io_seal
    use base_error, only: error_t, exit_file, fail
    use base_hash, only: add_hash, digest_text, hash_wholes, mix
    use base_kinds, only: int64
-   use io_file, only: file_exists, file_size, output_file_t
+   use io_file, only: file_size, output_file_t
    use io_libc, only: failure_text
    implicit none
    private
@@ -86,7 +86,7 @@ contains
 
       seal = ""
       bytes = file_size(path)
-      if (.not. file_exists(path)) then
+      if (bytes < 0) then
          call fail(error, exit_file, "cannot read '"//path//"': "//failure_text())
          return
       end if

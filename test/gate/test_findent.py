@@ -6,13 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import report  # noqa: E402
+
 ROOT = Path(__file__).resolve().parents[2]
-NOT_INSTALLED = 77
 
 program = shutil.which("findent", path=str(Path(sys.executable).parent)) or shutil.which("findent")
 if not program:
-    print("findent is not installed")
-    sys.exit(NOT_INSTALLED)
+    report.skip_all("findent is not installed")
 offences = 0
 for path in sorted((ROOT / "src").rglob("*.f90")):
     text = path.read_text(encoding="utf-8")

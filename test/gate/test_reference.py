@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# label: long
+# tiers: long
 # timeout: 900
 """FORD writes the reference of the sources without a warning; skipped where it is not installed.
 
@@ -17,14 +17,15 @@ from pathlib import Path
 
 from sources import ROOT, project_files
 
-NOT_INSTALLED = 77
+sys.path.insert(0, str(ROOT / "test" / "support"))
+import report  # noqa: E402
+
 # A name that one module hands on from another is unknown to FORD where it is handed on.
 NOT_OURS = re.compile(r"Unknown entity '\w+' with attribute 'public'")
 
 program = shutil.which("ford", path=str(Path(sys.executable).parent)) or shutil.which("ford")
 if not program:
-    print("ford is not installed; pip install ford")
-    sys.exit(NOT_INSTALLED)
+    report.skip_all("FORD is not installed; pip install ford")
 work = Path(sys.argv[sys.argv.index("--work") + 1]).resolve() / "reference"
 answer = subprocess.run([program, "--output_dir", work, ROOT / "doc" / "ford.md"],
                         capture_output=True, text=True, env={**os.environ, "COLUMNS": "400"})

@@ -129,8 +129,7 @@ def main():
     sheet = report.Report()
     answer = subprocess.run([options.scree, "--version"], stdout=subprocess.PIPE, text=True, check=True)
     if " Debug " in answer.stdout:
-        print("         a build that traps bad numbers stops before the bounds do, not tested")
-        sys.exit(77)
+        report.skip_all("a build that traps bad numbers stops before the bounds do")
     for kind in CASES:
         stops(options, sheet, kind)
     state_before(options, sheet)

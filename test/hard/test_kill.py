@@ -4,7 +4,9 @@
 Would catch: a checkpoint that takes its name before it is whole, an older one that goes before the
 new one is safe, rows of a history that are doubled or lost, snapshots of a time that was undone.
 """
+# tiers: smoke, full, long
 # timeout: 300
+# timeout long: 1800
 
 import sys
 from pathlib import Path
@@ -13,14 +15,18 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import case     # noqa: E402
 import killing  # noqa: E402
 import report   # noqa: E402
+import tier     # noqa: E402
+
+# ranks, kills and the seed of their moments
+KILLS = tier.choose(smoke=((1, 3, 1),), full=((1, 8, 1), (2, 3, 2)), long=((1, 50, 3), (2, 50, 4)))
 
 
 def main():
-    """On one rank and on two."""
+    """Each row."""
     options = case.arguments()
     sheet = report.Report()
-    killing.end_by_kills(options, sheet, 8, seed=1)
-    killing.end_by_kills(options, sheet, 3, seed=2, ranks=2)
+    for ranks, number, seed in KILLS:
+        killing.end_by_kills(options, sheet, number, seed=seed, ranks=ranks)
     sheet.end()
 
 

@@ -4,7 +4,7 @@
 The unit tests of the catalogue with more states; they say what they would catch: numbers that are
 none, energy that flow makes, sound that is not real, and stress outside of the yield surface.
 """
-# label: long
+# tiers: long
 # timeout: 3000
 
 import os

@@ -3,7 +3,8 @@
 """Every command that README, guide and scenes show is typed, in a folder that looks like a clone.
 
 Would catch a command of a document that nobody tried, a deck or a script that was renamed, an option that is gone.
-Runs of the program are cut after a few steps and studies that take minutes are asked for their options; commands
+Runs of the program are cut after a few steps, checks make no estimate of the time, and studies that take minutes are
+asked for their options; commands
 of scree-post are run by test_post_documents, two pages as a whole by tests of their own, those of single messages by
 test_message_pages.
 """
@@ -75,6 +76,8 @@ class Clone:
             words[2] = "2"
         if not any(word in NO_RUN for word in words):
             words += FEW
+        if "--check" in words:
+            words.append("--no-estimate")
         # a page shows where its own run would have left a checkpoint
         words = [self.newest() if word.endswith(".h5") else word for word in words]
         code, said = self.run(words)

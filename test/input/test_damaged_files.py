@@ -11,6 +11,8 @@ import subprocess
 import unittest
 
 import case
+import confine
+import report
 
 OPTIONS = case.arguments(__doc__)
 SEED = 5
@@ -95,9 +97,9 @@ class Damage(unittest.TestCase):
         self.assertEqual(digest(OPTIONS.work / "nobody.h5")[0], 3)
         self.assertEqual(digest(OPTIONS.work)[0], 3)
 
-    def again(self, name, deck=DECK, keep=None):
+    def again(self, name, deck=DECK, keep=None, options=OPTIONS):
         """A copy of the run, with only the newest checkpoints if so wished."""
-        copy = case.Case(OPTIONS, name, deck)
+        copy = case.Case(options, name, deck)
         for number, path in enumerate(self.paths[-(keep or 0):], start=1):
             shutil.copyfile(path, copy.folder / f"{name}_chk_{number:04d}.h5")
         for ending in ("_history.csv", ".log", ".summary.json", ".echo.nml"):
@@ -117,6 +119,25 @@ class Damage(unittest.TestCase):
             self.assertEqual(copy.summary["digest"], state)
             for path in set(copy.folder.glob("*.h5")) - {older, newest}:
                 path.unlink()
+
+    def test_without_permission(self):
+        """Would catch a checkpoint that an ordinary user may not read and that stops a restart, or is passed over
+        without a word or for a wrong reason; and a digest of it."""
+        with confine.user(OPTIONS) as somebody:
+            if somebody.why:
+                report.skip_part(self, somebody.why)
+            copy = self.again("older", keep=2, options=somebody.options)
+            older, newest = sorted(copy.folder.glob("*.h5"))
+            newest.chmod(0)
+            somebody.give(copy.folder)
+            said = f"cannot read '{newest}': Permission denied"
+            copy.run("--restart", "--set", "time.max_steps=0", **somebody.identity)
+            self.assertIn("restart from " + str(older), copy.output)
+            self.assertIn(said, copy.output)
+            self.assertEqual(copy.summary["digest"], digest(older)[1])
+            answer = subprocess.run([copy.scree, "--digest", newest], stdout=subprocess.PIPE, timeout=60,
+                                    stderr=subprocess.STDOUT, text=True, check=False, **somebody.identity)
+            self.assertEqual((answer.returncode, answer.stdout.strip()), (3, said))
 
     def test_none_is_left(self):
         """Would catch a run that begins anew, or changes files, when no checkpoint can be used."""

@@ -98,7 +98,7 @@ def migrate(*words):
 
 def check(path):
     """Exit code and what scree --check says of a deck."""
-    answer = subprocess.run([OPTIONS.scree, "--check", str(path)], capture_output=True, text=True,
+    answer = subprocess.run([OPTIONS.scree, "--check", "--no-estimate", str(path)], capture_output=True, text=True,
                             env={**os.environ, **case.OPEN_MPI})
     return answer.returncode, answer.stdout + answer.stderr
 

@@ -64,7 +64,8 @@ def main():
     (names / "scree-post").chmod(0o755)
     places = (options.scree.parent, names, Path(sys.executable).parent)
     path = os.pathsep.join([*map(str, places), os.environ["PATH"]])
-    answer = subprocess.run(["bash", "-c", script(typed)], cwd=folder, text=True, check=False,
+    # a page that waits for what never comes must end too
+    answer = subprocess.run(["timeout", "850", "bash", "-c", script(typed)], cwd=folder, text=True, check=False,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                             env={**os.environ, **case.OPEN_MPI, "PATH": path})
     found = dict(re.findall(rf"^{MARK}(\d+) (\d+ \d+)$", answer.stdout, re.M))

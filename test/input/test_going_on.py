@@ -216,14 +216,14 @@ class GoingOn(unittest.TestCase):
         shape = f"shape = 'points'  file = '{file}'  rotate = 0 0 30  translate = 0.4 0 0"
         run = case.Case(OPTIONS, "boxes", DECK.format(steps=0, **{**SCENE, "every": 30, **boxes, "shape": shape,
                                                                  "body": "packing = 'file'"}))
-        run.run("--check")
+        run.run("--check", "--no-estimate")
         self.assertIn("so 'extent' of", run.output)
         shape = f"shape = 'points'  file = '{file}'"
         for paper, expected in ((".false.", False), (".true.", True)):
             run = case.Case(OPTIONS, "paper", DECK.format(steps=0, **{
                 **SCENE, "every": 30, "more": f"&method paper = {paper} /", "shape": shape,
                 "body": "packing = 'file'"}))
-            run.run("--check")
+            run.run("--check", "--no-estimate")
             self.assertEqual(" s before the places, and the first step takes them" in run.output, expected, run.output)
         first = self.run_of("first", 0, **boxes)
         self.assertEqual(first.snapshots()[0][1].provenance["velocity_lag"], 0.0)

@@ -12,6 +12,7 @@ import time
 import unittest
 
 import case
+import report
 
 OPTIONS = case.arguments(__doc__)
 DECK = """&run dimension = 'plane_strain'  case = 'block' /
@@ -94,7 +95,7 @@ class Jobs(unittest.TestCase):
     def test_pbs_comes_back(self):
         """The same for PBS: the clock of the run ends it, and the script submits itself."""
         if not shutil.which("mpirun"):
-            self.skipTest("there is no mpirun")
+            report.skip_part(self, "there is no mpirun")
         text = self.script("--job", "pbs", "--ranks", "2", "--threads", "3", "--time", "1:00:00")
         self.assertIn("#PBS -l select=2:ncpus=3:mpiprocs=1:ompthreads=3\n", text)
         self.assertIn("#PBS -l walltime=1:00:00\n", text)

@@ -18,7 +18,6 @@ import numpy as np
 import case
 import report
 
-NOT_INSTALLED = 77
 # Runs in the Python of ParaView: prints what it sees at each time of the files that are named.
 READS = """
 import json, sys
@@ -86,8 +85,7 @@ def main():
     """A short run, opened by ParaView."""
     start = command()
     if not start:
-        print("pvbatch, or xvfb-run for it, is not installed")
-        sys.exit(NOT_INSTALLED)
+        report.skip_all("pvbatch, or xvfb-run for it, is not installed")
     options = case.arguments()
     sheet = report.Report()
     shutil.rmtree(options.work / "mine", ignore_errors=True)

@@ -123,7 +123,7 @@ class WholeDeck(unittest.TestCase):
 
     def test_check(self):
         """No error, and one warning: of the word that says what is always so."""
-        _, said = self.run_it("check", "--check")
+        _, said = self.run_it("check", "--check", "--no-estimate")
         self.assertIn(" 0 errors, 1 warnings", said)
         self.assertIn("&grid: sparse = .true. is always so", said)
 

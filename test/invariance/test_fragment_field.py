@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 
 import case
+import report
 
 OPTIONS = case.arguments(__doc__)
 # Three bodies fly apart; their cells have the order in which they stand here, their masses the other one. Tiles are
@@ -165,7 +166,7 @@ class FragmentField(unittest.TestCase):
             from vtkmodules.util.numpy_support import vtk_to_numpy
             from vtkmodules.vtkIOHDF import vtkHDFReader
         except ImportError:
-            self.skipTest("vtk is not installed")
+            report.skip_part(self, "the package vtk is not installed")
         reader = vtkHDFReader()
         reader.SetFileName(str(path))
         reader.Update()

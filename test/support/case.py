@@ -81,11 +81,13 @@ class Case:
         return subprocess.Popen(self.command(*options), env=self.environment, cwd=self.folder,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **how)
 
-    def run(self, *options, expect=0, timeout=250):
-        """Run the program with further options; `expect` is the exit code, None takes any."""
-        answer = subprocess.run(self.command(*options), env=self.environment, timeout=timeout,
+    def run(self, *options, expect=0, timeout=250, **how):
+        """Run the program with further options; `expect` is the exit code, None takes any; `how` goes to
+        subprocess.run, its `env` on top of that of the case."""
+        environment = {**self.environment, **how.pop("env", {})}
+        answer = subprocess.run(self.command(*options), env=environment, timeout=timeout,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                cwd=self.folder)
+                                cwd=self.folder, **how)
         self.code, self.output = answer.returncode, answer.stdout
         if expect is not None and self.code != expect:
             raise AssertionError(

@@ -124,6 +124,17 @@ class Matrix:
         self.sheet.require(run.summary["steps"] == self.steps, f"{self.name}: {text}: all steps")
 
 
+def run_few(options, sheet):
+    """Two small decks on four layouts, balance on, and one restart of each on another layout."""
+    for name, deck, steps in (("column", COLUMN, COLUMN_STEPS), ("bar", BAR, BAR_STEPS)):
+        matrix = Matrix(options, sheet, name, deck, steps)
+        for ranks, threads in ((2, 1), (1, 2), (3, 1)):
+            matrix.whole(ranks, threads, "on")
+        matrix.stopped(steps // 3, (2, 1), ((1, 2),), "on")
+        sheet.require(matrix.moved > 0, f"{name}: tiles moved between ranks")
+        print(f"         {name}: {matrix.digest} in {matrix.runs} runs, {matrix.moved} tiles moved", flush=True)
+
+
 def run_all(options, sheet, ranks, threads, restarts):
     """All decks on the product of ranks, threads and balance; `restarts` tells which of the stops
     at the first, a middle and the last but one step are made."""

@@ -9,7 +9,8 @@
     sheet.skipped("full disk", "needs a file system of its own")
     sheet.end()
 
-Lines that begin with KNOWN or SKIPPED are collected by scripts/run_tests.py, which prints them in one table at the
+In a test of unittest `report.skip_part(self, why)` takes the place of `self.skipTest(why)`, and
+`report.skip_all(why)` leaves a test that cannot run at all. Lines that begin with KNOWN or SKIPPED are collected by scripts/run_tests.py, which prints them in one table at the
 end of every run.
 """
 
@@ -23,6 +24,12 @@ NOT_RUN = 77    # exit code of a test that was skipped whole
 def skipped(what, why):
     """Print that a part of a test was skipped; scripts/run_tests.py lists it."""
     print(f"SKIPPED  {what}: {why}", flush=True)
+
+
+def skip_part(test_case, why):
+    """Leave one test of a unittest.TestCase that cannot run here."""
+    skipped(test_case.id().split(".")[-1], why)
+    test_case.skipTest(why)
 
 
 def skip_all(why):

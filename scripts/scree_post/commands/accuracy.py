@@ -452,8 +452,8 @@ def run(options):
     methods = options.methods.split(",") if options.methods else [None]
     for method in methods:                               # faults of the deck cost nothing
         for _, parts in sizes:
-            code, text = ask(options, ["--check", *words_of(options, method, grid.words(parts)[0]),
-                                       options.deck])
+            code, text = ask(options, ["--check", "--no-estimate", *words_of(options, method,
+                                                                             grid.words(parts)[0]), options.deck])
             if code:
                 raise PostError("the deck is not accepted:\n" + text.strip()[-1500:], code)
     found = {}

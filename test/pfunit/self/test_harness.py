@@ -12,6 +12,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import report  # noqa: E402
+
 HERE = Path(__file__).resolve().parent
 SERIAL, PARALLEL = sys.argv[1], sys.argv[2:]
 
@@ -64,7 +67,7 @@ class Harness(unittest.TestCase):
 
     def test_failure_on_one_rank_is_seen(self):
         if not PARALLEL:
-            self.skipTest("no mpiexec")
+            report.skip_part(self, "there is no mpiexec")
         code, output = run(PARALLEL)
         self.assertNotEqual(code, 0, output)
         self.assertIn("ok   last_of_two_fails [1 ranks]", output)
