@@ -317,7 +317,7 @@ CANTILEVER = """
 """
 
 
-def cantilever(options, name, method="ddmp", words="", spacing=0.25, ppc=3, end=1.3, count=130, may_fail=False):
+def cantilever(options, name, method="ddmp", words="", spacing=0.25, ppc=3, end=1.3, count=65, may_fail=False):
     """A soft beam bends under its weight; displacement of the lower corner of its tip."""
     deck = CANTILEVER.format(method=method, words=words, spacing=spacing, ppc=ppc, end=end)
     run, result = launch(options, name, deck, every=10, count=count, may_fail=may_fail)
