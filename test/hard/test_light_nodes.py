@@ -8,15 +8,16 @@ that does not fit to it, particles that light nodes throw ahead of the fastest b
 A lone particle moves in one step from the middle of its cell to the distance s from a node, under a
 pressure of 0.05 % or 5 % of the modulus. Its strain of the next step may be 1 %, and twice that which it has
 in the middle of the cell where that is more, as the bound lets light nodes move by 3e-3 of a cell.
-Energy is kept to rounding down to 1e-3 of a cell from three faces at once; work and lost energy of the lightest node
-are as large as one over its mass and cancel, so beyond 1e-12 of the mass of the particle (1e-4 of
-a cell in 3-D) rounding
-spoils the energy of the particle. That is shown and not judged.
+Energy is kept to 1e-9, the target. Work and lost energy of the lightest node are p2 dt2/(2 rho m) with its mass m, which
+is 1e-42 of the particle 1e-14 of a cell from three faces, and cancel: one rounding of them is what the energy may be off
+by; the limit is ten of them. Beyond 1e-12 of the mass (1e-4 of a cell in 3-D) that is more than the target, and the
+energy of the particle is spoiled: a known miss.
 
 One of the grains ends up to 14 % faster than any was at the start. It is at the edge of the wall when the grain
 behind it presses it to 65 GPa, and escapes past the edge: its sideways speed of 5.3 km/s is the release of that
 pressure. How fast it gets hangs on where it is then: 1.02 with cfl = 0.2 or transfer = 'flip', 1.01 with APIC, 1.12
-with stress_update = 'musl'. The limit of 1.05 is that of XPIC.
+with stress_update = 'musl'. The target is 1.05, which XPIC meets; with the default it is a known miss, held at
+1.41: no grain may have more than twice its energy.
 """
 # timeout: 120
 
@@ -60,9 +61,10 @@ SPRAY = """
 &checkpoint  at_end=.false. /
 """
 SPEED = 7000.0
+KEPT = 1.0e-9                          # of the energy of a lone particle
 
 
-def lone(options, sheet, dimension, share, distance):
+def lone(options, sheet, worst, dimension, share, distance):
     """Strain of the step of a lone particle at a distance from a node, and the distance."""
     step = 0.3 / 6400.0
     speed = -(0.5 - distance) / step
@@ -78,27 +80,32 @@ def lone(options, sheet, dimension, share, distance):
     volumes = [snap.fields["volume"][0] for snap in snaps]
     sheet.below(f"{name}: velocity changes", max(abs(speeds[2] / speeds[0] - 1.0), 0.0), 1.0e-12)
     error = run.summary["ledger"]["energy_error"]
-    if distance >= 1.0e-3:
-        sheet.below(f"{name}: energy", error, 1.0e-9)
-    else:
-        sheet.note(f"{name}: energy", error)
+    axes = 1 if dimension == "1d" else 3
+    pressure = share * 5328.0 ** 2                 # over the density
+    lost = (pressure * step) ** 2 / (2.0 * distance ** axes) / (0.5 * axes * speed ** 2 + 0.5 * pressure)
+    rounding = 10.0 * np.finfo(float).eps * max(lost, 1.0)
+    sheet.below(f"{name}: energy", error, max(KEPT, rounding))
+    worst.append((abs(error), rounding))
     return np.log(volumes[2] / volumes[1]), np.log(volumes[1] / volumes[0])
 
 
 def lone_particles(options, sheet):
     """Loads, dimensions and distances down to rounding."""
+    energies = []
     for dimension in ("1d", "3d"):
         for share in (0.001, 0.1):
             worst = 0.0
             for distance in (0.1, 1.0e-3, 1.0e-6, 1.0e-10, 1.0e-14):
-                strain, middle = lone(options, sheet, dimension, share, distance)
+                strain, middle = lone(options, sheet, energies, dimension, share, distance)
                 worst = max(worst, abs(strain))
             sheet.require(middle > 0.0, "lone: a pressure opens the particle")
             sheet.below(f"lone {dimension}, pressure {share / 2} of the modulus: strain of a step",
                         worst, max(0.01, 2.0 * middle))
+    error, rounding = max(energies)
+    sheet.known("lone: greatest change of the energy", error, limit=rounding, target=KEPT)
 
 
-def spray(options, sheet, name, limit, *words):
+def spray(options, sheet, name, *words):
     """Grains of one particle, a cell apart, fly into a wall of one particle a cell."""
     grains = ""
     for n in range(9):
@@ -117,10 +124,12 @@ def spray(options, sheet, name, limit, *words):
     sheet.require(table["kinetic"][-1] + table["lost_energy"][-1] < 0.9 * table["kinetic"][0],
                   f"{name}: it meets the wall")
     sheet.require(np.isfinite(last.fields["velocity"]).all(), f"{name}: numbers")
-    sheet.below(f"{name}: greatest speed over that of the grains", greatest / top, limit)
+    if words:
+        sheet.below(f"{name}: greatest speed over that of the grains", greatest / top, 1.05)
+    else:
+        sheet.known(f"{name}: greatest speed over that of the grains", greatest / top, limit=2.0 ** 0.5, target=1.05)
     sheet.below(f"{name}: momentum", ledger["momentum_error"], 1.0e-12)
     sheet.below(f"{name}: energy", ledger["energy_error"], 1.0e-10)
-    sheet.note(f"{name}: steps", run.summary["steps"])
 
 
 def main():
@@ -128,8 +137,8 @@ def main():
     options = case.arguments()
     sheet = report.Report()
     lone_particles(options, sheet)
-    spray(options, sheet, "spray", 1.2)
-    spray(options, sheet, "spray_xpic", 1.05, "-s", "method.transfer='xpic'")
+    spray(options, sheet, "spray")
+    spray(options, sheet, "spray_xpic", "-s", "method.transfer='xpic'")
     sheet.end()
 
 

@@ -5,9 +5,11 @@ Would catch: a filter of velocities that leaves the velocities of particles agai
 that takes the motion of the body with it; a dual gradient without local part, to which nodes that move
 against each other are no strain.
 
-Particles in a cell against each other make no velocity of nodes, so only the way back can take it: with XPIC
-and FMPM the mode must fade by 99 % in 100 steps, while the energy of a free vibration of 25 cells keeps 99 % in
-a period. Nodes against each other: with alpha_0 of a quarter and more this is an oscillation.
+Particles in a cell against each other make no velocity of nodes, so nothing acts on them and only the way back can
+take the mode: FLIP keeps its share `flip` of it in each step, so `flip`**100 after 100 steps, to rounding; with XPIC,
+FMPM and APIC the mode must fade by 99 % in 100 steps, while the energy of a free vibration of 25 cells keeps 99 % in
+a period. Nodes against each other: with alpha_0 of a quarter and more this is an oscillation, whose amplitude does not
+grow (5 % for the half step between velocity and stress); with alpha_0 = 0 no stress sees it and it stays to rounding.
 """
 # timeout: 120
 
@@ -59,22 +61,23 @@ def in_cells(options, sheet):
     """Particles of a cell against each other."""
     def sign(n):
         return (-1) ** n
-    for name, words, limit in (("default", "", None), ("flip", "transfer='flip' flip=1", None),
-                               ("xpic", "transfer='xpic' order_k=2", 0.01),
-                               ("xpic5", "transfer='xpic' order_k=5", 0.01),
-                               ("fmpm", "transfer='fmpm' order_k=3", 0.01),
-                               ("apic", "transfer='apic'", None)):
+    for name, words, kept in (("default", "", 0.999), ("flip", "transfer='flip' flip=1", 1.0),
+                              ("xpic", "transfer='xpic' order_k=2", None),
+                              ("xpic5", "transfer='xpic' order_k=5", None),
+                              ("fmpm", "transfer='fmpm' order_k=3", None),
+                              ("apic", "transfer='apic'", None)):
         run = case.Case(options, f"cells_{name}", BAR.format(
             steps=100, every=100, words=words, halves=halves(sign))).run("-q")
         shares = amplitude(run, sign)
         sheet.require(abs(shares[0] - 1.0) < 1.0e-6 and run.summary["steps"] == 100, "modes: begins")
-        if limit is None:
-            sheet.note(f"in cells, {name}: what is left after 100 steps", float(shares[-1]))
+        if kept is None:
+            sheet.below(f"in cells, {name}: what is left after 100 steps", shares[-1], 0.01)
         else:
-            sheet.below(f"in cells, {name}: what is left after 100 steps", shares[-1], limit)
+            sheet.near(f"in cells, {name}: what is left after 100 steps", float(shares[-1]), kept ** 100, 1.0e-12)
     for name, words in (("xpic", "transfer='xpic' order_k=2"), ("xpic5", "transfer='xpic' order_k=5"),
                         ("fmpm", "transfer='fmpm' order_k=3")):
         result = bodies.free_bar(options, f"bar_{name}", words=words, spacing=1.0)
+        sheet.below(f"free bar, {name}: momentum", result["momentum"], 1.0e-13)
         # 1.8 periods
         sheet.below(f"free bar, {name}: energy lost in a period", result["energy"] / 1.8, 0.01)
 
@@ -85,7 +88,7 @@ def of_nodes(options, sheet):
         return (-1) ** ((n + 1) // 2)
     for alpha in (0.0, 0.25, 0.5, 1.0):
         run = case.Case(options, f"nodes_{alpha}", BAR.format(
-            steps=200, every=1, words=f"alpha_0={alpha} flip=1", halves=halves(sign))).run("-q")
+            steps=60, every=1, words=f"alpha_0={alpha} flip=1", halves=halves(sign))).run("-q")
         shares = amplitude(run, sign)
         least = shares.min()
         sheet.require(abs(shares[0] - 1.0) < 1.0e-6, "nodes: begins")
@@ -93,7 +96,8 @@ def of_nodes(options, sheet):
             sheet.above(f"of nodes, alpha_0 = {alpha}: share that turns round", -least, 0.1)
             sheet.below(f"of nodes, alpha_0 = {alpha}: greatest share", shares.max(), 1.05)
         else:
-            sheet.note(f"of nodes, alpha_0 = {alpha}: least share", float(least))
+            sheet.near(f"of nodes, alpha_0 = {alpha}: least share", float(least), 1.0, 1.0e-12)
+            sheet.near(f"of nodes, alpha_0 = {alpha}: greatest share", float(shares.max()), 1.0, 1.0e-12)
 
 
 def main():

@@ -8,13 +8,20 @@ Where two surfaces meet, the place at which they touch runs ahead; once it is sl
 (J. M. Walsh, R. G. Shreffler, F. J. Willig, J. Appl. Phys. 24 (1953) 349). Where the sphere is inclined by a to the
 sheet that place runs with V = u + w/tan a, with u = w = 4.95 km/s. Seen from there the
 surfaces flow in with V and w/sin a, and a jet of their mean speed leaves halfway between them: 18 km/s (2.6 times
-the impact) for a = 45 degrees, 14 km/s (2.0 times) for 60, 14 to 10 degrees above the sheet. The run has 2.15 at 19
-degrees, GIMP 2.32, `cfl` = 0.2 2.12, XPIC 1.59; half the cells 2.62, with half the mass.
+the impact) for a = 45 degrees, 14 km/s (2.0 times) for 60, 14 to 10 degrees above the sheet. So no particle may be
+faster than 2.6 times the impact (those of the jet are judged alone, H-20 in test/hard/README.md), and the fastest must
+reach 2.0, as far as a jet of less than a cell is seen: three quarters of that, as its particles share their nodes with
+what follows. Its angle is a known miss of 14 degrees, held at 22.5: half of the angle of the surfaces of the fastest
+jet, seen from where they touch, which only gets flatter for one who rests. The jet is made of what lay at the surfaces:
+one layer of particles of the ball where it is inclined by more than 45 degrees to the side ahead, and as much of the
+sheet, are 1.3 % of all. All of it is at least as fast along the sheet as the ball was. After 4 us the jet has left and
+nothing is faster than the impact.
 
 Mirror images are not the same bits, because the nodes of a cell are added in one order of places; rounding grows in
-debris. After 20 steps, when the shock is on its way, they agree to 1e-11 (limit); what is left of it at the
-end is shown. The cloud is coarse, 3 cells through the sheet: its books and its fastest particle are what is asked.
+debris. After 20 steps, when the shock is on its way, they agree to 1e-11: rounding that grew by a factor of 10 in 5
+steps. The cloud is coarse, 3 cells through the sheet: its books and its fastest particles are judged.
 """
+# tiers: smoke, full
 # timeout: 120
 
 import sys
@@ -25,6 +32,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
 
 DECK = """
 &run  dimension='3d' /
@@ -42,6 +50,10 @@ DECK = """
 &output  name='h'  kind='history'  every=10 /
 &checkpoint  at_end=.false. /
 """
+
+
+FASTEST, SLOWEST = 2.6, 2.0            # jets at 45 and at 60 degrees, over the impact
+SLOPE = 1.338                          # of the Hugoniot: no shock presses to less than (s - 1)/s of the volume
 
 
 def fly(options, name, sign, steps, count, speed="4.95"):
@@ -74,7 +86,7 @@ def image(options, sheet):
     sheet.below("image, 20 steps: velocity", np.abs(mine[1] - theirs[1]).max() / 7000.0, 1.0e-11)
 
 
-def late(options, sheet, name, limit, speed):
+def late(options, sheet, name, speed):
     """Debris, until it has flown eight diameters."""
     snaps, run = fly(options, name, 1, 100000, 12, speed)
     speeds = [np.linalg.norm(snap.fields["velocity"], axis=1) / 7000.0 for snap in snaps]
@@ -84,26 +96,31 @@ def late(options, sheet, name, limit, speed):
     failed = snaps[-1].fields["failed"].mean()
     ratio = snaps[-1].fields["volume"] / snaps[-1].fields["mass"] * 2785.0
     sheet.above(f"{name}: share of particles that failed", failed, 0.1)
-    sheet.note(f"{name}: greatest speeds", " ".join(f"{value:.3f}" for value in fastest))
-    sheet.below(f"{name}: greatest speed over that of the impact", max(fastest), limit)
-    sheet.below(f"{name}: share of particles above 1.1", swift, 0.01)
+    print(f"         {name}: greatest speeds " + " ".join(f"{value:.3f}" for value in fastest), flush=True)
+    if name == "oblique":
+        sheet.below(f"{name}: greatest speed over that of the impact", max(fastest), FASTEST)
+        sheet.above(f"{name}: the same, so there is a jet", max(fastest), 0.75 * SLOWEST)
+        sheet.below(f"{name}: share of particles above 1.1", swift, 0.013)
+    else:
+        sheet.below(f"{name}: greatest speed over that of the impact", max(fastest), 1.1)
     for snap, values in zip(snaps, speeds):
         swift_ones = snap.fields["velocity"][values > 1.1]
         if len(swift_ones):
             sheet.above(f"{name}: what is faster flies ahead, least speed along the sheet over that of the impact",
-                        swift_ones[:, 0].min() / 7000.0, 0.7)
+                        swift_ones[:, 0].min() / 7000.0, 0.7071)
     most = int(np.argmax(fastest))
-    if fastest[most] > 1.5:
+    if name == "oblique":
         jet = snaps[most].fields["velocity"][speeds[most] > 1.5].mean(axis=0)
-        sheet.near(f"{name}: angle of the jet with the sheet [degree]",
-                   np.degrees(np.arctan2(-jet[2], jet[0])), 20.0, 0.7)
+        angle = float(np.degrees(np.arctan2(-jet[2], jet[0])))
+        sheet.above(f"{name}: angle of the jet with the sheet [degree]", angle, 10.0)
+        sheet.known(f"{name}: angle of the jet with the sheet [degree]", angle, limit=22.5, target=14.0)
     sheet.below(f"{name}: the same after the impact, 4 us", max(fastest[6:]), 1.0)
     sheet.below(f"{name}: growth of it from then on", max(
         after / before for before, after in zip(fastest[6:], fastest[7:])), 1.001)
     sheet.below(f"{name}: momentum", ledger["momentum_error"], 1.0e-12)
-    sheet.below(f"{name}: energy", ledger["energy_error"], 1.0e-2)
-    sheet.note(f"{name}: steps", run.summary["steps"])
-    sheet.note(f"{name}: ratios of volumes", f"{ratio.min():.3g} to {ratio.max():.3g}")
+    sheet.below(f"{name}: energy", ledger["energy_error"], 1.0e-12)
+    sheet.above(f"{name}: least ratio of volumes", float(ratio.min()), (SLOPE - 1.0) / SLOPE)
+    sheet.require(np.isfinite(ratio).all(), f"{name}: volumes are finite")
 
 
 def main():
@@ -111,8 +128,9 @@ def main():
     options = case.arguments()
     sheet = report.Report()
     image(options, sheet)
-    late(options, sheet, "oblique", 2.5, "4.95")
-    late(options, sheet, "normal", 1.1, "7.0")
+    if tier.NAME != "smoke":
+        late(options, sheet, "oblique", "4.95")
+        late(options, sheet, "normal", "7.0")
     sheet.end()
 
 

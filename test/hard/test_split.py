@@ -3,8 +3,13 @@
 
 Would catch: halves with the mass, volume or energy of the whole, at one place, moved across instead of
 along the edge, or with velocities that do not part (they then tear apart from others); energy or angular
-momentum that halving makes; identities that come twice or depend on ranks, a restart that forgets edges.
+angular momentum that halving makes; identities that come twice or depend on ranks, a restart that forgets edges.
+
+Limits. With halves particles stay in touch, so the volume of an inner one is within 2 % of the stretch to the end, twice
+the error at which test_torn.py counts a bar as off, and closer than without halves. Without halves the line must
+come off before the end, or nothing is shown. Mass, momentum, energy: rounding.
 """
+# tiers: smoke, full
 # timeout: 120
 
 import sys
@@ -15,6 +20,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
 
 # Particles fly apart with velocities that grow with the place, turned by 30 degrees in the plane.
 STRETCH = """
@@ -81,8 +87,9 @@ def breaks(run):
 
 def stretched(options, sheet):
     """Lines and plates, with halves and without."""
-    for method in ("ddmp", "mpm"):
-        for dimension, end, least in (("1d", 3.0, 3.99), ("plane_strain", 2.5, 3.49)):
+    problems = (("1d", 3.0), ("plane_strain", 2.5))
+    for method in tier.choose(("ddmp", "mpm"), smoke=("ddmp",)):
+        for dimension, end in tier.choose(problems, smoke=problems[:1]):
             name = f"{method}_{dimension}"
             reached, errors = [], []
             for split in (".false.", ".true."):
@@ -91,11 +98,12 @@ def stretched(options, sheet):
                 found, worst = breaks(run)
                 reached.append(min(found, 1.0 + end))
                 errors.append(worst)
-                sheet.note(f"{name}, split {split}: off by 2 % at a stretch of",
-                           f"{found} (at the end {worst:.4f})")
-            sheet.above(f"{name}: stretch with halves", reached[1], least)
-            sheet.below(f"{name}: error of the volume over that without halves",
-                        errors[1] / errors[0], 0.8)
+                print(f"         {name}, split {split}: off by 2 % at a stretch of {found} (at the end {worst:.4f})",
+                      flush=True)
+            sheet.above(f"{name}: stretch with halves", reached[1], 1.0 + end)
+            sheet.below(f"{name}: error of the volume over that without halves", errors[1] / errors[0], 1.0)
+            if dimension == "1d":
+                sheet.below(f"{name}: stretch without halves", reached[0], 0.75 * (1.0 + end))
             ledger, last = run.summary["ledger"], run.snapshots()[-1][1]
             sheet.above(f"{name}: halved", run.summary["particles_halved"], 16)
             sheet.below(f"{name}: mass", ledger["mass_error"], 1.0e-14)
@@ -124,7 +132,8 @@ def main():
     options = case.arguments()
     sheet = report.Report()
     stretched(options, sheet)
-    books(options, sheet)
+    if tier.NAME != "smoke":
+        books(options, sheet)
     sheet.end()
 
 

@@ -2,17 +2,25 @@
 """A bar that is stretched without end, and a bar that breaks.
 
 Would catch: strain of a stretch that is not that of the places, a body that falls apart between
-particles too early, momentum or energy that breaking makes.
+particles too early, momentum or energy that breaking makes, an end that is strained more than the bar or pushed
+together.
 
-Particles fly apart with velocities that grow with the place, at a load that does not slow them, so
-the ratio of volumes is
-exactly the stretch as long as particles feel each other. The stretch at which one of them is off by 1 % is
-told for each choice; with the default it must reach that at which neighbours are 0.8 cells apart.
+Particles fly apart with velocities that grow with the place, at a load that does not slow them, so the ratio of volumes
+is exactly the stretch as long as particles feel each other. With any basis neighbours have a common node until they
+are one cell apart: until then, and with CPDI, whose particles grow with the bar, to the end, the target is an error of
+1 %. It is missed where the sums over a particle or less for a node are uneven: known misses, held at 10 %, a fifth of
+what a particle that lost one of its two neighbours has.
 
-Breaking leaves the energy of materials that carry one to rounding. Without, the books count what flow and
-viscosity took, and the energy of what failed is off by the loss: 0.1 % here (limit 1 %), at once or with
-a fracture energy.
+These are the particles that began more than two cells from the ends. A node of the cell of an end has particles on one
+side only, and gives its velocity, that of their centre, to two cells: strain is missing there with every basis. That
+is a known miss of the same target. An end that is not strained at all is off by 1 - 1/stretch; that is the limit.
+
+Breaking leaves the energy of materials that carry one to rounding. Without, the books count what flow and viscosity
+took, and the energy of what failed is off by the loss: target 1 %, at once or with a fracture energy. With
+`failure_delay` the stress drops from above the strength and leaves motion that nodes do not see: a known miss, held at
+5 %. The halves pull with at most rho c v, so a broken end gains at most the speed v of the halves: twice v is the limit.
 """
+# tiers: smoke, full
 # timeout: 120
 
 import sys
@@ -23,6 +31,11 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
+
+CHOICES = (("ddmp", 2, "ddmp", ""), ("ddmp", 4, "ddmp", ""), ("linear", 2, "mpm", ""),
+           ("gimp", 2, "mpm", "basis='gimp'"), ("quadratic", 2, "mpm", "basis='quadratic'"),
+           ("cpdi", 2, "mpm", "basis='cpdi'"))
 
 STRETCH = """
 &run  dimension='1d'  method='{method}' /
@@ -55,8 +68,8 @@ BREAK = """
 """
 
 
-def stretch(options, sheet, name, ppc, method, words):
-    """Stretch at which particles lose each other."""
+def stretch(options, name, ppc, method, words):
+    """Greatest error of the volume inside, until neighbours are a cell apart and to the end, and at an end."""
     count = 10 * ppc
     parts = ""
     for n in range(count):
@@ -67,15 +80,44 @@ def stretch(options, sheet, name, ppc, method, words):
                   f"velocity={middle!r},0,0 /\n")
     run = case.Case(options, f"stretch_{name}_{ppc}", STRETCH.format(
         method=method, words=words, parts=parts)).run("-q")
-    broken = np.inf
+    found = {"run": run, "touching": 0.0, "later": 0.0, "end": 0.0, "least": 1.0, "count": count}
     for time, snap in run.snapshots():
-        inner = np.abs(snap.points[:, 0]) < 0.6 * np.abs(snap.points[:, 0]).max()
-        ratio = snap.fields["volume"] / snap.fields["mass"] * 1.0
-        if np.abs(ratio[inner] / (1.0 + time) - 1.0).max() > 0.01:
-            broken = 1.0 + time
-            break
-    sheet.note(f"stretch {name}, {ppc} a cell: breaks at a stretch of", float(broken))
-    return broken
+        begun = np.abs(snap.points[:, 0]) / (1.0 + time)
+        error = snap.fields["volume"] / snap.fields["mass"] / (1.0 + time) - 1.0
+        inside = np.abs(error[begun < 3.0]).max()
+        found["touching" if 1.0 + time <= ppc + 1.0e-6 else "later"] = max(
+            inside, found["touching" if 1.0 + time <= ppc + 1.0e-6 else "later"])
+        found["particles"] = len(snap.points)
+        ends = begun >= 3.0
+        found["end"] = np.abs(error[ends]).max()
+        found["least"] = (snap.fields["volume"] / snap.fields["mass"])[ends].min()
+    print(f"         stretch {name}, {ppc} a cell: " + ", ".join(
+        f"{key} {found[key]:.4f}" for key in ("touching", "later", "end", "least")), flush=True)
+    return found
+
+
+MEETS = 0.01                           # target of the error of a volume
+EVEN = ("gimp", "quadratic")           # bases that meet it
+
+
+def stretched(options, sheet):
+    """All bases with two particles a cell, the default with four."""
+    ends = []
+    for name, ppc, method, words in CHOICES[:tier.choose(len(CHOICES), smoke=1)]:
+        found = stretch(options, name, ppc, method, words)
+        label = f"stretch {name}, {ppc} a cell"
+        sheet.require(found["particles"] == found["count"], f"{label}: all particles are there")
+        sheet.below(f"{label}: momentum", found["run"].summary["ledger"]["momentum_error"], 1.0e-13)
+        keys = ("touching", "later") if name == "cpdi" else ("touching",)
+        for key in keys:
+            text = f"{label}: error of the volume" + (", later" if key == "later" else "")
+            if name in EVEN:
+                sheet.below(text, found[key], MEETS)
+            else:
+                sheet.known(text, found[key], limit=0.1, target=MEETS)
+        ends.append(found["end"])
+        sheet.above(f"{label}: least stretch at an end", found["least"], 1.0)
+    sheet.known("stretch of 4: error at an end, the worst of all bases", max(ends), limit=0.75, target=MEETS)
 
 
 def breaking(options, sheet):
@@ -85,7 +127,7 @@ def breaking(options, sheet):
     for name, moduli, thermal in (("plain", "young=7.0e10  poisson=0.2", ".false."),
                                   ("heat", mie, ".true.")):
         for failed, ramp in (("rubble", ""), ("nothing", ""), ("rubble", "fracture_energy=8000"),
-                             ("rubble", "failure_delay=4.0e-4"))[:3 if name == "plain" else 4]:
+                             ("rubble", "failure_delay=4.0e-4"))[:tier.choose(4, smoke=1)]:
             word = ramp.partition("=")[0] or "at once"
             run = case.Case(options, f"break_{name}_{failed}_{word.replace(' ', '_')}", BREAK.format(
                 moduli=moduli, thermal=thermal, failed=failed, ramp=ramp)).run("-q")
@@ -94,23 +136,22 @@ def breaking(options, sheet):
             sheet.require(0.01 < share < 0.9, f"{label}: a share of {share:.2f} failed")
             ledger = run.summary["ledger"]
             sheet.below(f"{label}: momentum", ledger["momentum_error"], 1.0e-12)
-            sheet.below(f"{label}: energy", ledger["energy_error"], 0.01)
+            if name == "heat":
+                sheet.below(f"{label}: energy", ledger["energy_error"], 1.0e-13)
+            elif "delay" in ramp:
+                sheet.known(f"{label}: energy", ledger["energy_error"], limit=0.05, target=0.01)
+            else:
+                sheet.below(f"{label}: energy", ledger["energy_error"], 0.01)
             greatest = max(np.linalg.norm(snap.fields["velocity"], axis=1).max()
                            for _, snap in run.snapshots())
             sheet.below(f"{label}: greatest speed over that at the start", greatest / 3.0, 2.0)
-            sheet.note(f"{label}: failed", float(share))
 
 
 def main():
     """Both."""
     options = case.arguments()
     sheet = report.Report()
-    choices = (("ddmp", "ddmp", ""), ("linear", "mpm", ""), ("gimp", "mpm", "basis='gimp'"),
-               ("quadratic", "mpm", "basis='quadratic'"), ("cpdi", "mpm", "basis='cpdi'"))
-    for ppc, chosen in ((2, choices), (4, choices[:1])):
-        found = {name: stretch(options, sheet, name, ppc, method, words)
-                 for name, method, words in chosen}
-        sheet.above(f"stretch of ddmp, {ppc} a cell", found["ddmp"], 0.8 * ppc)
+    stretched(options, sheet)
     breaking(options, sheet)
     sheet.end()
 

@@ -5,11 +5,17 @@ Would catch: loose sand that resists or pulls while it is open, volume that sand
 halves of a body that still feel each other when they are apart,
 gaps between particles that bear pressure.
 
-The volume at the end should be that at the start within 1 %. The volume of a particle follows the velocity
-gradient and not the places of its neighbours, so by default the sum of the volumes is 7 % too large (limit 10 %) and
-the heap, with gaps that bear pressure, 14 %; with `voids` it is the same. With volume_from = 'grid' the sum of the
-volumes is judged at 1 % and the volume under the highest particles at 3 %: particles that lie irregularly are packed
-a little too well. The weight takes 0.5 % of both.
+The volume at the end should be that at the start: target 1 %, of which the weight takes 0.5 %. The volume of a
+particle follows the velocity gradient and not the places of its neighbours, so by default the sum of the volumes and
+the heap, with gaps that bear pressure, are too large; with `voids` it is the same. Known misses, held at 16 %: grains
+that fall back loosely (0.55 of the volume, loose random packing) take that much more than dense ones (0.64). With
+volume_from = 'grid' the sum of the volumes meets the target; the volume under the highest particles misses it,
+particles that lie irregularly are packed a little too well, and is held at the height of half a particle, a quarter of
+a cell of eight.
+
+In flight the halves are apart and bear no stress; their mean velocities are those of free fall within 2 % of their
+first speed, the target, as they share nodes until they are a cell apart. At the end the sand is at rest: no particle
+moves by more than half a cell a second.
 """
 # timeout: 120
 
@@ -43,6 +49,9 @@ SAND = """
 """
 
 
+TARGET, LOOSE = 0.01, 0.64 / 0.55 - 1.0
+
+
 def heap(snap):
     """Mean height of the highest particles over strips of a cell, and half a particle, over the first height."""
     across, up = snap.points[:, 0], snap.points[:, 2]
@@ -50,7 +59,7 @@ def heap(snap):
 
 
 def toss(options, sheet, name, words, most, highest):
-    """The upper half flies up at 9 m/s, the lower one at 5 m/s; both fall and come to rest."""
+    """Limits of the volume and of the heap, None where the target is met. The upper half flies up at 9 m/s, the lower one at 5 m/s; both fall and come to rest."""
     run = case.Case(options, name, SAND.format(
         end=14.0, effects="", words=words, slow=5, fast=9)).run("-q")
     snaps = run.snapshots()
@@ -59,31 +68,33 @@ def toss(options, sheet, name, words, most, highest):
     for time, snap in aloft:
         upper, lower = (snap.fields["body"] == number for number in (2, 1))
         gap = snap.points[upper, 2].min() - snap.points[lower, 2].max()
-        sheet.note(f"{name}, {time:.2f} s: gap of the halves [cell]", float(gap))
+        sheet.above(f"{name}, {time:.2f} s: gap of the halves [cell]", float(gap), 1.0)
         for half, start in ((upper, 9.0), (lower, 5.0)):
             mean = np.average(snap.fields["velocity"][half, 2], weights=snap.fields["mass"][half])
             sheet.below(f"{name}, {time:.2f} s: velocity of a half off free fall",
                         (mean - (start - 10.0 * time)) / start, 0.02)
         sheet.below(f"{name}, {time:.2f} s: stress over weight of the heap",
-                    np.abs(snap.fields["stress"]).max() / (1600 * 10 * 8), 0.05)
+                    np.abs(snap.fields["stress"]).max() / (1600 * 10 * 8), 1.0e-10)
     last = snaps[-1][1]
     packed = np.mean([snap.fields["volume"].sum() for _, snap in snaps[-20:]]) \
         / (last.fields["mass"].sum() / 1600.0)
     speed = np.linalg.norm(last.fields["velocity"], axis=1).max()
-    sheet.note(f"{name}: greatest speed at the end", float(speed))
-    sheet.below(f"{name}: volume at the end over that at the start, less 1", packed - 1.0, most)
-    sheet.below(f"{name}: volume under the heap over that at the start, less 1",
-                np.mean([heap(snap) for _, snap in snaps[-20:]]) - 1.0, highest)
-    ledger = run.summary["ledger"]
-    sheet.below(f"{name}: momentum", ledger["momentum_error"], 1.0e-10)
+    sheet.below(f"{name}: greatest speed at the end [m/s]", float(speed), 0.5)
+    for label, value, limit in (("volume at the end", packed - 1.0, most), ("volume under the heap", np.mean(
+            [heap(snap) for _, snap in snaps[-20:]]) - 1.0, highest)):
+        if limit is None:
+            sheet.below(f"{name}: {label} over that at the start, less 1", value, TARGET)
+        else:
+            sheet.known(f"{name}: {label} over that at the start, less 1", float(value), limit=limit, target=TARGET)
+    sheet.below(f"{name}: momentum", run.summary["ledger"]["momentum_error"], 1.0e-12)
 
 
 def main():
     """Sand."""
     options = case.arguments()
     sheet = report.Report()
-    toss(options, sheet, "toss", "", 0.1, 0.2)
-    toss(options, sheet, "toss_grid", "volume_from='grid'", 0.01, 0.03)
+    toss(options, sheet, "toss", "", LOOSE, LOOSE)
+    toss(options, sheet, "toss_grid", "volume_from='grid'", None, 0.25 / 8.0)
     sheet.end()
 
 

@@ -119,8 +119,6 @@ def bend(options, name, poisson, spacing, words="", method="ddmp", ppc=2):
     deck = DECK.format(method=method, words=words, spacing=spacing, ppc=ppc, poisson=poisson, end=end, young=YOUNG,
                        density=DENSITY, gravity=-GRAVITY, length=LENGTH, height=HEIGHT)
     run, result = bodies.launch(options, name, deck, every=50, count=60)
-    if result["code"]:
-        return result
     snaps = run.snapshots()
     first = snaps[0][1]
     order = np.argsort(first.fields["identity"])

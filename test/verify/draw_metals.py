@@ -23,7 +23,7 @@ import case               # noqa: E402
 import taylor             # noqa: E402
 import test_flyer         # noqa: E402
 import test_precursor     # noqa: E402
-import test_taylor_fine   # noqa: E402
+import test_taylor        # noqa: E402
 
 FOLDER = HERE.parents[1] / "doc" / "theory" / "figures"
 STYLE = {"font.size": 8, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 1.2, "figure.dpi": 100,
@@ -59,8 +59,8 @@ def bars(options):
     left.set(ylim=(-0.5, 28.5), ylabel="z [mm]", xticks=[])
     left.legend(loc="upper right", fontsize=6)
     figure.colorbar(shown, ax=left, label="plastic strain", shrink=0.55)
-    for name in test_taylor_fine.METHODS:
-        method, words = test_taylor_fine.METHODS[name]
+    for name in test_taylor.METHODS:
+        method, words = test_taylor.METHODS[name]
         cells = (0.8, 0.4, 0.2)
         found = [taylor.strike(options, "curve", taylor.CLASSIC, h, words, method, timeout=600) for h in cells]
         right.plot(cells, [1e3 * run["foot"] for run in found], "o-", ms=3, label=name)

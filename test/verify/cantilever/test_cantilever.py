@@ -11,8 +11,9 @@ elements give for the lower corner of the tip a first minimum of -3.27 m (-3.28 
 beside it. What follows the minimum is not compared: the tip then swings to the left and shares nodes with the
 wall that clamps the beam, which reaches up and down here and does not in the finite elements.
 
-Limits: deflection 1.5 %, time 5 %, energy in the books 3 % of the work of gravity (the half step between
-velocities and stresses is a part of that).
+Limits: deflection 1.5 %, time 5 %, as references differ by; energy in the books 3 % of the work of gravity: w dt/2 =
+0.4 % is that of the half step between velocities and stresses, the rest a target. The plain method misses the last: a
+known miss, held at twice the target.
 """
 
 import sys
@@ -26,34 +27,28 @@ import report  # noqa: E402
 FALL, WHEN = -3.27, 1.045              # [m], [s]
 
 
-def bend(options, name, *words, **more):
-    """One beam, shown."""
+def bend(options, sheet, name, *words, **more):
+    """One beam and its limits."""
     result = bodies.cantilever(options, name, *words, **more)
-    print(f"         {name}: " + (f"deflection {result['fall']:.4f} m at {result['when']:.3f} s, energy "
-                                  f"{result['energy']:.2e}, {result['steps']} steps" if not result["code"]
-                                  else f"exit code {result['code']}"), flush=True)
-    return result
-
-
-def judge(sheet, name, result):
-    """The limits."""
-    sheet.require(result["code"] == 0, f"{name}: runs")
-    if result["code"] == 0:
-        sheet.near(f"{name}: first minimum of the tip [m]", result["fall"], FALL, 0.015)
-        sheet.near(f"{name}: its time [s]", result["when"], WHEN, 0.05)
+    print(f"         {name}: deflection {result['fall']:.4f} m at {result['when']:.3f} s, energy "
+          f"{result['energy']:.2e}, {result['steps']} steps", flush=True)
+    sheet.near(f"{name}: first minimum of the tip [m]", result["fall"], FALL, 0.015)
+    sheet.near(f"{name}: its time [s]", result["when"], WHEN, 0.05)
+    if name == "mpm":
+        sheet.known("mpm: energy in the books", result["energy"], limit=0.06, target=0.03)
+    else:
         sheet.below(f"{name}: energy in the books", result["energy"], 0.03)
 
 
 def main():
-    """The default, GIMP and CPDI are judged, others are shown."""
+    """Both quadratures of the default method, and the plain method with four bases."""
     options = case.arguments()
     sheet = report.Report()
-    judge(sheet, "ddmp", bend(options, "ddmp"))
-    judge(sheet, "gimp", bend(options, "gimp", "mpm", "basis='gimp'"))
-    judge(sheet, "cpdi", bend(options, "cpdi", "mpm", "basis='cpdi'"))
-    for name, words in (("mpm", ""), ("quadratic", "basis='quadratic'")):
-        bend(options, name, "mpm", words)
-    bend(options, "control", "ddmp", "quadrature='control'")
+    bend(options, sheet, "ddmp")
+    bend(options, sheet, "control", "ddmp", "quadrature='control'")
+    for name, words in (("gimp", "basis='gimp'"), ("cpdi", "basis='cpdi'"), ("mpm", ""),
+                        ("quadratic", "basis='quadratic'")):
+        bend(options, sheet, name, "mpm", words)
     sheet.end()
 
 

@@ -10,10 +10,14 @@ second time and its top has moved by 0.96 m. The reference is the chain of 1000 
 test/support/bodies.py: P = E (F - 1/F)/2 on the material. It is held against d'Alembert here: for small
 gravity the mean velocity is -g t + g c t2/(2 L) until 2 L/c.
 
-Limits for 40 cells with four particles each: stress 2.2 % of the weight on the foot (root mean square; the
-stress has kinks, and moves across 3.8 cells), mean velocity 0.9 %; rate of the stress above 0.8, of the
-displacement above 1.2. The plain method is shown: it is wrong by 40 % of the weight.
+Limits for 40 cells with four particles each. Stress (root mean square): the weight of one cell over that on the
+foot, h/L = 2.5 %, as the stress of a particle may be that of its neighbour. Mean velocity: target 1 %. Displacement:
+a hundredth of a cell. Rates: the stress has kinks, so it is of first order and the displacement of order 1.5 at best;
+0.8 and 1.2. GIMP and quadratic splines, whose noise of crossing does not fall with the cells, miss the limit of the
+stress: known misses, held at a tenth of the weight. The plain method is the control: its stress must be off by more
+than that tenth, or nothing crosses.
 """
+# tiers: smoke, full
 
 import sys
 from pathlib import Path
@@ -24,7 +28,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import bodies  # noqa: E402
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
 
+NOISY = ("gimp", "quadratic")
 OTHERS = {"mpm": ("mpm", ""), "gimp": ("mpm", "basis='gimp'"), "quadratic": ("mpm", "basis='quadratic'"),
           "cubic": ("mpm", "basis='cubic'"), "control": ("ddmp", "quadrature='control'"),
           "usf": ("ddmp", "stress_update='usf'"), "musl": ("ddmp", "stress_update='musl'")}
@@ -33,10 +39,21 @@ OTHERS = {"mpm": ("mpm", ""), "gimp": ("mpm", "basis='gimp'"), "quadratic": ("mp
 def fall(options, name, *words, cells=40):
     """One column, shown."""
     result = bodies.column(options, name, *words, cells=cells)
-    print(f"         {name}: " + (", ".join(f"{key} {result[key]:.2e}" for key in
-                                            ("displacement", "stress", "velocity", "crossed"))
-          if not result["code"] else f"exit code {result['code']}"), flush=True)
+    print(f"         {name}: " + ", ".join(f"{key} {result[key]:.2e}" for key in
+                                           ("displacement", "stress", "velocity", "crossed")), flush=True)
     return result
+
+
+def judge(sheet, name, result):
+    """Limits with 40 cells."""
+    sheet.require(result["particles"] == 160, f"{name}: the column keeps its particles")
+    sheet.above(f"{name}: cells crossed by some particle", result["crossed"], 3.0)
+    sheet.below(f"{name}: mean velocity", result["velocity"], 0.01)
+    if name in NOISY:
+        sheet.known(f"{name}: stress over the weight on the foot", result["stress"], limit=0.1, target=1.0 / 40)
+    else:
+        sheet.below(f"{name}: stress over the weight on the foot", result["stress"], 1.0 / 40)
+        sheet.below(f"{name}: displacement [m]", result["displacement"], 0.01 * 0.25)
 
 
 def main():
@@ -47,17 +64,18 @@ def main():
     speed = np.sqrt(1.0e6 / 1000.0)
     right = -0.001 * small["time"] + 0.001 * speed * small["time"] ** 2 / 20.0
     sheet.below("chain: mean velocity, small gravity", bodies.rms(small["mean"] - right) / np.abs(right).max(), 1.0e-3)
-    runs = [fall(options, f"cells_{cells}", cells=cells) for cells in (20, 40, 80)]
-    sheet.require(runs[1]["particles"] == 160, "the column keeps its particles")
-    sheet.above("cells crossed by some particle", runs[1]["crossed"], 3.0)
-    sheet.below("stress over the weight on the foot", runs[1]["stress"], 0.022)
-    sheet.below("mean velocity", runs[1]["velocity"], 0.009)
-    sheet.below("displacement [m]", runs[1]["displacement"], 2.0e-3)
+    runs = [fall(options, f"cells_{cells}", cells=cells) for cells in tier.choose((20, 40, 80), smoke=(20, 40))]
+    judge(sheet, "default", runs[1])
     for key, least in (("stress", 0.8), ("displacement", 1.2)):
         for rate in bodies.rates([result[key] for result in runs]):
             sheet.above(f"rate of {key}", rate, least)
-    for name, words in OTHERS.items():
-        fall(options, name, *words)
+    if tier.NAME != "smoke":
+        for name, words in OTHERS.items():
+            result = fall(options, name, *words)
+            if name == "mpm":
+                sheet.above("mpm: stress over the weight on the foot", result["stress"], 0.1)
+            else:
+                judge(sheet, name, result)
     sheet.end()
 
 

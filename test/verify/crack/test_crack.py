@@ -3,17 +3,23 @@
 
 Would catch: strength that is lost at a rate which does not follow the cell, the band of another basis, the direction of
 the crack or the particles of a cell; a crack that takes its energy twice because two bands open; energy that is in no
-books; a deck whose cells are too large to be true.
+books; a crack that takes more or less for its direction; a deck whose cells are too large to be true.
 
 A bar hangs at one end, the other is drawn away slowly. With 100 J/m2, E = 30 GPa and 2.7 MPa in its weakest cell the
 load rises to 2.7 MPa at 36 um and, after the linear curve, is gone at 74 um. Energy of the crack is what the books
-have as plastic work, as nothing flows; it must be 100 J/m2 within 2 %, and the load that of the curve; with ddmp, whose
-gradient drags particles beside the crack along, within 12 %.
-With an internal energy the books close to rounding; without, damping of the transfer is what they miss.
+have as plastic work, as nothing flows.
 
-A bar oblique to the grid is torn by halves that fly apart. Its crack is told and not judged: bands of cells prefer the
-axes of the grid, a known limit of all crack bands (J. G. Rots, thesis, Delft 1988).
+Limits. Energy: target 10 % for all (H-22 in test/hard/README.md), 2 % where the band is as wide as the crack band
+theory says, which bases of points of one cell have. Load against the curve, mean error over the strength: target 2 %.
+With an internal energy the books close to rounding; without, damping of the transfer is what they miss: target 1 %.
+With ddmp, whose gradient drags particles beside the crack along, the load is a known miss, held at 10 %, and the energy
+with four particles a cell at twice the target.
+
+A bar oblique to the grid is torn by halves that fly apart. Bands of cells prefer the axes of the grid, a known limit
+of all crack bands (J. G. Rots, thesis, Delft 1988): at 45 degrees the energy misses its target, and is held at twice
+that.
 """
+# tiers: smoke, full
 # timeout: 180
 
 import sys
@@ -26,6 +32,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import bars    # noqa: E402
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
+
+TARGET = 0.1                           # of the energy of a crack
+CLOSE = 0.02                           # of it where the width of the band is known, and of the load
 
 HEAT = "eos_model='mie_gruneisen'  mg_c0=2500  mg_s=1.3  mg_gamma=1  shear=12.5e9  specific_heat=800"
 
@@ -53,48 +63,67 @@ def cells(options, sheet):
     for method, words, ppc, least in (("mpm", "", 2, 8), ("ddmp", "", 2, 8), ("ddmp", "", 4, 8),
                                       ("mpm", "basis='gimp'", 4, 8)):
         label = f"{words[7:-1] or method}, {ppc} a cell"
-        for count in (8, 16, 32, 64):
+        energies, loads = [], []
+        if tier.NAME == "smoke" and (ppc == 4 or words):
+            continue
+        for count in tier.choose((8, 16, 32, 64), smoke=(8, 16)):
             if count == 64 and (ppc == 4 or words):
                 continue
             result = bars.pull(options, f"bar_{label[:4]}_{ppc}_{count}".replace(",", ""), cells=count, method=method,
                                words=words, ppc=ppc)
-            sheet.near(f"{label}, {count} cells: energy of the crack", result["energy"], bars.ENERGY,
-                       0.12 if method == "ddmp" else 0.02)
+            energies.append(result["energy"] / bars.ENERGY - 1.0)
             way, load = bars.load(result)
-            off = np.abs(load - np.array(bars.exact(way))).mean() / bars.WEAK
-            sheet.below(f"{label}, {count} cells: mean error of the load over the strength", off,
-                        0.02 if method == "mpm" else 0.08)
+            loads.append(np.abs(load - np.array(bars.exact(way))).mean() / bars.WEAK)
+            print(f"         {label}, {count} cells: energy of the crack {energies[-1]:+.4f}, load {loads[-1]:.4f}",
+                  flush=True)
             sheet.below(f"{label}, {count} cells: energy that is in no books", result["ledger"]["energy_error"], 0.01)
             sheet.require(result["failed"] == ppc, f"{label}, {count} cells: one cell breaks")
+        worst = max(energies, key=abs)
+        if method == "mpm":
+            sheet.below(f"{label}: error of the energy, the worst", worst, CLOSE)
+            sheet.below(f"{label}: mean error of the load over the strength, the worst", max(loads), CLOSE)
+            continue
+        if ppc == 2:
+            sheet.below(f"{label}: error of the energy, the worst", worst, TARGET)
+            sheet.below(f"{label}: the same, finest over coarsest", energies[-1] / energies[0], 0.5)
+        else:
+            sheet.known(f"{label}: error of the energy, the worst", worst, limit=2.0 * TARGET, target=TARGET)
+        sheet.known(f"{label}: mean error of the load over the strength, the worst", max(loads), limit=0.1,
+                    target=CLOSE)
 
 
 def others(options, sheet):
     """Planes and space, smoother functions, the other curve, and an internal energy."""
     fast = {"speed": 0.02, "end": 0.007, "poisson": 0.2}
     for name, words in (("plane", {"dimension": "plane_strain", **fast}), ("space", {"dimension": "3d", **fast})):
-        for method, limit in (("mpm", 0.02), ("ddmp", 0.12)):
+        for method, limit in (("mpm", CLOSE), ("ddmp", TARGET)):
             result = bars.pull(options, f"{name}_{method}", method=method, **words)
             sheet.near(f"{name}, {method}: energy of the crack", result["energy"], bars.ENERGY, limit)
     for basis in ("quadratic", "cubic"):
         result = bars.pull(options, basis, method="mpm", words=f"basis='{basis}'", cells=16, end=0.02)
-        sheet.near(f"{basis}: energy of the crack", result["energy"], bars.ENERGY, 0.1)
+        sheet.near(f"{basis}: energy of the crack", result["energy"], bars.ENERGY, TARGET)
     result = bars.pull(options, "curve", method="mpm", cells=16, curve="exponential", end=0.03)
-    sheet.near("exponential: energy of the crack", result["energy"], bars.ENERGY, 0.1)
+    sheet.near("exponential: energy of the crack", result["energy"], bars.ENERGY, TARGET)
     for method in ("mpm", "ddmp"):
         result = bars.pull(options, f"heat_{method}", method=method, cells=16, law=HEAT, effects="thermal=.true.")
-        sheet.near(f"with internal energy, {method}: energy of the crack", result["energy"], bars.ENERGY, 0.1)
+        sheet.near(f"with internal energy, {method}: energy of the crack", result["energy"], bars.ENERGY, TARGET)
         sheet.below(f"with internal energy, {method}: energy in no books", result["ledger"]["energy_error"], 1.0e-13)
 
 
 def oblique(options, sheet):
-    """Told: cracks in no direction of the grid."""
+    """Cracks in directions that are not those of the grid."""
     for angle in (0, 20, 45):
         turn = np.radians(angle)
         ahead = f"{0.8 * np.cos(turn)!s},0,{-0.8 * np.sin(turn)!s}"
         back = f"{-0.8 * np.cos(turn)!s},0,{0.8 * np.sin(turn)!s}"
         run = case.Case(options, f"oblique_{angle}", OBLIQUE.format(method="mpm", angle=angle, left=back,
                                                                     right=ahead)).run("-q")
-        sheet.note(f"oblique by {angle} degrees: energy of the crack", float(run.history["plastic"][-1]) / 0.1)
+        off = float(run.history["plastic"][-1]) / 0.1 / bars.ENERGY - 1.0
+        sheet.below(f"oblique by {angle} degrees: momentum", run.summary["ledger"]["momentum_error"], 1.0e-13)
+        if angle == 45:
+            sheet.known(f"oblique by {angle} degrees: error of the energy", off, limit=2.0 * TARGET, target=TARGET)
+        else:
+            sheet.below(f"oblique by {angle} degrees: error of the energy", off, TARGET)
 
 
 def too_large(options, sheet):
@@ -112,8 +141,9 @@ def main():
     options = case.arguments()
     sheet = report.Report()
     cells(options, sheet)
-    others(options, sheet)
-    oblique(options, sheet)
+    if tier.NAME != "smoke":
+        others(options, sheet)
+        oblique(options, sheet)
     too_large(options, sheet)
     sheet.end()
 

@@ -3,65 +3,95 @@
 
 Would catch: a dual gradient that gives force to empty nodes at the free ends (energy times 278,
 momentum lost); noise or damping when particles cross cells; work that does not belong to the force;
-a stress update with other weights than the force; velocities and positions of different times.
+a stress update with other weights than the force; velocities and positions of different times; artificial viscosity
+with another coefficient, or work of it that is not booked.
 
 Closed (`&exact bar_mode`): u' = V + v0 cos(pi X/L) cos(w t), w = pi c/L. L = 25 m, E = 100 Pa, nu = 0,
 rho = 1 kg/m3, V = 2 m/s, v0 = 0.05 m/s, two particles a cell, 1.8 periods in 9 s. The energy of the
 vibration is what is left without the flight of the centre of mass, which is 1600 times greater and would
 hide everything.
 
-Measured for cells of 1, 0.5 and 0.25 m in the tables of doc/theory/verification_bodies.md. Limits for
-cells of 0.5 m: momentum 1e-13; energy of the vibration within 1 % without artificial viscosity, and with
-it within 1 % with what it took, which is booked; velocity 1.5 % and stress 0.5 % of their greatest
-values; the rate of both errors from 1 to 0.5 m at least 1.3. The dip of the energy within a period is
-that of the half step between velocities and stresses.
+Limits for cells of 0.5 m. Momentum and mass: rounding. Energy of the vibration: target 1 %, with the work of
+artificial viscosity where there is one. Greatest energy: the target and w dt/2, by which the sum of a velocity half a
+step old and a stress of now wavers. Velocity and stress: the dispersion of the schemes (manufactured.py), 7/24 (k h)2
+for DDMP, leaves a phase of 0.013 after 9 s; it moves the velocity by sin(w t) of it, 1.2 %, and the stress by
+cos(w t), 0.4 %: limits 1.5 % and 0.5 % of their greatest values. Rates: 1.3 at least, between the 1 of the free ends
+and the 2 of the inner cells. Work of the viscosity: q = q1 rho c h |v'| while the bar gets shorter takes
+2 q1 c h k2 cos2(w t) of the energy a second, 1.8 % in all; limit 5 % of that, which the quadratic term (1 %), the
+loss of energy and the discrete strain (1 % each) leave. The plain method is the control: without smooth gradients
+the bar must be seen to fail, or it crosses nothing.
 """
+# tiers: smoke, full
 
 import sys
 from pathlib import Path
+
+import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import bodies  # noqa: E402
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
+
+TURN, WAVE, SPEED, LENGTH, END = np.pi * 10.0 / 25.0, np.pi / 25.0, 10.0, 25.0, 9.0
+TARGET = 0.01                          # of the energy of the vibration
+LINEAR_VISCOSITY = 0.06                # bulk_q1 by default
+OTHERS = {"pure_flip": ("ddmp", "flip=1"), "xpic": ("ddmp", "transfer='xpic'"), "usf": ("ddmp", "stress_update='usf'"),
+          "musl": ("ddmp", "stress_update='musl'"), "control": ("ddmp", "quadrature='control'"),
+          "quadratic": ("mpm", "basis='quadratic'")}
 
 
-def fly(options, name, **words):
-    """One flight, shown."""
-    result = bodies.free_bar(options, name, **words)
+def fly(options, sheet, name, method="ddmp", words="", **more):
+    """One flight, whose momentum and energy are judged."""
+    result = bodies.free_bar(options, name, method, words, **more)
     figures = ("energy", "books", "greatest", "velocity", "displacement", "stress", "momentum")
-    print(f"{name:<22}" + ("".join(f" {result[key]:+11.2e}" for key in figures) if not result["code"]
-                           else f" exit code {result['code']}"), flush=True)
+    print(f"{name:<22}" + "".join(f" {result[key]:+11.2e}" for key in figures), flush=True)
+    sheet.near(f"{name}: cells flown", result["flown"], 36.0, 1.0e-3)
+    sheet.near(f"{name}: energy at the start over that of the mode", result["start"], 1.0, 2.0e-4)
+    sheet.below(f"{name}: momentum", result["momentum"], 1.0e-13)
+    sheet.below(f"{name}: mass", result["mass"], 1.0e-13)
     return result
 
 
+def judge(sheet, name, result):
+    """Energy and errors with cells of 0.5 m."""
+    step = np.diff(result["time"]).max()
+    sheet.below(f"{name}: energy of the vibration", result["books"], TARGET)
+    sheet.below(f"{name}: greatest energy", result["greatest"], TARGET + 0.5 * TURN * step)
+    sheet.below(f"{name}: velocity", result["velocity"], 0.015)
+    sheet.below(f"{name}: stress", result["stress"], 0.005)
+
+
+def viscous(sheet, result):
+    """What artificial viscosity takes, against its closed value."""
+    time = (np.arange(100000) + 0.5) * END / 100000
+    shrinks = np.cos(TURN * time) > 0.0
+    exact = (2.0 * LINEAR_VISCOSITY * SPEED * 0.5 * WAVE ** 2
+             * (np.cos(TURN * time) ** 2 * shrinks).mean() * END)
+    sheet.near("viscous: work of the viscosity over the energy", result["books"] - result["energy"], exact, 0.05)
+    sheet.below("viscous: energy with the work of the viscosity", result["books"], TARGET)
+    sheet.below("viscous: greatest energy", result["greatest"], 0.02)
+
+
 def main():
-    """The defaults are judged, other choices are shown beside them."""
+    """The default with two sizes of cells, with artificial viscosity, and other ways to compute."""
     options = case.arguments()
     sheet = report.Report()
     heads = ("energy", "+viscous", "greatest E", "velocity", "displacement", "stress", "momentum")
     print(f"{'changes and errors':<22}" + "".join(f" {head:>11}" for head in heads))
-    coarse = fly(options, "coarse", spacing=1.0)
-    usual = fly(options, "usual")
-    wet = fly(options, "viscous", effects="")
-    for name, words in (("pure_flip", "flip=1"), ("xpic", "transfer='xpic'"), ("usf", "stress_update='usf'"),
-                        ("musl", "stress_update='musl'"), ("control", "quadrature='control'")):
-        fly(options, name, words=words)
-    fly(options, "mpm", method="mpm")
-    fly(options, "quadratic", method="mpm", words="basis='quadratic'")
+    usual = fly(options, sheet, "usual")
     sheet.require(usual["particles"] == 100, "the bar keeps its particles")
-    sheet.near("cells flown", usual["flown"], 36.0, 1.0e-3)
-    for name, result in (("usual", usual), ("viscous", wet)):
-        sheet.near(f"{name}: energy at the start over that of the mode", result["start"], 1.0, 2.0e-4)
-        sheet.below(f"{name}: energy of the vibration with viscous work", result["books"], 0.01)
-        sheet.below(f"{name}: greatest energy", result["greatest"], 0.02)
-        sheet.below(f"{name}: momentum", result["momentum"], 1.0e-13)
-        sheet.below(f"{name}: mass", result["mass"], 1.0e-13)
-    sheet.below("viscous: energy alone", wet["energy"], 0.023)
-    sheet.below("velocity", usual["velocity"], 0.015)
-    sheet.below("stress", usual["stress"], 0.005)
-    for key in ("velocity", "stress"):
-        sheet.above(f"rate of {key}", bodies.rates([coarse[key], usual[key]])[0], 1.3)
+    judge(sheet, "usual", usual)
+    if tier.NAME != "smoke":
+        coarse = fly(options, sheet, "coarse", spacing=1.0)
+        for key in ("velocity", "stress"):
+            sheet.above(f"rate of {key}", bodies.rates([coarse[key], usual[key]])[0], 1.3)
+        viscous(sheet, fly(options, sheet, "viscous", effects=""))
+        for name, words in OTHERS.items():
+            judge(sheet, name, fly(options, sheet, name, *words))
+        plain = fly(options, sheet, "mpm", "mpm")
+        sheet.above("mpm: energy of the vibration over that at the start", 1.0 + plain["energy"], 2.0)
     sheet.end()
 
 

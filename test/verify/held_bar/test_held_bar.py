@@ -9,45 +9,62 @@ Hooke. Closed for small strain: period 4 L/c = 10 s. With v0 = 0.1 m/s the end m
 chain of finite elements in test/support/bodies.py, which has the large strain, gives 9.99994 s; with
 v0 = 0.75 m/s it moves by 1.2 m across cells and the period is 9.9963 s.
 
-Limits with 26 cells: period 0.2 %, of second order from 13 to 26 cells (rate above 1.6), energy 1 % over ten
-periods, each for both speeds. The energy is the mean of a period, since velocities stand half a step
-before the stresses and their sum wavers within it by w dt.
+Limits, each for both speeds. Period: the dispersion of DDMP, 7/24 (k h)2 with k = pi/(2 L) (manufactured.py): 0.11 %
+with 26 cells, 0.43 % with 13; rate above 1.6 for an error of second order. Energy over ten periods: target 1 %. The
+energy is the mean of a period, since velocities stand half a step before the stresses and their sum wavers within it
+by w dt. The plain method has the period within its cells, and loses more energy to crossings: a known miss, held at
+5 %; across cells it is the control and must lose more than that, or nothing crosses.
 """
+# tiers: smoke, full
 
 import sys
 from pathlib import Path
+
+import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import bodies  # noqa: E402
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
 
 
 def swing(options, name, right, **words):
     """One bar, shown; its error of the period."""
     result = bodies.held_bar(options, name, **words)
-    if result["code"]:
-        print(f"         {name}: exit code {result['code']}")
-        return result
     result["lag"] = result["period"] / right - 1.0
     print(f"         {name}: period {result['lag']:+.2e}, energy {result['energy']:+.2e}, "
           f"wavers by {result['waver']:.3f}, {result['steps']} steps", flush=True)
     return result
 
 
+def dispersion(cells):
+    """What the period of DDMP is too long by, over the period, for elements that are small."""
+    return 7.0 / 24.0 * (0.5 * np.pi / cells) ** 2
+
+
 def main():
     """Both speeds."""
     options = case.arguments()
     sheet = report.Report()
-    for name, speed in (("within", 0.1), ("across", 0.75)):
+    for name, speed in tier.choose((("within", 0.1), ("across", 0.75)), smoke=(("across", 0.75),)):
         right = bodies.held_bar_reference(speed)["period"]
         sheet.near(f"{name}: period of the chain, small strain", right, 10.0, 1.0e-3)
         coarse, usual = (swing(options, f"{name}_{cells}", right, cells=cells, speed=speed) for cells in (13, 26))
         sheet.require(usual["particles"] == 104, f"{name}: the bar keeps its particles")
-        sheet.below(f"{name}: period", usual["lag"], 2.0e-3)
+        for cells, result in ((13, coarse), (26, usual)):
+            sheet.below(f"{name}, {cells} cells: period", result["lag"], dispersion(cells))
+            sheet.below(f"{name}, {cells} cells: momentum", result["momentum"], 1.0e-12)
         sheet.above(f"{name}: rate of the period", bodies.rates([abs(coarse["lag"]), abs(usual["lag"])])[0], 1.6)
         sheet.below(f"{name}: energy in ten periods", usual["energy"], 0.01)
-        swing(options, f"{name}_mpm", right, method="mpm", cells=26, speed=speed)
+        if tier.NAME == "smoke":
+            continue
+        plain = swing(options, f"{name}_mpm", right, method="mpm", cells=26, speed=speed)
+        if name == "within":
+            sheet.below("within, mpm: period", plain["lag"], dispersion(26))
+            sheet.known("within, mpm: energy in ten periods", plain["energy"], limit=0.05, target=0.01)
+        else:
+            sheet.above("across, mpm: energy lost in ten periods", -plain["energy"], 0.05)
     sheet.end()
 
 

@@ -30,7 +30,6 @@ def steady(options, sheet):
     for angle, start, end in ((22.0, 0.7, 2.0), (24.0, 0.0, 3.5), (26.0, 1.2, 3.0)):
         name = f"{angle:.0f} degrees"
         result = flows.incline(options, f"steady_{angle:.0f}", angle=angle, start=start, end=end, count=1)
-        sheet.require(not result["code"], f"{name}: the run ends")
         sheet.below(f"{name}: speed over that of the surface, worst particle", result["profile"], 0.01)
         sheet.below(f"{name}: mean speed", result["mean"], 0.01)
         sheet.near(f"{name}: shear over normal stress", result["ratio"], result["friction"], 0.003)

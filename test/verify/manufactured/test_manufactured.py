@@ -23,11 +23,19 @@ artificial viscosity, cfl = 0.2. Measured at A = 0.1:
 
 A whole period doubles these errors: they are an error of the phase. Others than ddmp run with the
 stress update of ddmp and flip = 1; with their defaults the picture is the same but for cpgimp and
-cpdi, whose errors grow at 256 cells. Limits: a fifth above errors, a twentieth below orders of 2;
-where errors must grow, they do so by half of what was measured.
+cpdi, whose errors grow at 256 cells.
+
+Limits. Errors: the dispersion of the schemes in closed form (test/support/manufactured.py). At A = 1e-4, where nothing
+crosses, it must be met within 5 % by linear functions, splines and boxes, and is a bound for ddmp, whose weight of the
+mean gradient lies in between. At A = 0.1 cells are stretched by up to 1 + pi A and it is a bound for all that converge.
+Orders: 1.9 for 2 where particles do not cross or the scheme takes no notice (1.85 and 1.8 with few cells or few
+particles a cell). Methods whose force jumps when particles cross must be seen to fail: their errors grow with finer
+cells (linear, gimp), or do not fall by half (quadratic), and are greater than that of the default at 128 cells.
 """
+# tiers: smoke, full
 # timeout: 300
 
+import math
 import sys
 from pathlib import Path
 
@@ -35,7 +43,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import case          # noqa: E402
 import manufactured  # noqa: E402
 import report        # noqa: E402
+import tier          # noqa: E402
 
+STIFF = (1.0 - 0.3) / ((1.0 + 0.3) * (1.0 - 2.0 * 0.3))   # modulus of a pressure wave over that of Young, nu = 0.3
 WIDE = (16, 32, 64, 128, 256)
 SHORT = (16, 32, 64, 128)
 
@@ -43,7 +53,7 @@ SHORT = (16, 32, 64, 128)
 def judge_default(options, sheet):
     """The default keeps its error small however fine the grid."""
     line = manufactured.waves(options, "default", cells=WIDE)
-    sheet.below("default: error at 64 cells", line.error(64), 1.4e-3)
+    sheet.below("default: error at 64 cells", line.error(64), manufactured.dispersion("ddmp", 64, amplitude=0.1))
     sheet.above("default: order from 16 to 64", line.order(16, 64), 1.9)
     sheet.require(line.error(256) <= line.error(128) <= line.error(64),
                   "default: the error does not grow to 256 cells")
@@ -52,11 +62,12 @@ def judge_default(options, sheet):
 
 def judge_control(options, sheet):
     """Second order throughout with the control variate."""
-    for ppc, limit in ((4, 7.7e-5), (2, 3.3e-5)):
+    for ppc in (4, 2):
         line = manufactured.waves(options, "control", words=manufactured.CONTROL, ppc=ppc, cells=WIDE)
         sheet.above(f"control, {ppc} a cell: order by least squares", line.fit(16, 256), 1.9)
         sheet.above(f"control, {ppc} a cell: order from 16 to 256", line.order(16, 256), 1.9)
-        sheet.below(f"control, {ppc} a cell: error at 256 cells", line.error(256), limit)
+        sheet.below(f"control, {ppc} a cell: error at 256 cells", line.error(256),
+                    manufactured.dispersion("ddmp", 256, amplitude=0.1))
 
 
 def judge_others(options, sheet, default):
@@ -65,17 +76,18 @@ def judge_others(options, sheet, default):
                                        f"basis='{basis}'  {manufactured.PLAIN}", cells=SHORT)
              for basis in ("linear", "gimp", "quadratic", "cpgimp", "cpdi", "cubic")}
     sheet.above("linear: growth of the error from 16 to 128", lines["linear"].error(128)
-                / lines["linear"].error(16), 2.0)
+                / lines["linear"].error(16), 1.0)
     sheet.above("gimp: error at 128 over that at 32", lines["gimp"].error(128)
-                / lines["gimp"].error(32), 1.5)
+                / lines["gimp"].error(32), 1.0)
     sheet.above("quadratic: error at 128 over that at 64", lines["quadratic"].error(128)
-                / lines["quadratic"].error(64), 0.8)
-    for basis, limit in (("cpgimp", 2.9e-4), ("cpdi", 3.0e-4), ("cubic", 5.8e-4)):
-        sheet.above(f"{basis}: order from 16 to 128", lines[basis].order(16, 128), 1.87)
-        sheet.below(f"{basis}: error at 128 cells", lines[basis].error(128), limit)
-    for basis, gain in (("linear", 400), ("gimp", 20), ("quadratic", 3)):
+                / lines["quadratic"].error(64), 0.5)
+    for basis in ("cpgimp", "cpdi", "cubic"):
+        sheet.above(f"{basis}: order from 16 to 128", lines[basis].order(16, 128), 1.9)
+        sheet.below(f"{basis}: error at 128 cells", lines[basis].error(128),
+                    manufactured.dispersion(basis, 128, amplitude=0.1))
+    for basis in ("linear", "gimp", "quadratic"):
         sheet.above(f"{basis}: error at 128 over that of the default", lines[basis].error(128)
-                    / default.error(128), gain)
+                    / default.error(128), 1.0)
 
 
 def judge_small(options, sheet):
@@ -87,7 +99,12 @@ def judge_small(options, sheet):
         line = manufactured.waves(options, name, method, words, amplitude=1.0e-4, cells=SHORT)
         sheet.above(f"{name}: order by least squares", line.fit(16, 128), 1.9)
         sheet.above(f"{name}: order from 16 to 128", line.order(16, 128), 1.9)
-        sheet.below(f"{name}: error at 128 cells", line.error(128), 6.0e-4)
+        basis = name.split()[1]
+        if basis in manufactured.KAPPA:
+            sheet.near(f"{name}: error at 128 cells", line.error(128), manufactured.dispersion(basis, 128), 0.05)
+        else:
+            sheet.below(f"{name}: error at 128 cells", line.error(128), manufactured.dispersion("ddmp", 128))
+            sheet.above(f"{name}: the same", line.error(128), manufactured.dispersion("linear", 128))
 
 
 def judge_middle(options, sheet):
@@ -100,7 +117,8 @@ def judge_middle(options, sheet):
 
 def judge_cube(options, sheet):
     """Three waves that are not in step, for a sixth of a period; 2 x 2 x 2 particles a cell."""
-    for name, words, limit in (("cube default", "", 2.9e-3), ("cube control", manufactured.CONTROL, 2.5e-3)):
+    limit, _ = manufactured.forced("ddmp", 24, math.pi / 3.0, STIFF, 0.05)
+    for name, words in (("cube default", ""), ("cube control", manufactured.CONTROL)):
         cube = manufactured.waves(options, name, words=words, amplitude=0.05, cells=(6, 12, 24), ppc=2,
                                   dimension="3d", end=manufactured.PERIOD / 6, cfl=0.4)
         sheet.above(f"{name}: order from 6 to 24", cube.order(6, 24), 1.8)
@@ -111,6 +129,13 @@ def main():
     """All series."""
     options = case.arguments()
     sheet = report.Report()
+    if tier.NAME == "smoke":
+        line = manufactured.waves(options, "default", cells=(16, 32))
+        for cells in (16, 32):
+            sheet.below(f"default: error at {cells} cells", line.error(cells),
+                        manufactured.dispersion("ddmp", cells, amplitude=0.1))
+        sheet.above("default: order from 16 to 32", line.order(16, 32), 1.9)
+        sheet.end()
     default = judge_default(options, sheet)
     judge_control(options, sheet)
     judge_others(options, sheet, default)

@@ -11,10 +11,15 @@ cells, so the best order is 1.
 
 The density is that of the four particles that began in one cell together. Single particles keep a scatter
 of 3 % of the jump behind the shock, which does not fall with the cells (the order seen with them is 0.4, both
-are printed); their mean is right to 1e-4. Measured: fluid 0.060, 0.036, 0.022. The solid has bulk_q1 = 0.5 as in
-test_piston.py; with the default it rings between the two shocks and the order is 0.6, then 0.3. Limits: order 0.6,
-error of the finest run 0.027.
+are printed); their mean is right to 1e-4. The solid has bulk_q1 = 0.5 as in test_piston.py; with the default it rings
+between the two shocks.
+
+Limits. Ratio of the errors of a halving: at most 2**(-1/2) = 0.71, as the heated wall is a contact, which schemes of
+first order resolve at order 1/2. The mean of a cell must be better than single particles. Error of the finest run: the
+scatter of 3 % that single particles have. The solid with the default viscosity, which rings, misses the second ratio:
+a known miss; its error must fall.
 """
+# tiers: smoke, full
 
 import sys
 from pathlib import Path
@@ -23,12 +28,13 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-import bodies       # noqa: E402
 import case         # noqa: E402
 import report       # noqa: E402
+import tier         # noqa: E402
 import test_piston  # noqa: E402
 
 SPEED = 400.0
+ORDER_HALF = 0.5 ** 0.5
 
 
 def strike(options, name, spacing, solid, words):
@@ -64,17 +70,23 @@ def main():
     """Fluid and solid."""
     options = case.arguments()
     sheet = report.Report()
-    for name, solid, words in (("fluid", False, ""), ("solid", True, test_piston.SMOOTH), ("solid default", True, "")):
+    cases = (("fluid", False, ""), ("solid", True, test_piston.SMOOTH), ("solid default", True, ""))
+    for name, solid, words in tier.choose(cases, smoke=cases[:1]):
         errors = []
-        for spacing in (0.2, 0.1, 0.05):
+        for spacing in tier.choose((0.2, 0.1, 0.05), smoke=(0.2, 0.1)):
             errors.append(strike(options, f"rate_{round(1000 * spacing)}", spacing, solid, words))
             print(f"         {name}, cells of {spacing} mm: error of density {errors[-1][0]:.4f}, "
                   f"of single particles {errors[-1][1]:.4f}", flush=True)
-        if name == "solid default":
+        ratios = [fine[0] / coarse[0] for coarse, fine in zip(errors, errors[1:])]
+        sheet.below(f"{name}: first ratio of the errors of the density", ratios[0], ORDER_HALF)
+        sheet.below(f"{name}: error of cells over that of particles", max(one / two for one, two in errors), 1.0)
+        if tier.NAME == "smoke":
             continue
-        for rate in bodies.rates([cells for cells, _ in errors]):
-            sheet.above(f"{name}: rate of the density", rate, 0.6)
-        sheet.below(f"{name}: error of the density", errors[-1][0], 0.027)
+        if name == "solid default":
+            sheet.known(f"{name}: second ratio", ratios[1], limit=1.0, target=ORDER_HALF)
+        else:
+            sheet.below(f"{name}: second ratio", ratios[1], ORDER_HALF)
+        sheet.below(f"{name}: error of the density", errors[-1][0], 0.03)
     sheet.end()
 
 

@@ -12,11 +12,13 @@ greatest of 26 times, over G/2, the greatest stress that such a flow bears.
 
 Two ways to begin: `started` gives every layer its speed, so the flow is uniform and the formula holds to
 round-off (limit 1e-12); `driven` has grains at rest and moving faces, and waves between the faces that the
-formula does not know. They fade with the density: limits 1 % with 5e-4 kg/m3. The mean stress of all particles
-is then right to 1e-3. Here tau = 0.35 s: above W = 1 the law has less stress for more shear, so that flows that
-are not quite uniform may split into bands. Shown beside it: with GIMP or splines, flip and `musl` or `usf`, noise
-grows (17 to 22 %), with `usl` or apic it does not.
+formula does not know. The first of them has the stress sqrt(G rho) V, with V the speed of a face: 2.6 % of G/2 with
+5e-4 kg/m3. It fades while it is reflected; target 1 % over all times. Waves have no mean: the mean stress of all
+particles is right to 1e-3. Here tau = 0.35 s: above W = 1 the law has less stress for more shear, so that flows that
+are not quite uniform may split into bands. With GIMP, flip and `musl` noise grows: a known miss, held at a quarter of
+the greatest stress; with `usl` it does not.
 """
+# tiers: smoke, full
 
 import sys
 from pathlib import Path
@@ -25,34 +27,43 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import bodies  # noqa: E402
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
 
 
 def flow(options, name, *words, **more):
     """One flow, shown."""
     result = bodies.shear(options, name, *words, **more)
-    print(f"         {name}: " + (", ".join(f"{key} {result[key]:.2e}" for key in ("across", "along", "mean"))
-          + f", {result['steps']} steps" if not result["code"] else f"exit code {result['code']}"), flush=True)
+    print(f"         {name}: " + ", ".join(f"{key} {result[key]:.2e}" for key in ("across", "along", "mean"))
+          + f", {result['steps']} steps", flush=True)
     return result
 
 
+def judge(sheet, name, result, limit):
+    """Stresses of all particles and times."""
+    sheet.require(len(result["curve"]) == 27, f"{name}: all times are there")
+    sheet.near(f"{name}: shear stress at the end over the formula", result["curve"][-1, 1] / result["curve"][-1, 3],
+               1.0, max(limit, 1.0e-3))
+    sheet.below(f"{name}: shear stress", result["across"], limit)
+    sheet.below(f"{name}: normal stress", result["along"], limit)
+
+
 def main():
-    """Both beginnings; another method beside them."""
+    """Both beginnings; other methods beside them."""
     options = case.arguments()
     sheet = report.Report()
     exact = bodies.shear_stress(1.3, 0.7)
     sheet.near("formula: shear stress [Pa]", exact[0], 1.7686065, 1.0e-7)
     sheet.near("formula: normal stress [Pa]", exact[1], 2.1380370, 1.0e-7)
-    started = flow(options, "started", started=True, density=0.1, relaxation=0.7)
-    driven = flow(options, "driven", density=5.0e-4)
-    flow(options, "mpm", "mpm", density=5.0e-4)
-    for update in ("musl", "usl"):
-        flow(options, f"gimp_{update}", "mpm", f"basis='gimp' stress_update='{update}'", density=5.0e-4)
-    for name, result, limit in (("started", started, 1.0e-12), ("driven", driven, 0.01)):
-        sheet.require(len(result["curve"]) == 27, f"{name}: all times are there")
-        sheet.above(f"{name}: shear stress at the end [Pa]", result["curve"][-1, 1], 1.4)
-        sheet.below(f"{name}: shear stress", result["across"], limit)
-        sheet.below(f"{name}: normal stress", result["along"], limit)
-    sheet.below("driven: mean stress", driven["mean"], 1.0e-3)
+    judge(sheet, "started", flow(options, "started", started=True, density=0.1, relaxation=0.7), 1.0e-12)
+    if tier.NAME != "smoke":
+        for name, words in (("driven", ()), ("mpm", ("mpm",)),
+                            ("gimp_usl", ("mpm", "basis='gimp' stress_update='usl'"))):
+            result = flow(options, name, *words, density=5.0e-4)
+            judge(sheet, name, result, 0.01)
+            sheet.below(f"{name}: mean stress", result["mean"], 1.0e-3)
+        noisy = flow(options, "gimp_musl", "mpm", "basis='gimp' stress_update='musl'", density=5.0e-4)
+        for key in ("across", "along"):
+            sheet.known(f"gimp_musl: stress {key}", noisy[key], limit=0.25, target=0.01)
     sheet.end()
 
 

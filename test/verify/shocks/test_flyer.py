@@ -11,8 +11,11 @@ thickness h meets a target of 2 h with the speed V: stress rho c V/2; the free s
 surface falls only to V - 2 s/(rho c) (the pull-back; G. I. Kanel, Int. J. Fract. 163 (2010) 173), which takes a pulse
 that the cells resolve. Bars of impedances Z1, Z2: a wave is reflected by R = (Z2 - Z1)/(Z1 + Z2).
 
-Measured: flyer with 40 cells, stress +0.4 %, plateau -0.2 %, arrival 1.4 % late, pulse right to 1 %; pull-back -14, -6
-and +1 % with 40, 80 and 160 cells in h, first break 4 % too shallow; R within 0.6 % for ratios of 1e6 and 1e-6.
+Limits. Stress, plateau and the state after the pulse: target 1 %. Arrival and length of the pulse: half of the six
+cells that a shock may be wide, of the 80 that it crosses. Tension: that of the formula at least. Pull-back and depth of
+the first break: two cells, as a node gives its tension to both of its cells; the peak of the tension moves by
+2 s0/h a cell, the break by a cell of s h/(2 s0). After the break the surface must rise by half of the pull-back at
+least. R: 1 % (H-13 in test/hard/README.md).
 """
 
 import sys
@@ -166,15 +169,15 @@ def main():
     sheet = report.Report()
     result = flyer(options, 40)
     show("flyer", result, ("stress", "plateau", "arrival", "pulse", "tension", "after"))
-    for key, limit in (("stress", 0.006), ("plateau", 0.004), ("arrival", 0.02), ("pulse", 0.02), ("after", 0.005)):
+    for key, limit in (("stress", 0.01), ("plateau", 0.01), ("arrival", 3.0 / 80), ("pulse", 3.0 / 80), ("after", 0.01)):
         sheet.below(f"flyer: {key}", result[key], limit)
-    sheet.above("flyer: greatest tension", result["tension"], 0.98)
+    sheet.above("flyer: greatest tension", result["tension"], 0.99)
     sheet.below("flyer: momentum", result["books"]["momentum_error"], 1.0e-13)
     result = spall(options, 80, 0.6)
     show("spall", result, ("peak", "pull-back", "rise", "depth", "broken"))
-    sheet.below("spall: pull-back", result["pull-back"], 0.075)
-    sheet.below("spall: depth of the first break", result["depth"], 0.08)
-    sheet.above("spall: rise when the break is seen", result["rise"], 0.45)
+    sheet.below("spall: pull-back", result["pull-back"], 2.0 * 2.0 / 80 / 0.6)
+    sheet.below("spall: depth of the first break", result["depth"], 2.0 / 80 / (0.5 * 0.6))
+    sheet.above("spall: rise when the break is seen", result["rise"], 0.5 * 0.6)
     sheet.below("spall: momentum", result["books"]["momentum_error"], 1.0e-13)
     for ratio in (1.0e6, 1.0e-6, 10.0):
         result = contrast(options, ratio)

@@ -8,8 +8,8 @@ not follow the isentrope (speed of the free surface), viscosity that is not of t
 Rankine and Hugoniot with Us = c0 + s up and gamma rho constant; the free surface gets u + integral of dp/(rho c) along
 the isentrope. Both are computed in test/support/shocks.py. A bar of 120 cells hits a rigid wall; the plateau is that of
 the particles that began in the cells 25 to 65 and the free surface that of the last 4 to 14 cells, 60 % of
-the time of a shock through it after the shock has come out. Measured over all rows, with a fifth or more of room:
-pressure 0.3 %, density 0.09 %, speed of the shock 0.5 %, free surface 0.3 %.
+the time of a shock through it after the shock has come out. Limits: targets, pressure 0.3 % and density 0.1 % up to
+1 km/s, 1 % and 0.3 % above; speed of the shock and of the free surface 1 %. Energy and momentum: rounding.
 """
 
 import subprocess
@@ -117,8 +117,9 @@ def main():
             found = strike(options, metal, speed)
             print(f"         {name} {speed}: pressure {found['pressure']:+.2e}, density {found['density']:+.2e}, speed "
                   f"{found['speed']:+.2e}, free surface {found['free']:+.2e}, {found['steps']} steps", flush=True)
-            for key, limit in (("pressure", 0.0045), ("density", 0.0015), ("speed", 0.0065), ("free", 0.004),
-                               ("energy", 1.0e-12), ("momentum", 1.0e-13)):
+            strong = speed > 1000
+            for key, limit in (("pressure", 0.01 if strong else 0.003), ("density", 0.003 if strong else 0.001),
+                               ("speed", 0.01), ("free", 0.01), ("energy", 1.0e-12), ("momentum", 1.0e-13)):
                 sheet.below(f"{name} at {speed} m/s, bar: {key}", found[key], limit)
     sheet.end()
 

@@ -8,12 +8,21 @@ speed or of viscosity.
 E. F. Toro, *Riemann solvers and numerical methods for fluid dynamics*, problems 2, 3 and 5, and the shock tube in air
 of the examples of Uintah; solved exactly in test/support/shocks.py. W. F. Noh, J. Comput. Phys. 72 (1987) 78, in the
 plane: density 4 behind a shock of speed 1/3. Error: sum of |rho - exact| times volume over the mass or length; pressure
-and velocity are means between the waves, velocity over the difference of their speeds. Measured with 200 cells: air
-0.0051, blast 0.042, collision 0.056 (ratios 0.51 to 0.58), pressure within 0.25 %; Noh 0.077, part of it at the
-heated wall, where density is 41 % too low in the first cell, plateau 1.2 % and pressure 2.1 % too high; with heat_flux
-= 2 the first cell is 8 % too low and the error 0.055. Where gases fly apart the
+and velocity are means between the waves, velocity over the difference of their speeds. Where gases fly apart the
 middle has less than a particle in a cell; what is held there are the fans.
+
+Limits. Density: every wave may be smeared over six cells, which is the greatest width of a shock (H-10 in
+test/hard/README.md), so the error is at most the sum of all jumps times six cells over four; fans count with their
+whole jump. Ratio of the errors of a halving: the 0.6 that Athena++ demands of a Godunov method. Pressure and velocity:
+target 1 %. Fans: density 1 %, velocity at their ends what three cells of the slope of the fan make.
+
+Noh: the target of the density is the shock over six cells and a wall that is off by 15 % in three cells (H-9). That is a
+known miss, with and without heat flux, held at a tenth of the mass; the first cell is held at 15 % with heat flux, and
+is a known miss without, where half of it may be missing. The plateau has a target of 1 %, and its pressure 5/3 of
+that, as along an adiabat: met with heat flux, else known misses held at twice that. The ratio of the errors is a known
+miss of 0.6, as the wall is a contact; the error must fall.
 """
+# tiers: smoke, full
 
 import sys
 from pathlib import Path
@@ -24,6 +33,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import case    # noqa: E402
 import report  # noqa: E402
 import shocks  # noqa: E402
+import tier    # noqa: E402
 
 DECK = """
 &run  dimension='1d' /
@@ -139,6 +149,23 @@ def fans(options, cells):
     return density, error, int(seen.sum())
 
 
+def walls(options, sheet):
+    """Cold gas on a wall, with a heat flux and without."""
+    coarse, fine, smeared = noh(options, 100), noh(options, 200), noh(options, 200, "heat_flux=2")
+    target = 3.0 * 6.0 / 200 / 4.0 + 0.15 * 4.0 * 3.0 / 200
+    for name, result in (("noh", fine), ("noh, heat_flux=2", smeared)):
+        sheet.require(result["count"] > 50, f"{name}: the plateau has particles")
+        sheet.known(f"{name}: density", result["density"], limit=0.1 * (0.2 * 4.0 + 0.3), target=target)
+        for key in ("energy", "momentum"):
+            sheet.below(f"{name}: {key}", result[key], 1.0e-12)
+    sheet.known("noh: ratio of the errors", fine["density"] / coarse["density"], limit=1.0, target=0.6)
+    sheet.known("noh: density in the first cell", fine["first"], limit=0.5, target=0.15)
+    sheet.below("noh, heat_flux=2: density in the first cell", smeared["first"], 0.15)
+    for key, limit in (("plateau", 0.01), ("pressure", 0.01 * 5.0 / 3.0)):
+        sheet.known(f"noh: {key}", fine[key], limit=2.0 * limit, target=limit)
+        sheet.below(f"noh, heat_flux=2: {key}", smeared[key], limit)
+
+
 def main():
     """All problems with two sizes of cells."""
     options = case.arguments()
@@ -149,29 +176,25 @@ def main():
         sheet.below(f"{name}: closed solution, velocity", exact.velocity - known[1], 1.0e-6)
         if name == "apart":
             continue
+        if tier.NAME == "smoke" and name != "air":
+            continue
         coarse, fine = burst(options, name, 100), burst(options, name, 200)
         sheet.require(fine["count"] > 100, f"{name}: there are particles between the waves")
-        sheet.below(f"{name}: ratio of the errors of density", fine["density"] / coarse["density"], 0.65)
-        sheet.below(f"{name}: density", fine["density"], {"air": 0.0065, "blast": 0.052, "collision": 0.07}[name])
-        for key, limit in (("pressure", 0.005), ("velocity", 0.002), ("energy", 1.0e-12), ("momentum", 1.0e-12)):
+        sheet.below(f"{name}: ratio of the errors of density", fine["density"] / coarse["density"], 0.6)
+        levels = [left.density, *exact.densities, right.density]
+        smeared = sum(abs(one - two) for one, two in zip(levels, levels[1:])) * 6.0 / 200 / 4.0
+        sheet.below(f"{name}: density", fine["density"], smeared / max(left.density, right.density))
+        for key, limit in (("pressure", 0.01), ("velocity", 0.01), ("energy", 1.0e-12), ("momentum", 1.0e-12)):
             sheet.below(f"{name}: {key}", fine[key], limit)
         sheet.above(f"{name}: least energy", fine["least"], 0.0)
-    coarse, fine = fans(options, 100), fans(options, 200)
-    sheet.require(fine[2] > 150, "apart: the fans have particles")
-    sheet.below("apart: density of the fans", fine[0], 0.01)
-    sheet.below("apart: ratio of its errors", fine[0] / coarse[0], 0.7)
-    sheet.below("apart: velocity of the fans", fine[1], 0.05)
-    coarse, fine = noh(options, 100), noh(options, 200)
-    sheet.require(fine["count"] > 50, "noh: the plateau has particles")
-    sheet.below("noh: density", fine["density"], 0.09)
-    sheet.below("noh: ratio of the errors", fine["density"] / coarse["density"], 0.85)
-    for key, limit in (("plateau", 0.016), ("pressure", 0.026), ("energy", 1.0e-12), ("momentum", 1.0e-12)):
-        sheet.below(f"noh: {key}", fine[key], limit)
-    smeared = noh(options, 200, "heat_flux=2")
-    sheet.below("noh, heat_flux=2: density in the first cell", smeared["first"], 0.15)
-    sheet.below("noh, heat_flux=2: density", smeared["density"], 0.065)
-    for key, limit in (("plateau", 0.016), ("pressure", 0.026), ("energy", 1.0e-12), ("momentum", 1.0e-12)):
-        sheet.below(f"noh, heat_flux=2: {key}", smeared[key], limit)
+    if tier.NAME != "smoke":
+        coarse, fine = fans(options, 100), fans(options, 200)
+        sheet.require(fine[2] > 150, "apart: the fans have particles")
+        sheet.below("apart: density of the fans", fine[0], 0.01)
+        sheet.below("apart: ratio of its errors", fine[0] / coarse[0], 0.6)
+        slope = 2.0 / (GAMMA + 1.0) / PROBLEMS["apart"][2]
+        sheet.below("apart: velocity of the fans", fine[1], 3.0 / 200 * slope / 2.0)
+        walls(options, sheet)
     sheet.end()
 
 

@@ -1,74 +1,132 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A disc, strained by its rotation, turns once about its axis while cells cross it all the time.
+"""A disc, strained by its rotation, turns once about its axis while cells cross it all the time; then twenty times.
 
 Would catch: a stress that does not turn with the material, spin about the wrong place or with the wrong
 sign, a transfer that takes angular momentum from what turns within a cell, strain of a rotation (with a
-velocity at the wrong time it grows the disc in proportion to the step), internal forces with a moment.
+velocity at the wrong time it grows the disc in proportion to the step), internal forces with a moment; in many turns a
+loss that adds up, a disc that grows or fades, stress that is left behind by the rotation.
 
 Closed (`&exact spinning_disc`): S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, sec. 32. R = 1 m,
 E = 10 MPa, nu = 0.3, rho = 1000 kg/m3, 10 rad/s. Angular momentum M R2 w/2 and energy stay as they are.
 
-Measured for one turn with the defaults, cells of 0.2, 0.1 and 0.05 m:
+Limits. Angular momentum and energy: targets, 1e-3 a turn with ten cells on the radius, 2.5 times that with five (loss
+of at least first order, with room for the rim); rate at least 1. Displacement over the greatest, 2 m: with a spin that
+is off by half of that target in the mean the angle is off by 2 pi 0.5e-3 after the turn, a displacement of 1.1e-3 (root
+mean square). Stress (root mean square over that at the centre): cells at the rim are partly filled; limit is the error
+of a rim one cell wide without any of its hoop and axial stress, 0.15 with ten cells and 0.21 with five. The second disc
+begins without strain, so it vibrates about the same rotation: same target for the angular momentum, energy 1 %.
 
-  particles 2 x 2   angular momentum -1.1e-3, -1.1e-4, -3.0e-5; displacement 2.0e-3, 5.9e-4, 4.3e-4
-  particles 3 x 3   angular momentum -9.0e-4, -7.0e-5, -1.3e-5; displacement 9.0e-3, 2.7e-4, 1.4e-4
+Of the transfers apic and aflip meet the target; flip does not, as its share of PIC in each of 1000 steps takes a part
+of what turns within a cell: a known miss, held at a tenth a turn. xpic and fmpm take nearly all and pic takes all by
+the same way (doc/theory/verification_bodies.md has the figures); test_transfer.py holds what a step of each keeps to
+rounding.
 
-The displacement is an error of the angle mostly, over the greatest displacement, 2 m. Limits: angular momentum
-1e-3 a turn with ten cells on the radius, 2.5e-3 with five; rates of both from five to ten cells of at
-least 1. The stress at the rim is of first order, as cells there are partly filled; the root mean square
-is 14 % of the stress at the centre and held at 17 %. The second disc begins without strain, so it
-vibrates about the same rotation: its angular momentum has the same limit.
-
-Among the other transfers apic and aflip keep the limit; flip loses 2.4 % a turn, pic all, xpic 44 %, fmpm
-39 % (order 2). The loss of flip is that of its share of pic in each of 2000 steps; rflip, the default, gives
-the rotation back.
+Twenty turns (tier long): the same target a turn, radius of gyration within 0.5 %. The stress at the end is a known miss
+of the limit above, held at half of that at the centre. The plain method is the control: it must grow by more than the
+disc may, or no cell is crossed.
 """
+# tiers: smoke, full, long
+# timeout long: 1200
 
 import sys
 from pathlib import Path
+
+import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import bodies  # noqa: E402
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
+
+TARGET = 1.0e-3                        # angular momentum and energy a turn, ten cells on the radius
+COARSE = 2.5 * TARGET                  # five cells
+FAR = 2.0 * np.pi * 0.5 * TARGET * np.sqrt(0.5) / 2.0
+TURNS = 20
+LONG = {"ddmp": "", "rflip 1": "transfer='rflip' flip=1", "apic": "transfer='apic'", "aflip": "transfer='aflip'"}
+
+
+def rim(spacing):
+    """Error of the stress if a rim of that width has no stress; hoop and axial stress at R over the hoop at 0."""
+    ratio = 0.3 / 0.7
+    hoop = (2.0 - 2.0 * ratio) / (3.0 + ratio)
+    return float(np.sqrt(1.0 - (1.0 - spacing) ** 2) * hoop * np.hypot(1.0, 0.3))
 
 
 def turn(options, name, **words):
     """One run, shown."""
     result = bodies.spin(options, name, **words)
     figures = ("drift", "energy", "displacement", "velocity", "stress", "momentum")
-    print(f"         {name}: " + (", ".join(f"{key} {result[key]:+.2e}" for key in figures if key in result)
-          if not result["code"] else f"exit code {result['code']}"), flush=True)
+    print(f"         {name}: " + ", ".join(f"{key} {result[key]:+.2e}" for key in figures if key in result), flush=True)
     return result
 
 
+def resolutions(options, sheet, ppc):
+    """The default with five and ten cells on the radius."""
+    coarse = turn(options, f"coarse_{ppc}", spacing=0.2, ppc=ppc)
+    name = f"{ppc} x {ppc} particles"
+    sheet.below(f"{name}, five cells: angular momentum in a turn", coarse["drift"], COARSE)
+    sheet.below(f"{name}, five cells: stress", coarse["stress"], rim(0.2))
+    sheet.below(f"{name}, five cells: momentum", coarse["momentum"], 1.0e-13)
+    if tier.NAME == "smoke":
+        return
+    usual = turn(options, f"usual_{ppc}", spacing=0.1, ppc=ppc)
+    sheet.require(usual["particles"] > 300 * ppc * ppc, f"{name}: the disc is there")
+    sheet.near(f"{name}: angular momentum at the start over M R2 w/2", usual["start"], 1.0, 0.02)
+    sheet.below(f"{name}: angular momentum in a turn", usual["drift"], TARGET)
+    sheet.below(f"{name}: energy in a turn", usual["energy"], TARGET)
+    sheet.below(f"{name}: displacement", usual["displacement"], FAR)
+    sheet.below(f"{name}: stress", usual["stress"], rim(0.1))
+    sheet.below(f"{name}: momentum", usual["momentum"], 1.0e-13)
+    sheet.above(f"{name}: rate of angular momentum", bodies.rates([abs(coarse["drift"]), abs(usual["drift"])])[0], 1.0)
+    sheet.above(f"{name}: rate of displacement", bodies.rates([coarse["displacement"], usual["displacement"]])[0], 1.0)
+
+
+def transfers(options, sheet):
+    """A disc without strain, and other transfers."""
+    loose = turn(options, "not_strained", strained=False)
+    sheet.below("not strained: angular momentum in a turn", loose["drift"], TARGET)
+    sheet.below("not strained: energy in a turn", loose["energy"], 0.01)
+    for transfer in ("apic", "aflip"):
+        result = turn(options, transfer, words=f"transfer='{transfer}'", spacing=0.2)
+        sheet.below(f"{transfer}, five cells: angular momentum in a turn", result["drift"], COARSE)
+        sheet.below(f"{transfer}, five cells: stress", result["stress"], rim(0.2))
+    result = turn(options, "flip", words="transfer='flip'", spacing=0.2)
+    sheet.known("flip, five cells: angular momentum in a turn", result["drift"], limit=0.1, target=COARSE)
+
+
+def radius(snap):
+    """Radius of gyration."""
+    return float(np.sqrt((snap.points[:, [0, 2]] ** 2).sum(axis=1).mean()))
+
+
+def many_turns(options, sheet):
+    """Twenty turns, five cells on the radius."""
+    options.timeout = 1000
+    for name, words in {**LONG, "mpm": "transfer='rflip'"}.items():
+        result = turn(options, f"many_{name.replace(' ', '_')}", method="mpm" if name == "mpm" else "ddmp", words=words,
+                      spacing=0.2, turns=TURNS)
+        snaps = result["run"].snapshots()
+        growth = radius(snaps[-1][1]) / radius(snaps[0][1]) - 1.0
+        sheet.below(f"{TURNS} turns, {name}: momentum", result["momentum"], 1.0e-13)
+        if name == "mpm":
+            sheet.above(f"{TURNS} turns, mpm: radius", growth, 5.0e-3)
+            continue
+        sheet.below(f"{TURNS} turns, {name}: angular momentum a turn", result["drift"], COARSE)
+        sheet.below(f"{TURNS} turns, {name}: radius", growth, 5.0e-3)
+        sheet.known(f"{TURNS} turns, {name}: stress", result["stress"], limit=0.5, target=rim(0.2))
+
+
 def main():
-    """The default in several resolutions, then the other transfers."""
+    """The default in several resolutions, then the other transfers, then many turns."""
     options = case.arguments()
     sheet = report.Report()
-    for ppc, far in ((2, 1.0e-3), (3, 5.0e-4)):
-        coarse = turn(options, f"coarse_{ppc}", spacing=0.2, ppc=ppc)
-        usual = turn(options, f"usual_{ppc}", spacing=0.1, ppc=ppc)
-        name = f"{ppc} x {ppc} particles"
-        sheet.require(usual["particles"] > 300 * ppc * ppc, f"{name}: the disc is there")
-        sheet.near(f"{name}: angular momentum at the start over M R2 w/2", usual["start"], 1.0, 0.02)
-        sheet.below(f"{name}, five cells: angular momentum in a turn", coarse["drift"], 2.5e-3)
-        sheet.below(f"{name}: angular momentum in a turn", usual["drift"], 1.0e-3)
-        sheet.below(f"{name}: energy in a turn", usual["energy"], 1.0e-3)
-        sheet.below(f"{name}: displacement", usual["displacement"], far)
-        sheet.below(f"{name}: stress", usual["stress"], 0.17)
-        sheet.below(f"{name}: momentum", usual["momentum"], 1.0e-13)
-        sheet.above(f"{name}: rate of angular momentum",
-                    bodies.rates([abs(coarse["drift"]), abs(usual["drift"])])[0], 1.0)
-        sheet.above(f"{name}: rate of displacement",
-                    bodies.rates([coarse["displacement"], usual["displacement"]])[0], 1.0)
-    loose = turn(options, "not_strained", strained=False)
-    sheet.below("not strained: angular momentum in a turn", loose["drift"], 1.0e-3)
-    sheet.below("not strained: energy in a turn", loose["energy"], 0.02)
-    for transfer in ("flip", "apic", "aflip", "xpic"):
-        result = turn(options, transfer, words=f"transfer='{transfer}'", spacing=0.2)
-        if transfer in ("apic", "aflip"):
-            sheet.below(f"{transfer}, five cells: angular momentum in a turn", result["drift"], 2.5e-3)
+    for ppc in tier.choose((2, 3), smoke=(2,)):
+        resolutions(options, sheet, ppc)
+    if tier.NAME != "smoke":
+        transfers(options, sheet)
+    if tier.NAME == "long":
+        many_turns(options, sheet)
     sheet.end()
 
 

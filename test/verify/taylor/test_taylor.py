@@ -7,14 +7,22 @@ lets it through, an input deck that is not that of its sources.
 
 The decks are those of input/taylor_copper, with coarser cells. Measured bar (25.4 x 7.62 mm, 190 m/s): 16.2 mm
 long, foot of 13.5 mm, waist of 10.1 mm, G. R. Johnson and T. J. Holmquist, J. Appl. Phys. 64 (1988) 3901; the
-mean of the three relative errors is held below 3 %. Classic bar (32.4 x 6.4 mm, 227 m/s): axisymmetric finite
-elements with 10 x 100 elements and a mean dilatation have 21.442 mm and 7.200 mm; limits 1.5 % and 4 %.
+mean of the three relative errors is held below 3 %, as material point codes are compared (S. Ma, X. Zhang, X. M. Qiu,
+Int. J. Impact Eng. 36 (2009) 272). Classic bar (32.4 x 6.4 mm, 227 m/s): axisymmetric finite elements with a mean
+dilatation have 21.479 mm and 7.167 mm with 5 x 50 elements, 21.442 mm and 7.200 mm with 10 x 100; published lengths
+lie within 1 % of that, radii between 6.97 and 7.24 mm. Limits: 1 % and 2 %. Greatest plastic strain: 3.22 and 3.31
+in the finite elements; limit 6 %, twice their difference. At the end the bar rests: kinetic energy 4e-4 in the
+finite elements, limit 1e-3; the measured bar of three cells rings longer, limit 4e-3.
 
-Measured (mean error; length, radius of the foot): six cells on the radius 1.0 %, with antilock = 'bbar' 0.8 % and
-with three cells 1.0 %; classic with eight cells 21.470 and 7.147 mm. The measured bar carries its energy and keeps
-it to round-off; the classic one carries none, so what transfers take is lost to its books, 1.1 % here, and
-falls with the cells.
+The measured bar carries its energy and keeps it to rounding; the classic one carries none, so what transfers take is
+lost to its books: target 1 %, a known miss with eight cells on the radius, held at twice that.
+
+Tier long: both bars with three sizes of cells by several methods, figures in doc/theory/verification_metals.md. Would
+catch results that change with the cells without end, and a method that locks or loses its foot in fine grids. Cells of
+0.2 mm: 1 % and 2 % again; the last halving must change the foot less than the first. Measured bar, 0.3175 mm: 3 %.
 """
+# tiers: smoke, full, long
+# timeout long: 1200
 
 import sys
 from pathlib import Path
@@ -23,28 +31,69 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import case    # noqa: E402
 import report  # noqa: E402
 import taylor  # noqa: E402
+import tier    # noqa: E402
 
 BBAR = "antilock='bbar'"
+METHODS = {"ddmp": ("ddmp", ""), "ddmp bbar": ("ddmp", BBAR), "mpm": ("mpm", ""), "gimp": ("mpm", "basis='gimp'")}
+BARS = ((taylor.MEASURED, (1.27, 0.635, 0.3175)), (taylor.CLASSIC, (0.8, 0.4, 0.2)))
+EXPERIMENT = 0.03                      # mean error against the experiment
+
+
+def table(options, methods=tuple(METHODS)):
+    """All runs, by method, deck and spacing."""
+    found = {}
+    for name in methods:
+        method, words = METHODS[name]
+        for bar, spacings in BARS:
+            for spacing in spacings:
+                label = f"{name}_{bar.deck[:-4]}_{spacing}".replace(" ", "_").replace(".", "_")
+                found[name, bar.deck, spacing] = taylor.strike(options, label, bar, spacing, words, method,
+                                                               timeout=600)
+    return found
+
+
+def classic(sheet, name, result):
+    """Length and foot of the classic bar."""
+    sheet.near(f"{name}: length of the classic bar [m]", result["length"], 21.46e-3, 0.01)
+    sheet.near(f"{name}: radius of its foot [m]", result["foot"], 7.105e-3, 0.02)
+    sheet.below(f"{name}: momentum", result["momentum"], 1.0e-13)
+
+
+def fine(options, sheet):
+    """Every method on both bars, with finer and finer cells."""
+    found = table(options)
+    for name in METHODS:
+        runs = [found[name, "classic.nml", spacing] for spacing in (0.8, 0.4, 0.2)]
+        classic(sheet, name, runs[-1])
+        changes = [abs(two["foot"] - one["foot"]) for one, two in zip(runs, runs[1:])]
+        sheet.below(f"{name}: last change of the foot over the first", changes[1] / changes[0], 1.0)
+        for spacing in (1.27, 0.635, 0.3175):
+            result = found[name, "scene.nml", spacing]
+            if spacing < 1.0:
+                sheet.below(f"{name}, {spacing} mm: mean error against the experiment", taylor.difference(result),
+                            EXPERIMENT)
+            sheet.below(f"{name}, {spacing} mm: energy", result["energy"], 1.0e-13)
 
 
 def main():
-    """The bar that was measured, then the one that codes are compared by."""
+    """The bar that was measured, then the one that codes are compared by, then finer ones."""
     options = case.arguments()
     sheet = report.Report()
-    for name, spacing, words, limit in (("six cells", 0.635, "", 0.03), ("six cells, bbar", 0.635, BBAR, 0.012),
-                                        ("three cells, bbar", 1.27, BBAR, 0.015)):
+    cases = (("three cells, bbar", 1.27, BBAR), ("six cells", 0.635, ""), ("six cells, bbar", 0.635, BBAR))
+    for name, spacing, words in tier.choose(cases, smoke=cases[:1]):
         result = taylor.strike(options, name.translate({32: "_", 44: None}), taylor.MEASURED, spacing, words)
-        sheet.below(f"{name}: mean error against the experiment", taylor.difference(result), limit)
+        sheet.below(f"{name}: mean error against the experiment", taylor.difference(result), EXPERIMENT)
         sheet.below(f"{name}: energy", result["energy"], 1.0e-13)
         sheet.below(f"{name}: momentum", result["momentum"], 1.0e-13)
         sheet.below(f"{name}: kinetic energy left", result["kinetic"], 4.0e-3)
-    result = taylor.strike(options, "classic", taylor.CLASSIC)
-    sheet.near("classic: length [m]", result["length"], 21.442e-3, 0.005)
-    sheet.near("classic: radius of the foot [m]", result["foot"], 7.200e-3, 0.015)
-    sheet.near("classic: greatest plastic strain", result["strain"], 3.3, 0.06)
-    sheet.below("classic: energy", result["energy"], 0.014)
-    sheet.below("classic: momentum", result["momentum"], 1.0e-13)
-    sheet.below("classic: kinetic energy left", result["kinetic"], 6.0e-4)
+    if tier.NAME != "smoke":
+        result = taylor.strike(options, "classic", taylor.CLASSIC)
+        classic(sheet, "classic", result)
+        sheet.near("classic: greatest plastic strain", result["strain"], 3.265, 0.06)
+        sheet.known("classic: energy", result["energy"], limit=0.02, target=0.01)
+        sheet.below("classic: kinetic energy left", result["kinetic"], 1.0e-3)
+    if tier.NAME == "long":
+        fine(options, sheet)
     sheet.end()
 
 

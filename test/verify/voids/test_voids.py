@@ -8,7 +8,8 @@ wrong sign or factor of B, and heat that is conducted but does not expand grains
 Closed solutions: matter that opens without pressure keeps theta V; closed voids leave the pressure
 K (V0/V - 1) of matter that never failed; crushing with alpha = (theta - c)/(1 - c) integrates to
 (1 - theta)/theta = (1 - theta_0)/theta_0 (V/V0)**(1/(1 - c)); heating by dT gives theta exp(b dT),
-shear by g of pressed grains theta exp(-b g), both at constant volume.
+shear by g of pressed grains theta exp(-b g), both at constant volume. The share follows the state of the step before,
+so it is late by one step: crushing may be off by the change of one step, shear is off by that.
 """
 # timeout: 120
 
@@ -137,7 +138,8 @@ def crushing(options, sheet):
     theta = last["solid_fraction"]
     # below the first volume grains touch
     void = (1.0 - share) / share * (last["volume"] / begin) ** (1.0 / rest)
-    sheet.below("share of crushed grains", np.abs(theta * (1.0 + void) - 1.0).max(), 2.0e-4)
+    step = 1.0e-4 * (1.0 - share) / rest           # strain of a step times d ln theta/d ln V at the start
+    sheet.below("share of crushed grains", np.abs(theta * (1.0 + void) - 1.0).max(), step)
     sheet.require(np.all(theta > share + 1.0e-3), "grains are crushed")
     matter = share * begin / (theta * last["volume"])
     expected = theta * BULK * (matter - 1.0)
@@ -203,7 +205,9 @@ def sheared(options, sheet):
         sheet.near(f"pressure with {steps} steps", table["pressure"][-1],
                    table["solid_fraction"][-1] * BULK / 1.0 * (matter - 1.0), 1.0e-9)
     print(f"sheared: errors of the share {errors[0]:.2e}, {errors[1]:.2e}")
-    sheet.below("share of sheared grains", errors[1], 1.0e-3)
+    for steps, error in zip((200, 400), errors):
+        # grains have no pressure in the first step, so they do not climb in it
+        sheet.near(f"share of sheared grains, {steps} steps: its error", error, np.expm1(factor * 0.2 / steps), 1.0e-3)
     sheet.above("order of the share", np.log2(errors[0] / errors[1]), 0.95)
 
 
