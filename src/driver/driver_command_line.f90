@@ -432,7 +432,7 @@ contains
 
       text = "usage: scree [options] DECK.nml"//newline//newline// &
          "  -n, --check            read and check the deck, say what a run will cost"//newline// &
-         "      --no-estimate      leave out how long it takes, which --check tries out"//newline// &
+         "      --no-estimate      with --check: do not estimate the time of the run"//newline// &
          "  -s, --set G.K=VALUE    put a value in place of the deck's; may be repeated"//newline// &
          "  -c, --case NAME        prefix of all output files"//newline// &
          "  -o, --outdir DIR       folder of all output files, default out/CASE"//newline// &

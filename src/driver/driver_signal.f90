@@ -44,8 +44,8 @@ contains
       end select
    end subroutine watch_signal
 
-   !> A file that reaches the limit on the size of files (`ulimit -f`) becomes an error of the write, as
-   !! on a full disk. Without this the system ends the program by the signal SIGXFSZ.
+   !> A write beyond the limit on the size of files (`ulimit -f`) becomes an error of that write, as
+   !! on a full disk. Without this the signal SIGXFSZ ends the program.
    subroutine outlive_file_limit()
       integer(c_int), parameter :: file_limit = 25_c_int  ! SIGXFSZ of Linux
       type(c_funptr) :: previous

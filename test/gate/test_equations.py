@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """Equations of the theory pages have numbers, and the sources that implement them cite these.
 
 Would catch a number that is given twice or left out, an equation without one, or in the middle of a paragraph,

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """The indentation of src/ is what findent makes of it; skipped where it is not installed."""
 
 import shutil

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """The linter fortitude finds nothing in src/; skipped where it is not installed."""
 
 import shutil

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """Rules for the Fortran files of src/ that no compiler checks.
 
 Would catch files and procedures that grow without end, a module that keeps state, a layer that

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # timeout: 300
+# cores: 2
 """No slice of an array is copied behind the back of a call.
 
 Would catch a slice passed to a contiguous argument: the copy made a kernel 7 to 9 times slower.

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """Rules for all text files: form, licence, nothing left over.
 
 Would catch a file without a licence line, a line that no screen shows whole, a line pasted twice,

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """No loop over particles calls a vector variant of exp, log or a power.
 
 Would catch: a loop that the compiler turns into calls of the vector library of mathematics. Its

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """Wrong decks and command lines: all faults in one pass, with line and hint, and the exit code.
 
 Would catch a fault that is not seen, is seen at another line, hides the next one, crashes the

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """Snapshots with damage do not keep a run from going on: they are named, left out of the series, and a later restart
 that finds them whole again has them back.
 

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """scree-deck migrate: decks in the names of before become decks in those of today, and nothing else of them changes.
 
 Would catch a name that the program calls former and the command does not know, a comment, quote, blank or end of line

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """`scree --check` and the log tell which effects and models are on, and who says so; the timing table has their rows.
 
 Would catch: an effect that is on and not told, one that is told and off, a default taken for a word of the deck, the

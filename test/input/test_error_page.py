@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """The page of messages against the messages: each that the tests know is on it, and none is made up. The pages
 behind its rows are those of test_message_pages.
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # timeout: 900
+# cores: 2
 """The commands of the page of the first hour are typed one after the other, as a new user would.
 
 Would catch a command of the page that does not work where the page has led to, one that ends with another exit code

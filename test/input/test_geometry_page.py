@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """The page with geometry step by step is typed as it stands: its files are written and its commands run.
 
 Would catch a deck or a command of the page that does not work, and a slope that does not stay where its stress

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke, full
 # timeout: 600
 """Tests of scree-post on small runs: info, plot, compare, sweep, and what it says of mistakes.
 
@@ -18,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
 import case                                              # noqa: E402
 import report                                            # noqa: E402
+import tier                                              # noqa: E402
 from post_command import INPUT, SCRIPTS, call, process, run_cases, run_tests, series  # noqa: E402
 
 import h5py                                              # noqa: E402
@@ -348,5 +350,5 @@ def test_progress(_options):
 
 if __name__ == "__main__":
     chosen = case.arguments(__doc__)
-    run_cases(chosen, "two_discs", "coarse", "debris_cloud")
-    sys.exit(run_tests(globals(), chosen))
+    run_cases(chosen, *tier.choose(("two_discs", "coarse", "debris_cloud"), smoke=("two_discs", "coarse")))
+    sys.exit(run_tests(globals(), chosen, smoke=("test_deck", "test_plot", "test_command", "test_progress")))

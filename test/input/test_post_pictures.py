@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke, full
 # timeout: 600
 """Tests of what scree-post draws and counts on small runs: picture, movie, radiograph, fragments.
 
@@ -15,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
 import case                                              # noqa: E402
 import report                                            # noqa: E402
+import tier                                              # noqa: E402
 from post_command import call, run_cases, run_tests, series  # noqa: E402
 
 import numpy as np                                       # noqa: E402
@@ -425,5 +427,5 @@ def test_sample(options):
 
 if __name__ == "__main__":
     chosen = case.arguments(__doc__)
-    run_cases(chosen, "two_discs", "debris_cloud", "debris_cloud_3d")
-    sys.exit(run_tests(globals(), chosen))
+    run_cases(chosen, *tier.choose(("two_discs", "debris_cloud", "debris_cloud_3d"), smoke=("two_discs",)))
+    sys.exit(run_tests(globals(), chosen, smoke=("test_plane_picture",)))

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """Prisms of polygons, in plane scenes and in space, and polygons that are none.
 
 Would catch coordinates of the polygon in the wrong order, an edge that is crossed twice or not at all at a corner,

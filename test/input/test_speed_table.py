@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """The comparison of test/bench/table.py, with made-up numbers: no time of a run is judged.
 
 Would catch: a slowdown that is not told or one that is told of a slower machine, a row without a reference that

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """A whole deck of an impact, with the keys and words that decks of it have had from the beginning: it is taken as it
 stands, and coarser it makes its steps with closed books.
 

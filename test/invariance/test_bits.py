@@ -8,6 +8,7 @@ particles cross tiles and borders of ranks, and the digest changes when one velo
 last bit.
 """
 # timeout: 400
+# cores: 2
 
 import sys
 from pathlib import Path

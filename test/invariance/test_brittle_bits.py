@@ -9,6 +9,7 @@ acts depends on the layout; a delay whose load of the step before stays behind w
 moves or a run is stopped.
 """
 # timeout: 400
+# cores: 2
 
 import sys
 from pathlib import Path

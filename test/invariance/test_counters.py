@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """Counters at their edge: a run that has made 2^31, 10^10 or 2^53 steps goes on like one that has made ten.
 
 Would catch: a counter of steps that wraps round at 2^31, that loses steps where a real number of single precision or a

@@ -7,6 +7,7 @@ that sorting, migration or a checkpoint forgets; sums of errors that depend on r
 and a clock of the stress that a restart begins anew.
 """
 # timeout: 200
+# cores: 2
 
 import sys
 from pathlib import Path

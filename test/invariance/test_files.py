@@ -5,7 +5,9 @@ Would catch: rows in the order of ranks, parts of files written by rank, sums of
 depend on ranks, files that VTK does not read. Byte for byte, except for the echo of the deck with
 the folder of the run.
 """
+# tiers: smoke
 # timeout: 120
+# cores: 2
 
 import subprocess
 import sys

@@ -4,7 +4,7 @@
 Would catch: a cut of the curve that depends on how tiles were measured and reaches the state, a
 rank that gets no tile, a patch that is sent before it is complete or not sent at all after tiles
 have moved, ghosts of the step before.
-smoke: two decks on few ranks and threads; full: four decks on 4 and 7 ranks; long: all of them on all
+smoke: one deck on few ranks and threads; full: four decks on 4 and 7 ranks; long: all of them on all
 layouts of ranks {1, 2, 3, 4, 7} and threads {1, 2, 3}, with restarts at the first, a middle and the last step but one.
 """
 # tiers: smoke, full, long

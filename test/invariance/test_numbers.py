@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """The same scene in other words gives the same numbers: other units, a mirror image, a shifted box.
 
 Would catch: a key that is not converted, absolute tolerances, a direction or a side that is treated

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
 """`output_units`: the numbers of all files in the units of the deck, or of another system, and back to SI.
 
 Would catch a field, a column or a time that keeps its old unit or gets a wrong label, a number that is converted

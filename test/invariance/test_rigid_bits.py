@@ -6,6 +6,7 @@ does not; a place or velocity of a region that is carried on instead of found fr
 nodes that are remembered for tiles that went to another rank; normals that are found anew after a restart only.
 """
 # timeout: 300
+# cores: 2
 
 import sys
 from pathlib import Path

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# cores: 2
 """What ranks send in a step is what the model of doc/developer/scaling.md says.
 
 Would catch: patches sent twice, sent to ranks that do not see them, or with columns that nobody

@@ -18,6 +18,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import case
+import tier
 
 SCRIPTS = case.ROOT / "scripts"
 sys.path.insert(0, str(SCRIPTS))
@@ -83,9 +84,11 @@ def series(work, name):
     return str(Path(work) / "out" / name / f"{name}_p.hdf.series")
 
 
-def run_tests(tests, options):
-    """Call every function test_NAME(options) of a module; the result is the exit code."""
-    chosen = [(name, test) for name, test in tests.items() if name.startswith("test_")]
+def run_tests(tests, options, smoke=()):
+    """Call every function test_NAME(options) of a module, in the tier smoke those named; the result is the exit
+    code."""
+    chosen = [(name, tests[name]) for name in smoke] if tier.NAME == "smoke" else [
+        (name, test) for name, test in tests.items() if name.startswith("test_")]
     failures = 0
     for name, test in chosen:
         try:

@@ -10,8 +10,8 @@
     sheet.end()
 
 In a test of unittest `report.skip_part(self, why)` takes the place of `self.skipTest(why)`, and
-`report.skip_all(why)` leaves a test that cannot run at all. Lines that begin with KNOWN or SKIPPED are collected by scripts/run_tests.py, which prints them in one table at the
-end of every run.
+`report.skip_all(why)` leaves a test that cannot run at all. Lines that begin with KNOWN or SKIPPED are collected by
+scripts/run_tests.py, which prints them in one table at the end of every run.
 """
 
 import math
