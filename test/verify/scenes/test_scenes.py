@@ -9,6 +9,7 @@ themselves, which takes about half an hour.
 # tiers: full, long
 # timeout: 900
 # timeout long: 7200
+# cores: 2
 
 import shutil
 import subprocess
