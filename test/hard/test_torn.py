@@ -17,8 +17,9 @@ is a known miss of the same target. An end that is not strained at all is off by
 
 Breaking leaves the energy of materials that carry one to rounding. Without, the books count what flow and viscosity
 took, and the energy of what failed is off by the loss: target 1 %, at once or with a fracture energy. With
-`failure_delay` the stress drops from above the strength and leaves motion that nodes do not see: a known miss, held at
-5 %. The halves pull with at most rho c v, so a broken end gains at most the speed v of the halves: twice v is the limit.
+`failure_delay` the stress drops from above the strength and leaves motion that nodes do not see: a known miss, held
+at 5 %. The halves pull with at most rho c v, so a broken end gains at most the speed v of the halves: twice v is the
+limit.
 """
 # tiers: smoke, full
 # timeout: 120
@@ -94,8 +95,8 @@ def stretch(options, name, ppc, method, words):
         ends = begun >= 3.0
         found["end"] = np.abs(error[ends]).max()
         found["least"] = (snap.fields["volume"] / snap.fields["mass"])[ends].min()
-    print(f"         stretch {name}, {ppc} a cell: " + ", ".join(
-        f"{key} {found[key]:.4f}" for key in ("off by 1 % at a stretch of", "touching", "later", "end", "least")), flush=True)
+    keys = ("off by 1 % at a stretch of", "touching", "later", "end", "least")
+    print(f"         stretch {name}, {ppc} a cell: " + ", ".join(f"{key} {found[key]:.4f}" for key in keys), flush=True)
     return found
 
 

@@ -4,15 +4,14 @@
 Would catch: a wrong hoop strain or hoop force, volumes or masses that do not go with the radius,
 node volumes of the dual gradient without the radius, an axis that lets matter through.
 
-Uniaxial strain in a smooth tube has no radial motion. The plain method keeps that to rounding. In
-the dual domain method the node stress at the axis is a sum over points divided by the exact volume
-of the node; two points a cell give a sum 12.5 % too large there (0.1875 for 1/6), so that the axis
-moves a little otherwise; a smooth blend doubles that, so it is not the default round an axis, and
-the line takes the linear one for comparison. No difference may be greater than those 12.5 %, and only the matter of
-the cell at the axis may have it: (1/12)2 of the mass of the 12 cells of the radius, so the root mean square (by mass) is
-at most 1/12 of 12.5 %, 1 %.
-Also: mass of a sphere. Particles whose centres lie inside are counted, and as many are wrong as chance makes it for
-those at the surface: (d/R)**(3/2) for particles of a width d.
+Uniaxial strain in a smooth tube has no radial motion. The plain method keeps that to rounding. In the dual domain
+method the node stress at the axis is a sum over points divided by the exact volume of the node; two points a cell
+give a sum 12.5 % too large there (0.1875 for 1/6), so that the axis moves a little otherwise; a smooth blend doubles
+that, so it is not the default round an axis, and the line takes the linear one for comparison. No difference may be
+greater than those 12.5 %, and only the matter of the cell at the axis may have it: (1/12)2 of the mass of the 12
+cells of the radius, so the root mean square (by mass) is at most 1/12 of 12.5 %, 1 %. Also: mass of a sphere.
+Particles whose centres lie inside are counted, and as many are wrong as chance makes it for those at the surface:
+(d/R)**(3/2) for particles of a width d.
 """
 # tiers: smoke, full
 # timeout: 120

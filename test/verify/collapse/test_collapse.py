@@ -6,11 +6,11 @@ or never gets it back, a base that grips nothing or holds what is above it, hoop
 axis, a front that is pushed ahead by almost empty cells; in tall columns energy that the fall or the impact on the base
 loses or makes, a softness of the grains that matters, free fall that is held back.
 
-G. Lube and others, J. Fluid Mech. 508 (2004) 175 (round): the run-out over the radius is 1.24 a to a = 1.7, then
-1.6 a^(1/2), the height 0.88 a^(1/6), for all grains and bases; Phys. Rev. E 72 (2005) 041301 (plane): over the half width
-1.2 a to a = 2, then 1.9 a^(2/3). It is reached after 3.0 and 3.3 times sqrt(H/g). E. Lajeunesse, J. B. Monnier,
-G. M. Homsy, Phys. Fluids 17 (2005) 103302: plane deposits are as high as the column, for a > 1 a^(1/3). Measured
-prefactors scatter by 15 %, the limit of run-outs and heights; exponents within 0.1 below the change and 0.07 above.
+G. Lube and others, J. Fluid Mech. 508 (2004) 175 (round): the run-out over the radius is 1.24 a to a = 1.7, then 1.6
+a^(1/2), the height 0.88 a^(1/6), for all grains and bases; Phys. Rev. E 72 (2005) 041301 (plane): over the half width
+1.2 a to a = 2, then 1.9 a^(2/3). It is reached after 3.0 and 3.3 times sqrt(H/g). E. Lajeunesse, J. B. Monnier, G. M.
+Homsy, Phys. Fluids 17 (2005) 103302: plane deposits are as high as the column, for a > 1 a^(1/3). Measured prefactors
+scatter by 15 %, the limit of run-outs and heights; exponents within 0.1 below the change and 0.07 above.
 
 The coefficient of friction, tan 33.2 degrees, was chosen within the 30 to 35 degrees at which dry sand rests, and sets
 the prefactors of the run-outs: these are a fit, the exponents, heights and times are not. So the range is held as well

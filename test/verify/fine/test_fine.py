@@ -4,11 +4,11 @@
 Would catch: errors that stop to fall, or grow, where grids are finer than those of the short tests, as noise of
 moving particles does that is not damped; all short tests may pass with it.
 
-Limits: the targets of the short tests, halved for each halving of the cells where the error is of first order at least:
-spinning disc 1e-3 a turn with 10 cells on the radius, so half of that with 20; two discs 1 % of the energy with 32 cells
-across, half of that with 64; stress of the column h/L; rates 1.8 of those of second order, 0.85 of the first. Held
-bar: energy 1 %, period the dispersion of DDMP. Shear of grains: the waves of the short test, 1 % with 5e-4 kg/m3,
-go with the root of the density.
+Limits: the targets of the short tests, halved for each halving of the cells where the error is of first order at
+least: spinning disc 1e-3 a turn with 10 cells on the radius, so half of that with 20; two discs 1 % of the energy
+with 32 cells across, half of that with 64; stress of the column h/L; rates 1.8 of those of second order, 0.85 of the
+first. Held bar: energy 1 %, period the dispersion of DDMP. Shear of grains: the waves of the short test, 1 % with
+5e-4 kg/m3, go with the root of the density.
 """
 # tiers: long
 # timeout long: 1200
@@ -47,7 +47,8 @@ def main():
             result = bodies.held_bar(options, "held", cells=cells, speed=speed)
             errors.append(abs(result["period"] / right - 1.0))
             sheet.below(f"held bar, {speed} m/s, {cells} cells: energy", result["energy"], 0.01)
-            sheet.below(f"held bar, {speed} m/s, {cells} cells: period", errors[-1], 7 / 24 * (0.5 * np.pi / cells) ** 2)
+            sheet.below(f"held bar, {speed} m/s, {cells} cells: period", errors[-1],
+                        7 / 24 * (0.5 * np.pi / cells) ** 2)
         for rate in bodies.rates(errors):
             sheet.above(f"held bar, {speed} m/s: rate of the period", rate, 1.8)
     errors = [bodies.free_bar(options, "bar", spacing=spacing)["velocity"] for spacing in (1.0, 0.5, 0.25)]

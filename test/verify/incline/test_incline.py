@@ -13,10 +13,10 @@ have to find it. At 34 degrees the layer accelerates; the mean speed follows fin
 (limit 2 %) between g (sin - mu_2 cos) and g (sin - mu_s cos). At 20 degrees a layer that moves like one at 24
 degrees stops before it could with mu_s alone, and stays: limit 1e-6 m in 0.4 s, below 1e-4 of the way it went.
 
-Tier long: a layer of 20 mm, speed of the surface 0.77988 m/s, and one of 10 mm with half and twice the cells, that start
-with 0.9 of the steady profile and are on their way to it for four of its times of relaxation. Would catch an inertial
-number that depends on the height or on the cells, a viscosity of the transfer that grows with the number of steps.
-Limit 1 %, with half the cells twice that.
+Tier long: a layer of 20 mm, speed of the surface 0.77988 m/s, and one of 10 mm with half and twice the cells, that
+start with 0.9 of the steady profile and are on their way to it for four of its times of relaxation. Would catch an
+inertial number that depends on the height or on the cells, a viscosity of the transfer that grows with the number of
+steps. Limit 1 %, with half the cells twice that.
 """
 # tiers: smoke, full, long
 # timeout long: 900

@@ -4,11 +4,11 @@
 Would catch: cells that lock (without the cure the tip falls 40 % too little at nu = 0.49 with four cells across), a
 cure that takes the stiffness of bending, pressure that jumps from cell to cell.
 
-5 x 1 m, E = 1 MPa, 1000 kg/m3, plane strain, small deflection. The reference is in beams.py: finite elements that
-do not lock for the deflection at rest, the modes of a beam for the first swing. Targets with eight cells across: tip
-2 %, jumps of pressure from cell to cell and within a cell 5 % (H-11 in test/hard/README.md). With four cells an error of
-second order is four times as large, a jump twice. Where nothing locks, at nu = 0.3 without the cure and with `mpm`,
-four cells have to meet 2 % as well.
+5 x 1 m, E = 1 MPa, 1000 kg/m3, plane strain, small deflection. The reference is in beams.py: finite elements that do
+not lock for the deflection at rest, the modes of a beam for the first swing. Targets with eight cells across: tip 2
+%, jumps of pressure from cell to cell and within a cell 5 % (H-11 in test/hard/README.md). With four cells an error
+of second order is four times as large, a jump twice. Where nothing locks, at nu = 0.3 without the cure and with
+`mpm`, four cells have to meet 2 % as well.
 
 Tier long: nu from 0.3 to 0.4999, with and without the cure, in three resolutions; would catch a cure that holds for one
 ratio of the moduli only, and errors that do not fall with the cells. Wave speeds grow as the root of the bulk modulus,

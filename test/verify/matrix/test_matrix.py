@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every method, basis, transfer and order of the stress update flies a bar and throws two discs.
 
-Would catch: a combination that stops to run or to fail, loses momentum, or changes its energy beyond its class. The table
-is in doc/theory/matrix_of_methods.md.
+Would catch: a combination that stops to run or to fail, loses momentum, or changes its energy beyond its class. The
+table is in doc/theory/matrix_of_methods.md.
 
 The problems are those of the tests free_bar and two_discs (cells of 0.5 m and of 0.025 m), without
 artificial viscosity. A figure is the change of energy over that at the start, in percent: of the vibration of the
 bar, of both discs. A run that ends with an error, or makes thirty thousand steps, which is twenty times what others
 need, is `x`, one with more than a hundred times its energy `large`: both have failed.
 
-Every run is judged. Momentum: 1e-13 for all that end. Failures are listed by name with their reason (`reason`): a new one
-fails the test, and so does a listed one that runs. Energy, by class:
+Every run is judged. Momentum: 1e-13 for all that end. Failures are listed by name with their reason (`reason`): a new
+one fails the test, and so does a listed one that runs. Energy, by class:
 
 bar, all but PIC    target 1 % (test_free_bar.py)
 bar, PIC            each step multiplies the velocities by the square of the transform of the functions, so with kinetic
@@ -19,9 +19,9 @@ bar, PIC            each step multiplies the velocities by the square of the tra
                     corners (cpdi) 2/12 + (l/h)2/12 and 2/12 + (l/h)2/4; limit a tenth of the loss
 discs               target 2 % (test_two_discs.py)
 
-What misses its target is listed by transfer, update and method. A listed miss may be a fifth of the energy; that of PIC,
-which filters, all of it; that of the bar with the plain method, whose force jumps at faces, and of aflip with usf and the
-dual gradient, a hundred times. A listed miss that meets its target fails the test, too.
+What misses its target is listed by transfer, update and method. A listed miss may be a fifth of the energy; that of
+PIC, which filters, all of it; that of the bar with the plain method, whose force jumps at faces, and of aflip with
+usf and the dual gradient, a hundred times. A listed miss that meets its target fails the test, too.
 
 `--write FILE` puts the table into a file, `--only WORD` takes the methods whose name holds a word.
 """

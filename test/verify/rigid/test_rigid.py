@@ -7,9 +7,9 @@ walls that pull, friction from a wrong pressure, impulse or work that is not boo
 a way that is not the integral of the table, an opening that is as wide as its face or closed.
 
 Limits. Piston: those of test_piston.py, also for the pressure against that of a face; a wall between nodes counts at
-the node next to it, so up to half a cell of the way of 10 cells is lost, and as much of the work. Slope: target 1e-3 of
-g (H-26 in test/hard/README.md); a block that rests starts without stress and may slip while it bounces, by the time that
-a wave takes through it, L/c = 0.2 m/42 m/s, over the time of the run. Bounce: see there.
+the node next to it, so up to half a cell of the way of 10 cells is lost, and as much of the work. Slope: target 1e-3
+of g (H-26 in test/hard/README.md); a block that rests starts without stress and may slip while it bounces, by the
+time that a wave takes through it, L/c = 0.2 m/42 m/s, over the time of the run. Bounce: see there.
 """
 # timeout: 120
 

@@ -3,8 +3,8 @@
 
 Would catch a change of the method that leaves old figures in a README, a scene without figures or that no longer
 runs, a comparison that takes anything for equal, a phrase that is renewed in the wrong place or not at all, a failed
-run that goes unnoticed, and a gallery that was not renewed. Tier full: the scenes of seconds; tier long: all that measure
-themselves, which takes about half an hour.
+run that goes unnoticed, and a gallery that was not renewed. Tier full: the scenes of seconds; tier long: all that
+measure themselves, which takes about half an hour.
 """
 # tiers: full, long
 # timeout: 900

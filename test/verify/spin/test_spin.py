@@ -21,9 +21,9 @@ of what turns within a cell: a known miss, held at a tenth a turn. xpic and fmpm
 the same way (doc/theory/verification_bodies.md has the figures); test_transfer.py holds what a step of each keeps to
 rounding.
 
-Twenty turns (tier long): the same target a turn, radius of gyration within 0.5 %; flip and xpic, known misses, may take
-all. The stress at the end is a known miss of the limit above, held at half of that at the centre. The plain method is the control: it must grow by more than the
-disc may, or no cell is crossed.
+Twenty turns (tier long): the same target a turn, radius of gyration within 0.5 %; flip and xpic, known misses, may
+take all. The stress at the end is a known miss of the limit above, held at half of that at the centre. The plain
+method is the control: it must grow by more than the disc may, or no cell is crossed.
 """
 # tiers: smoke, full, long
 # timeout long: 1200
