@@ -5,13 +5,13 @@ Would catch: the force of a light node over its mass in the strain of particles 
 driver_nodes a lone particle 1e-3 of a cell beside a node grows by a factor of ten in one step), work
 that does not fit to it, particles that light nodes throw ahead of the fastest body.
 
-A lone particle moves in one step from the middle of its cell to the distance s from a node, under a
-pressure of 0.05 % or 5 % of the modulus. Its strain of the next step may be 1 %, and twice that which it has
-in the middle of the cell where that is more, as the bound lets light nodes move by 3e-3 of a cell.
-Energy is kept to 1e-9, the target. Work and lost energy of the lightest node are p2 dt2/(2 rho m) with its mass m, which
-is 1e-42 of the particle 1e-14 of a cell from three faces, and cancel: one rounding of them is what the energy may be off
-by; the limit is ten of them. Beyond 1e-12 of the mass (1e-4 of a cell in 3-D) that is more than the target, and the
-energy of the particle is spoiled: a known miss.
+A lone particle moves in one step from the middle of its cell to the distance s from a node, under a pressure of 0.05
+% or 5 % of the modulus. Its strain of the next step may be 1 %, and twice that which it has in the middle of the cell
+where that is more, as the bound lets light nodes move by 3e-3 of a cell. Energy is kept to 1e-9, the target. Work and
+lost energy of the lightest node are p2 dt2/(2 rho m) with its mass m, which is 1e-42 of the particle 1e-14 of a cell
+from three faces, and cancel: one rounding of them is what the energy may be off by; the limit is ten of them. Beyond
+1e-12 of the mass (1e-4 of a cell in 3-D) that is more than the target, and the energy of the particle is spoiled: a
+known miss.
 
 One of the grains ends up to 14 % faster than any was at the start. It is at the edge of the wall when the grain
 behind it presses it to 65 GPa, and escapes past the edge: its sideways speed of 5.3 km/s is the release of that

@@ -5,9 +5,9 @@ Would catch: halves with the mass, volume or energy of the whole, at one place, 
 along the edge, or with velocities that do not part (they then tear apart from others); energy or angular
 angular momentum that halving makes; identities that come twice or depend on ranks, a restart that forgets edges.
 
-Limits. With halves particles stay in touch, so the volume of an inner one is within 2 % of the stretch to the end, twice
-the error at which test_torn.py counts a bar as off, and closer than without halves. Without halves the line must
-come off before the end, or nothing is shown. Mass, momentum, energy: rounding.
+Limits. With halves particles stay in touch, so the volume of an inner one is within 2 % of the stretch to the end,
+twice the error at which test_torn.py counts a bar as off, and closer than without halves. Without halves the line
+must come off before the end, or nothing is shown. Mass, momentum, energy: rounding.
 """
 # tiers: smoke, full
 # timeout: 120

@@ -59,7 +59,10 @@ def heap(snap):
 
 
 def toss(options, sheet, name, words, most, highest):
-    """Limits of the volume and of the heap, None where the target is met. The upper half flies up at 9 m/s, the lower one at 5 m/s; both fall and come to rest."""
+    """The upper half flies up at 9 m/s, the lower one at 5 m/s; both fall and come to rest.
+
+    `most` and `highest` are the limits of volume and heap where they are known to miss their target, else None.
+    """
     run = case.Case(options, name, SAND.format(
         end=14.0, effects="", words=words, slow=5, fast=9)).run("-q")
     snaps = run.snapshots()

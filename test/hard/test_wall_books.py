@@ -7,10 +7,11 @@ usf on walls with friction and on rigid regions), friction from a wrong pressure
 
 A block of 0.4 m x 0.2 m with 8 x 4 cells on a face, gravity at 30 degrees to it, for 0.2 s; it comes at once, so it
 also shakes the block. Where matter carries energy the books close to rounding, whatever walls do: limit 1e-12.
-Without, what the transfers filter is missing, as `energy_error` says with its sign. Measured, as shares of the work
-that a block without friction gets, on the face and on a rigid region askew in the cells: musl -5e-5 to -3e-4 on slip
-and stick, -7e-4 to -3.5e-3 with friction; usl to -7e-4 and to -1.1e-2; usf to -3e-4 and to -3.8e-3, but +1.3e-2
-with plain mpm on the region with friction. Limits about twice that; musl and usl must make none.
+Without, what the transfers filter is missing, as `energy_error` says with its sign. Target 1 % of the work that a block
+without friction gets, on the face and on a rigid region inclined to the cells; musl and usl must make none, and usf,
+which books with the velocities of the forces, no more than the target. Two cases on the region with friction miss it:
+gimp with usl, which loses, and plain mpm with usf, which makes energy: known misses, held at twice the target. The
+speed is that of theory within 1 % of g t, the target (H-26 in test/hard/README.md).
 """
 # timeout: 120
 
@@ -39,8 +40,6 @@ DECK = """
 CARRIES = "eos_model='mie_gruneisen'  mg_c0=31.6  mg_s=1.3  mg_gamma=1"
 ELASTIC = "bulk=1.0e6"
 SLOPE, GRAVITY, FRICTION, TIME = np.radians(30.0), 9.81, 0.3, 0.2
-MASS = 1000.0 * 0.4 * 0.2
-FREE = 0.5 * MASS * (GRAVITY * np.sin(SLOPE) * TIME)**2
 TYPES = {"slip": "type='slip'", "friction": f"type='friction'  friction={FRICTION}", "stick": "type='stick'"}
 FACE = {"block": "lo=0.2,0,0  hi=0.6,1,0.2",
         "gravity": f"{GRAVITY * np.sin(SLOPE):.15g},0,{-GRAVITY * np.cos(SLOPE):.15g}"}
@@ -52,9 +51,8 @@ GROUND = ("&region  name='ground'  shape='halfspace'  centre=0.6,0,0.4  normal=0
 METHODS = [("ddmp", "linear", update) for update in ("usl", "usf", "musl")] \
     + [("mpm", basis, update) for basis in ("linear", "gimp") for update in ("usl", "usf", "musl")
        if (basis, update) != ("linear", "usl")]
-# what may be missing, and what may be made with usf, which books with the velocities of the forces
-SHARES = {"slip": {"usl": 1e-3, "usf": 6e-4, "musl": 6e-4}, "stick": {"usl": 1.5e-3, "usf": 6e-4, "musl": 6e-4},
-          "friction": {"usl": 1.6e-2, "usf": 7e-3, "musl": 7e-3}}
+TARGET = 0.01                          # energy that may be missing, or made by usf
+MISSES = {("mpm", "linear", "usf"), ("mpm", "gimp", "usl")}   # on the region with friction
 
 
 def slide(options, sheet, kind, method, basis, update, matter, scene=None):
@@ -64,22 +62,24 @@ def slide(options, sheet, kind, method, basis, update, matter, scene=None):
     deck = DECK.format(method=method, basis=basis, update=update, matter=matter, walls=walls, **(scene or FACE))
     run = case.Case(options, "block", deck).run("-q")
     history, books = run.history, run.summary["ledger"]
+    mass = history["mass"][0]          # a block inclined to the cells has the mass of its lattice sites
     sheet.below(f"{name}: momentum error", books["momentum_error"], 1.0e-12)
     if matter == CARRIES:
         sheet.below(f"{name}: energy error", books["energy_error"], 1.0e-12)
     else:
         total = sum(history[key][-1] - history[key][0] for key in ("kinetic", "internal", "dissipated"))
-        made = (total - history["external_work"][-1]) / FREE
-        limit = SHARES[kind][update]
-        sheet.above(f"{name}: energy that is missing", made, -limit)
-        if (basis, update, scene) == ("linear", "usf", ASKEW) and method == "mpm":
-            limit = 0.03
-        sheet.below(f"{name}: energy that is made", max(made, 0.0), limit if update == "usf" else 1e-5)
+        made = (total - history["external_work"][-1]) / (0.5 * mass * (GRAVITY * np.sin(SLOPE) * TIME) ** 2)
+        if scene and kind == "friction" and (method, basis, update) in MISSES:
+            sheet.known(f"{name}: energy that is made", made, limit=2.0 * TARGET, target=TARGET)
+            sheet.require((made > 0.0) == (update == "usf"), f"{name}: only usf makes energy")
+        else:
+            sheet.above(f"{name}: energy that is missing", made, -TARGET)
+            sheet.below(f"{name}: energy that is made", max(made, 0.0), TARGET if update == "usf" else 1.0e-5)
     momentum = np.hypot(history["momentum_x"][-1], 0.0) if not scene else np.hypot(
         history["momentum_x"][-1], history["momentum_z"][-1])
-    speed = momentum / MASS / (GRAVITY * TIME)
+    speed = momentum / mass / (GRAVITY * TIME)
     pull = {"slip": np.sin(SLOPE), "friction": np.sin(SLOPE) - FRICTION * np.cos(SLOPE), "stick": 0.0}[kind]
-    sheet.below(f"{name}: speed over g t, without that of theory", speed - pull, 0.05 if scene else 0.01)
+    sheet.below(f"{name}: speed over g t, without that of theory", speed - pull, 0.01)
 
 
 def main():

@@ -7,7 +7,7 @@
 
 Every problem takes the method and the words of &method, so all methods meet the same set-up. A run that does not
 end with exit code 0 and finite energies fails the test. With `may_fail` it does not: the result then has only `name`,
-`run` and `code`, the exit code, "timeout" or "not finite", and the caller judges the code.
+`run` and `code`, the exit code, "timeout", "too many steps" or "not finite", and the caller judges the code.
 """
 
 import subprocess
@@ -27,10 +27,15 @@ FIELDS = "'identity','velocity','stress'"
 
 
 def launch(options, name, deck, every=1, count=1, fields=FIELDS, may_fail=False):
-    """Run a deck; the case and a dict with its exit code; `options` may hold a `timeout` in seconds."""
+    """Run a deck; the case and a dict with its exit code.
+
+    `options` may hold a `timeout` in seconds, and the `steps` at which a run that may fail has failed.
+    """
     run = case.Case(options, name, deck + END.format(every=every, count=count, fields=fields))
+    most = getattr(options, "steps", None)
+    words = ["-s", f"time.max_steps={most}"] if most else []
     try:
-        run.run("-q", expect=None, timeout=getattr(options, "timeout", 250))
+        run.run("-q", *words, expect=None, timeout=getattr(options, "timeout", 250))
     except subprocess.TimeoutExpired:
         run.code = "timeout"
     result = {"name": name, "code": run.code, "run": run}
@@ -39,6 +44,8 @@ def launch(options, name, deck, every=1, count=1, fields=FIELDS, may_fail=False)
         result.update(steps=run.summary["steps"], momentum=books["momentum_error"],
                       angular=books["angular_momentum_error"], mass=books["mass_error"],
                       particles=run.summary["particles"])
+        if most and result["steps"] >= most:
+            result["code"] = "too many steps"
         if not np.isfinite(run.history["kinetic"]).all():
             result["code"] = "not finite"
     if result["code"] and not may_fail:

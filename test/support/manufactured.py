@@ -62,7 +62,8 @@ CONTROL = "quadrature='control'"
 # One step like that of the dual domain methods for others: nothing damps, stress at the end.
 PLAIN = "stress_update='usl'  flip=1"
 AFFINE = "stress_update='usl'  transfer='aflip'"
-KAPPA = {"linear": 1 / 8, "gimp": 1 / 8, "cpgimp": 1 / 8, "cpdi": 1 / 8, "quadratic": 1 / 4, "cubic": 1 / 3, "ddmp": 7 / 24}
+KAPPA = {"linear": 1 / 8, "gimp": 1 / 8, "cpgimp": 1 / 8, "cpdi": 1 / 8, "quadratic": 1 / 4, "cubic": 1 / 3,
+         "ddmp": 7 / 24}
 PPC = {"1d": "{0},1,1", "plane_strain": "{0},1,{0}", "3d": "{0},{0},{0}"}
 
 

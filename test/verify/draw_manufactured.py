@@ -67,7 +67,8 @@ def line_figure(options):
     draw(axes[1], "A = 0.1, 2 particles a cell", [manufactured.waves(options, *kind, may_fail=True, cells=cells, ppc=2)
                                                   for kind in DUAL + plain(BASES)])
     draw(axes[2], "A = 1e-4, 4 particles a cell", [
-        manufactured.waves(options, *kind, may_fail=True, cells=cells[:5], amplitude=1.0e-4) for kind in DUAL + plain(BASES)])
+        manufactured.waves(options, *kind, may_fail=True, cells=cells[:5], amplitude=1.0e-4)
+        for kind in DUAL + plain(BASES)])
     save("line", figure)
 
 

@@ -1,17 +1,30 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Low columns of sand that collapse: how far and how fast, against experiments.
+"""Columns of sand that collapse: how far, how high and how fast, against experiments.
 
 Would catch: friction that depends on the grid or on the direction, matter that comes apart and keeps its pressure
 or never gets it back, a base that grips nothing or holds what is above it, hoop stresses that are missing round the
-axis, a front that is pushed ahead by almost empty cells.
+axis, a front that is pushed ahead by almost empty cells; in tall columns energy that the fall or the impact on the base
+loses or makes, a softness of the grains that matters, free fall that is held back.
 
-G. Lube and others, J. Fluid Mech. 508 (2004) 175 (round) and Phys. Rev. E 72 (2005) 041301 (plane): the run-out over
-the half width is 1.2 a, over the radius 1.24 a, for all grains and bases, and is reached after 3.3 and 3.0 times
-sqrt(H/g). E. Lajeunesse, J. B. Monnier, G. M. Homsy, Phys. Fluids 17 (2005) 103302: plane deposits are as high as the
-column, for a > 1 a^(1/3). Measured prefactors scatter by 15 %, the limit here; the exponent within 0.1. The time, at
-which the front has gone 97 % of its way, comes out up to 20 % too short; limit 25 %.
-test_collapse_study.py has tall columns.
+G. Lube and others, J. Fluid Mech. 508 (2004) 175 (round): the run-out over the radius is 1.24 a to a = 1.7, then 1.6
+a^(1/2), the height 0.88 a^(1/6), for all grains and bases; Phys. Rev. E 72 (2005) 041301 (plane): over the half width
+1.2 a to a = 2, then 1.9 a^(2/3). It is reached after 3.0 and 3.3 times sqrt(H/g). E. Lajeunesse, J. B. Monnier, G. M.
+Homsy, Phys. Fluids 17 (2005) 103302: plane deposits are as high as the column, for a > 1 a^(1/3). Measured prefactors
+scatter by 15 %, the limit of run-outs and heights; exponents within 0.1 below the change and 0.07 above.
+
+The coefficient of friction, tan 33.2 degrees, was chosen within the 30 to 35 degrees at which dry sand rests, and sets
+the prefactors of the run-outs: these are a fit, the exponents, heights and times are not. So the range is held as well
+(tier long): sand of 35 degrees must run less far than sand of 30 degrees, and what was measured must lie between them,
+with the scatter. It does: 0.93 and 1.36 of the measured run-out for a = 1, where the angle chosen has 1.12.
+
+The time, at which the front has gone 97 % of its way, has a target of 10 %. Fronts stop by their thickness while single
+particles still run on, so they are early: known misses, held at twice the target for low columns and at a half for
+tall ones. The tallest round deposits are too low: known misses, held at a half.
+
+Tier full: low columns. Tier long: half to sixteen times as high as half of them is wide.
 """
+# tiers: full, long
+# timeout long: 1800
 
 import sys
 from pathlib import Path
@@ -22,23 +35,38 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import case    # noqa: E402
 import flows   # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
+
+SCATTER, LATE = 0.15, 0.1              # of measured prefactors; target of the time
+IN_TIME = {("plane", 2.0), ("round", 0.5)}
+TOO_LOW = {("round", 8.0), ("round", 16.0)}
+# angles of Drucker and Prager's cone of plane strain whose coefficient in simple shear is tan 30 and tan 35 degrees
+SANDS = {30: 37.76, 35: 49.96}
+LOW = {"plane": (0.5, 1.0, 2.0), "round": (0.5, 1.0, 1.5)}
+TALL = {"plane": (4.0, 8.0, 16.0), "round": (2.0, 4.0, 8.0, 16.0)}
+STEEP = {"plane": 2.0 / 3.0, "round": 0.5}
 
 
-def study(options, sheet, word, aspects, linear, **more):
-    """Columns of several aspect ratios; the exponent of those that are low, and of the others."""
+def judge(sheet, name, label, value, exact, target, limit, missed):
+    """A value against a measured one, within its target or known to miss it."""
+    if missed:
+        sheet.known(f"{name}: {label}, error", float(value / exact - 1.0), limit=limit, target=target)
+    else:
+        sheet.near(f"{name}: {label}", value, exact, target)
+
+
+def study(options, sheet, word, aspects, **more):
+    """Columns of several aspect ratios; their run-outs."""
     axisymmetric, runs = word == "round", []
     for aspect in aspects:
         name = f"{word}, {aspect:g} times as high"
         result = flows.collapse(options, f"{word}_{aspect:g}", aspect=aspect, axisymmetric=axisymmetric, **more)
-        sheet.near(f"{name}: run-out", result["runout"], flows.measured_runout(aspect, axisymmetric), 0.15)
-        sheet.note(f"{name}: time over {result['time']:g} sqrt(H/g)", float(result["arrived"] / result["time"]))
-        high = flows.measured_height(aspect, axisymmetric)
-        if axisymmetric:
-            sheet.note(f"{name}: height over {high:.3f}", float(result["height"]))
-        else:
-            sheet.near(f"{name}: height", result["height"], high, 0.15)
-        if aspect in linear:
-            sheet.near(f"{name}: time over sqrt(H/g)", result["arrived"], result["time"], 0.25)
+        sheet.near(f"{name}: run-out", result["runout"], flows.measured_runout(aspect, axisymmetric), SCATTER)
+        key = word, aspect
+        judge(sheet, name, "height", result["height"], flows.measured_height(aspect, axisymmetric), SCATTER, 0.5,
+              key in TOO_LOW)
+        judge(sheet, name, "time over sqrt(H/g)", result["arrived"], result["time"], LATE,
+              2.0 * LATE if aspect <= 2.0 else 0.5, key not in IN_TIME)
         sheet.below(f"{name}: kinetic energy left over the greatest", result["kinetic"], 0.02)
         sheet.below(f"{name}: error of mass", result["lost"], 1.0e-12)
         runs.append(result["runout"])
@@ -51,14 +79,33 @@ def exponent(aspects, runs, chosen):
     return float(np.polyfit(np.log(chosen), np.log(runs[here]), 1)[0])
 
 
+def range_of_sand(options, sheet):
+    """What was measured lies between sands that rest at 30 and at 35 degrees."""
+    steep, flat = (flows.collapse(options, f"sand_{angle}", aspect=1.0, cells=16, ends=1.3, law=flows.SAND.replace(
+        "friction_angle=45", f"friction_angle={cone}"))["runout"] for angle, cone in SANDS.items())
+    measured = flows.measured_runout(1.0)
+    sheet.above("sand of 30 degrees: run-out over the measured one", steep / measured, 1.0 - SCATTER)
+    sheet.below("sand of 35 degrees: run-out over the measured one", flat / measured, 1.0 + SCATTER)
+    sheet.below("sand of 35 degrees: run-out over that of 30 degrees", flat / steep, 1.0)
+
+
 def main():
-    """Plane columns and a round one."""
+    """Low columns, then all of them."""
     options = case.arguments()
+    options.timeout = 600
     sheet = report.Report()
-    aspects = (0.5, 1.0, 2.0)
-    runs = study(options, sheet, "plane", aspects, aspects, ends=1.3)
-    sheet.near("plane: exponent", exponent(aspects, runs, aspects), 1.0, 0.1)
-    study(options, sheet, "round", (1.0,), (1.0,), ends=1.3)
+    if tier.NAME == "full":
+        runs = study(options, sheet, "plane", LOW["plane"], ends=1.3)
+        sheet.near("plane: exponent", exponent(LOW["plane"], runs, LOW["plane"]), 1.0, 0.1)
+        study(options, sheet, "round", (1.0,), ends=1.3)
+        sheet.end()
+    range_of_sand(options, sheet)
+    for word, low in LOW.items():
+        aspects = low + TALL[word]
+        runs = study(options, sheet, word, aspects)
+        sheet.below(f"{word}: exponent of low columns, less 1", exponent(aspects, runs, low) - 1.0, 0.1)
+        sheet.below(f"{word}: exponent of tall columns, less {STEEP[word]:.3f}",
+                    exponent(aspects, runs, TALL[word]) - STEEP[word], 0.07)
     sheet.end()
 
 

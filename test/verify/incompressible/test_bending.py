@@ -4,40 +4,67 @@
 Would catch: cells that lock (without the cure the tip falls 40 % too little at nu = 0.49 with four cells across), a
 cure that takes the stiffness of bending, pressure that jumps from cell to cell.
 
-5 x 1 m, E = 1 MPa, 1000 kg/m3, plane strain, small deflection. The reference is in beams.py: finite elements that
-do not lock for the deflection at rest, the modes of a beam for the first swing. With antilock = 'bbar' the tip falls
-further than that by 6.1, 5.7, 5.6 % at nu = 0.3, 0.49, 0.499 with four cells across and by 1.9, 1.7, 1.6 % with eight;
-with method = 'mpm' by 1.9 % with four. Limits: 7 % and 2 %; jumps of pressure 8 % and 5 %. test_bending_study.py goes
-to 0.4999.
+5 x 1 m, E = 1 MPa, 1000 kg/m3, plane strain, small deflection. The reference is in beams.py: finite elements that do
+not lock for the deflection at rest, the modes of a beam for the first swing. Targets with eight cells across: tip 2
+%, jumps of pressure from cell to cell and within a cell 5 % (H-11 in test/hard/README.md). With four cells an error
+of second order is four times as large, a jump twice. Where nothing locks, at nu = 0.3 without the cure and with
+`mpm`, four cells have to meet 2 % as well.
+
+Tier long: nu from 0.3 to 0.4999, with and without the cure, in three resolutions; would catch a cure that holds for one
+ratio of the moduli only, and errors that do not fall with the cells. Wave speeds grow as the root of the bulk modulus,
+so the last beams take 20 and 40 thousand steps. Rate of the error with the cure at least 1.5; without it the tip must
+fall short by more than the target from nu = 0.49 on, or the cure is not needed.
 """
+# tiers: full, long
 # timeout: 120
+# timeout long: 3000
 
 import sys
 from pathlib import Path
 
+import numpy as np
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import beams   # noqa: E402
+import bodies  # noqa: E402
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
 
+RATIOS = (0.3, 0.49, 0.499, 0.4999)
+SIZES = (0.5, 0.25, 0.125)
+TIP, JUMP = 0.02, 0.05                 # targets with cells of 0.125 m
 CURE = "antilock='bbar'"
 
 
-def judge(sheet, options, name, poisson, spacing, far, uneven, words=CURE, method="ddmp"):
-    """One beam against its reference; `far` below 0 is the least error of a beam that is known to lock."""
-    expected = beams.expected(poisson)
+def judge(sheet, options, name, poisson, spacing, far=None, words=CURE, method="ddmp"):
+    """One beam against its reference; its error. A beam without the cure locks from nu = 0.49 on."""
+    expected, finer = beams.expected(poisson), spacing / 0.125
     result = beams.bend(options, name, poisson, spacing, words, method)
-    sheet.require(not result["code"], f"{name}: runs")
-    if result["code"]:
-        return
     error = result["fall"] / expected["fall"] - 1.0
-    if far < 0.0:
-        sheet.above(f"{name}: locks by", -error, -far)
-        return
+    print(f"         {name}: fall of the tip {error:+.4f}, jumps {result['jump']:.3f}, pressures within a cell "
+          f"{result['spread']:.3f}, {result['steps']} steps", flush=True)
+    sheet.below(f"{name}: momentum", result["momentum"], 1.0e-12)
+    if not words and poisson > 0.4:
+        sheet.above(f"{name}: locks by", -error, TIP)
+        return error
+    far = far or TIP * finer ** 2
     sheet.below(f"{name}: fall of the tip", error, far)
     sheet.below(f"{name}: its time", result["when"] / expected["when"] - 1.0, far)
-    sheet.below(f"{name}: jumps of pressure", result["jump"], uneven)
-    sheet.note(f"{name}: pressures within a cell, steps", f"{result['spread']:.3f}, {result['steps']}")
+    sheet.below(f"{name}: jumps of pressure", result["jump"], JUMP * finer)
+    if words:
+        sheet.below(f"{name}: pressures within a cell", result["spread"], JUMP * finer)
+    return error
+
+
+def study(sheet, options):
+    """All ratios of the moduli, with and without the cure, three sizes of cells."""
+    for poisson in RATIOS:
+        for words in ("", CURE):
+            errors = [judge(sheet, options, f"{'even' if words else 'plain'}_{poisson}_{spacing}", poisson, spacing,
+                            words=words) for spacing in SIZES]
+            if words:
+                sheet.above(f"nu = {poisson}: rate", bodies.rates(np.abs(errors))[-1], 1.5)
 
 
 def main():
@@ -46,13 +73,15 @@ def main():
     sheet = report.Report()
     sheet.near("reference: at rest over that of Timoshenko", beams.elements(0.3),
                beams.timoshenko(0.3), 0.02)
-    judge(sheet, options, "plain_3", 0.3, 0.25, 0.02, 0.05, words="")
-    judge(sheet, options, "plain_49", 0.49, 0.25, -0.2, 0.0, words="")
-    judge(sheet, options, "even_3", 0.3, 0.25, 0.07, 0.08)
-    judge(sheet, options, "even_49", 0.49, 0.25, 0.07, 0.08)
-    judge(sheet, options, "even_49_mpm", 0.49, 0.25, 0.025, 0.08, method="mpm")
-    judge(sheet, options, "even_3_fine", 0.3, 0.125, 0.02, 0.05)
-    judge(sheet, options, "even_49_fine", 0.49, 0.125, 0.02, 0.05)
+    judge(sheet, options, "plain_3", 0.3, 0.25, TIP, words="")
+    judge(sheet, options, "plain_49", 0.49, 0.25, words="")
+    judge(sheet, options, "even_49_mpm", 0.49, 0.25, TIP, method="mpm")
+    for poisson in (0.3, 0.49):
+        for spacing in (0.25, 0.125):
+            judge(sheet, options, f"even_{poisson}_{spacing}", poisson, spacing)
+    if tier.NAME == "long":
+        options.timeout = 1500
+        study(sheet, options)
     sheet.end()
 
 

@@ -1,23 +1,37 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every method, basis, transfer and order of the stress update flies a bar and throws two discs.
 
-Would catch: a combination that stops to run, loses momentum, or changes its result for the better or the
-worse without a word: what holds today for the good ones is held here, and the table is in
-doc/theory/matrix_of_methods.md.
+Would catch: a combination that stops to run or to fail, loses momentum, or changes its energy beyond its class. The
+table is in doc/theory/matrix_of_methods.md.
 
 The problems are those of the tests free_bar and two_discs (cells of 0.5 m and of 0.025 m), without
 artificial viscosity. A figure is the change of energy over that at the start, in percent: of the vibration of the
-bar, of both discs. A run that ends with an error, or not in 100 s, is `x`, one with more than a hundred times
-its energy `large`.
+bar, of both discs. A run that ends with an error, or makes thirty thousand steps, which is twenty times what others
+need, is `x`, one with more than a hundred times its energy `large`: both have failed.
 
-`--write FILE` puts the table into a file, `--only WORD` takes the methods whose name holds a word and judges
-their momentum only.
+Every run is judged. Momentum: 1e-13 for all that end. Failures are listed by name with their reason (`reason`): a new
+one fails the test, and so does a listed one that runs. Energy, by class:
+
+bar, all but PIC    target 1 % (test_free_bar.py)
+bar, PIC            each step multiplies the velocities by the square of the transform of the functions, so with kinetic
+                    energy for half of the time the energy falls by the factor exp(-n b (k h)2) in n steps, with b =
+                    (p + 1)/12 for splines of degree p, and for linear functions over boxes of a width l and at their
+                    corners (cpdi) 2/12 + (l/h)2/12 and 2/12 + (l/h)2/4; limit a tenth of the loss
+discs               target 2 % (test_two_discs.py)
+
+What misses its target is listed by transfer, update and method. A listed miss may be a fifth of the energy; that of
+PIC, which filters, all of it; that of the bar with the plain method, whose force jumps at faces, and of aflip with
+usf and the dual gradient, a hundred times. A listed miss that meets its target fails the test, too.
+
+`--write FILE` puts the table into a file, `--only WORD` takes the methods whose name holds a word.
 """
-# label: long
-# timeout: 3600
+# tiers: long
+# timeout long: 3600
 
 import sys
 from pathlib import Path
+
+import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import bodies  # noqa: E402
@@ -26,6 +40,40 @@ import report  # noqa: E402
 
 TRANSFERS = {"flip": "", "pic": "", "apic": "", "aflip": "", "rflip": "", "xpic": " order_k=2", "fmpm": " order_k=2"}
 UPDATES = ("usl", "usf", "musl")
+TARGETS = {"bar": 0.01, "discs": 0.02}
+STEPS = 30000
+LARGE = 100.0                          # of the energy at the start
+PLAIN = "mpm linear"
+DUAL = ("ddmp point", "ddmp control")
+# what (p + 1)/12 is for PIC on the bar, whose particles are half a cell wide
+FADES = {"ddmp point": 2 / 12, "ddmp control": 2 / 12, "mpm gimp": 2 / 12 + 0.25 / 12, "mpm cpgimp": 2 / 12 + 0.25 / 12,
+         "mpm cpdi": 2 / 12 + 0.25 / 4, "mpm quadratic": 3 / 12, "mpm cubic": 4 / 12}
+ALL = (PLAIN, *FADES)
+# Misses of the target of the discs, by transfer and update: methods.
+DISCS = {("flip", "usl"): ALL, ("flip", "usf"): (PLAIN,),
+         ("aflip", "usl"): ("mpm cpdi", "mpm quadratic", "mpm cubic"), ("aflip", "usf"): ("mpm quadratic", "mpm cubic"),
+         ("aflip", "musl"): ("mpm quadratic", "mpm cubic"),
+         ("rflip", "usl"): ("mpm cpdi", "mpm quadratic", "mpm cubic"), ("rflip", "usf"): (PLAIN,),
+         ("rflip", "musl"): (PLAIN, "mpm cubic"),
+         **{(transfer, update): ALL for transfer in ("pic", "apic", "xpic", "fmpm") for update in UPDATES}}
+
+
+def reason(kind, transfer, update, problem):
+    """Why a combination is expected to fail; empty if it is not."""
+    if kind == PLAIN and transfer in ("apic", "aflip"):
+        return "whole linear fields on linear functions gain energy without bound, as the program warns"
+    if kind == PLAIN and update == "usl" and problem == "discs":
+        return "with usl the plain method gains energy without bound when free bodies cross cells"
+    return ""
+
+
+def misses(kind, transfer, update, problem):
+    """Whether a combination is known to miss its target."""
+    if problem == "discs":
+        return kind in DISCS.get((transfer, update), ())
+    if kind == PLAIN:
+        return (transfer, update) not in (("xpic", "usf"), ("fmpm", "usf"))
+    return kind in DUAL and (transfer, update) == ("aflip", "usf")
 
 
 def kinds(options):
@@ -39,11 +87,16 @@ def kinds(options):
     return found
 
 
+def failed(result):
+    """Whether a run has failed."""
+    return bool(result["code"]) or not abs(result["energy"]) < LARGE
+
+
 def cell(result):
     """Change of energy in percent."""
     if result["code"]:
         return "x"
-    return f"{100.0 * result['energy']:+.2f}" if abs(result["energy"]) < 100.0 else "large"
+    return f"{100.0 * result['energy']:+.2f}" if not failed(result) else "large"
 
 
 def measure(options, figures):
@@ -56,39 +109,56 @@ def measure(options, figures):
             continue
         for transfer, more in TRANSFERS.items():
             cells = []
-            for problem in (bodies.free_bar, bodies.two_discs):
+            for name, problem in (("bar", bodies.free_bar), ("discs", bodies.two_discs)):
                 for update in UPDATES:
                     words = f"{own} transfer='{transfer}'{more} stress_update='{update}'"
-                    result = problem(options, "run", method, words)
-                    figures[kind, transfer, update, problem.__name__] = result
+                    result = problem(options, "run", method, words, may_fail=True)
+                    figures[kind, transfer, update, name] = result
                     cells.append(cell(result))
             lines.append(f"| {kind} | `{transfer}` | " + " | ".join(cells) + " |")
             print(lines[-1], flush=True)
     return "\n".join(lines) + "\n"
 
 
+def judge(sheet, key, result, worst):
+    """One run; `worst` gets the known misses by problem, transfer and whether the method is plain."""
+    kind, transfer, update, problem = key
+    label = f"{problem}, {kind} {transfer} {update}"
+    why, has_failed = reason(*key), failed(result)
+    sheet.require(has_failed == bool(why), f"{label}: {cell(result)}, " + (f"should fail: {why}" if why else "fails"))
+    if why or has_failed:
+        return
+    energy = result["energy"]
+    sheet.require(result["momentum"] <= 1.0e-13, f"{label}: momentum {result['momentum']:.1e}")
+    if problem == "bar" and transfer == "pic" and kind != PLAIN:
+        exact = np.expm1(-result["steps"] * FADES[kind] * (np.pi / 25.0 * 0.5) ** 2)
+        sheet.near(f"{label}: energy", energy, float(exact), 0.1)
+    elif misses(*key):
+        limit = {"bar": LARGE, "discs": 1.0 if transfer == "pic" else 0.2}[problem]
+        sheet.require(TARGETS[problem] < abs(energy) <= limit,
+                      f"{label}: energy {energy:+.2e} is no known miss any more, or more than {limit}")
+        group = f"{problem}, {transfer}{', plain method' if kind == PLAIN else ''}"
+        worst[group] = max(worst.get(group, (0.0, 0.0, 0.0)), (abs(energy), limit, TARGETS[problem]))
+    else:
+        sheet.require(abs(energy) <= TARGETS[problem], f"{label}: energy {energy:+.2e} of {TARGETS[problem]}")
+
+
 def main():
-    """All combinations; what is held is the momentum of all that run, and the energy of the good ones."""
+    """All combinations."""
     options = case.arguments()
-    options.timeout = 100              # what is unstable may make ever shorter steps
+    options.steps = STEPS
     sheet = report.Report()
-    figures = {}
+    figures, worst = {}, {}
     table = measure(options, figures)
     if "--write" in sys.argv:
         Path(sys.argv[sys.argv.index("--write") + 1]).write_text(table, encoding="utf-8")
-    worst = max(result["momentum"] for result in figures.values()
-                if not result["code"] and abs(result["energy"]) < 100.0)
-    sheet.below("momentum, the worst of all that run", worst, 1.0e-13)
-    if "--only" in sys.argv:
-        sheet.end()
-    sheet.require(len(figures) >= 7 * 7 * 3 * 2, "all combinations were tried")
-    for transfer in ("flip", "apic", "aflip", "rflip", "xpic", "fmpm"):
-        result = figures["ddmp point", transfer, "usl", "free_bar"]
-        sheet.require(not result["code"], f"ddmp, {transfer}: the bar flies")
-        sheet.below(f"ddmp, {transfer}: energy of the bar", result.get("energy", float("nan")), 0.01)
-    for transfer in ("flip", "aflip", "rflip"):
-        result = figures["ddmp point", transfer, "usl", "two_discs"]
-        sheet.below(f"ddmp, {transfer}: energy of the discs", result.get("energy", float("nan")), 0.035)
+    if "--only" not in sys.argv:
+        sheet.require({key[0] for key in figures} == set(ALL), "the methods of the program are those listed here")
+        sheet.require(len(figures) == len(ALL) * 7 * 3 * 2, f"all combinations were tried: {len(figures)}")
+    for key, result in figures.items():
+        judge(sheet, key, result, worst)
+    for group, (value, limit, target) in worst.items():
+        sheet.known(f"{group}: change of energy, the worst", value, limit=limit, target=target)
     sheet.end()
 
 

@@ -7,12 +7,13 @@ gradient that pulls at the free end behind.
 
 Closed solutions: Rankine-Hugoniot with Us = c0 + s up, gamma rho constant, and the two jumps of an
 elastic-plastic solid, computed here from the constants of the material.
-Limits: plateau pressure 1 %, density 0.3 %, shock speed 1 %, energy 0.3 %, velocity of the free end
-1.1 % at 400 m/s and 1e-4 at 3350 m/s, where no signal can reach it. The energy is kept to round-off.
-Fluids with the defaults: at 3350 m/s they reach density -0.39 %, limit 0.45 %; a fine step has to
-reach 0.3 %. The solid with bulk_q1 = 0.5: with the default 0.06 particles ring behind the weaker
-plastic shock (stress -1.1 %, speed -1.3 %); these numbers are printed.
+Limits: plateau pressure 1 %, density 0.3 %, shock speed 1 %, velocity of the free end 1.1 % at 400 m/s, which is what
+waves of a linear method make there, and 1e-4 at 3350 m/s, where no signal can reach it. Solid: elastic limit 2 %,
+plastic stress 0.5 %, density 0.3 %, speeds 1 %, with bulk_q1 = 0.5. Energy and momentum: rounding. The solid with the
+default 0.06, where particles ring behind the weaker plastic shock, and the plain method, where they ring behind all
+shocks, miss some of these: known misses, held at 5 %.
 """
+# tiers: smoke, full
 # timeout: 120
 
 import sys
@@ -23,6 +24,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
 
 DENSITY, SOUND, SLOPE, GAMMA = 2785.0, 5328.0, 1.338, 2.0
 SHEAR, YIELD = 27.6e9, 0.3e9
@@ -136,8 +138,21 @@ def plateau(places, fields, low, high):
     return stress.mean(), stress.std() / stress.mean(), density, here.sum()
 
 
-def fluid(options, sheet, name, speed, end, words=SMOOTH, limits=None, method="ddmp", cfl=0.4):
-    """A shock in a fluid; limits of free end, density and energy; without them it is shown."""
+MISSES = {"fluid_400_mpm": ("pressure",), "fluid_3350_mpm": ("density",),
+          "solid_default": ("plastic stress",),
+          "solid_mpm": ("precursor stress", "plastic stress", "plastic speed")}
+
+
+def compare(sheet, name, label, value, exact, limit):
+    """A value against the closed one; some are known to miss."""
+    if label in MISSES.get(name, ()):
+        sheet.known(f"{name}: {label}, error", value / exact - 1.0, limit=0.05, target=limit)
+    else:
+        sheet.near(f"{name}: {label}", value, exact, limit)
+
+
+def fluid(options, sheet, name, speed, end, words=SMOOTH, method="ddmp", cfl=0.4):
+    """A shock in a fluid."""
     states, run = strike(options, name, speed, end, False, words, method, cfl)
     shock, stress, density = hugoniot(speed)
     fronts = [front(places, -fields["stress"][:, 0], 0.5 * stress) for _, places, fields in states]
@@ -152,18 +167,16 @@ def fluid(options, sheet, name, speed, end, words=SMOOTH, limits=None, method="d
           f"{got[2] / density - 1.0:+.4f}, shock speed {pace / shock - 1.0:+.4f}, "
           f"energy {drift:+.4f}, scatter {got[1]:.3f}, heat of the wall {heat:+.2f}, "
           f"{run.summary['steps']} steps")
-    if not limits:
-        return
     sheet.require(got[3] > 100, f"{name}: the plateau has {got[3]} particles")
-    sheet.near(f"{name}: pressure of the plateau [Pa]", got[0], stress, 0.01)
-    sheet.near(f"{name}: density of the plateau [kg/m3]", got[2], density, limits[1])
-    sheet.near(f"{name}: speed of the shock [m/s]", pace, shock, 0.01)
-    sheet.below(f"{name}: velocity error of the free end", free, limits[0])
-    sheet.below(f"{name}: energy error", drift, limits[2])
+    compare(sheet, name, "pressure", got[0], stress, 0.01)
+    compare(sheet, name, "density", got[2], density, 0.003)
+    compare(sheet, name, "speed of the shock", pace, shock, 0.01)
+    sheet.below(f"{name}: velocity error of the free end", free, 0.011 if speed < 1000 else 1.0e-4)
+    sheet.below(f"{name}: energy error", drift, 1.0e-12)
     sheet.below(f"{name}: momentum error", run.summary["ledger"]["momentum_error"], 1.0e-13)
 
 
-def solid(options, sheet, name, words=SMOOTH, judge=False, method="ddmp"):
+def solid(options, sheet, name, words=SMOOTH, method="ddmp"):
     """Elastic precursor and plastic shock."""
     speed = 400
     states, run = strike(options, name, speed, 4.8, True, words, method)
@@ -185,12 +198,11 @@ def solid(options, sheet, name, words=SMOOTH, judge=False, method="ddmp"):
     print(f"         {name}: " + ", ".join(f"{label} {value / exact - 1.0:+.4f}"
                                           for label, value, exact, _ in values)
           + f", energy {drift:+.4f}, scatter {elastic[1]:.3f} {got[1]:.3f}")
-    if not judge:
-        return
     for label, value, exact, limit in values:
-        sheet.near(f"{name}: {label}", value, exact, limit)
+        compare(sheet, name, label, value, exact, limit)
     sheet.require(elastic[3] > 20 and got[3] > 100, f"{name}: both plateaus have particles")
-    sheet.below(f"{name}: energy error", drift, 0.003)
+    sheet.below(f"{name}: energy error", drift, 1.0e-12)
+    sheet.below(f"{name}: momentum error", run.summary["ledger"]["momentum_error"], 1.0e-13)
 
 
 def main():
@@ -202,15 +214,17 @@ def main():
     sheet.near("closed solution: precursor stress", precursor()["stress"], 0.635879e9, 1.0e-5)
     sheet.near("closed solution: plastic stress", plastic(400.0)["stress"], 6.635879e9, 1.0e-5)
     sheet.near("closed solution: plastic speed", plastic(400.0)["speed"], 5908.5, 1.0e-4)
-    for speed, end, free, density in ((400, 2.6, 0.011, 0.003), (3350, 1.5, 1.0e-4, 0.0045)):
-        fluid(options, sheet, f"fluid_{speed}", speed, end, "", limits=(free, density, 1.0e-12))
-        fluid(options, sheet, f"fluid_{speed}_fine_step", speed, end, SMOOTH + " flip=1",
-              (free, 0.003, 1.0e-12), cfl=0.15)
+    for speed, end in ((400, 2.6), (3350, 1.5)):
+        fluid(options, sheet, f"fluid_{speed}", speed, end, "")
+        if tier.NAME == "smoke":
+            continue
+        fluid(options, sheet, f"fluid_{speed}_fine_step", speed, end, SMOOTH + " flip=1", cfl=0.15)
         fluid(options, sheet, f"fluid_{speed}_smooth", speed, end)
         fluid(options, sheet, f"fluid_{speed}_mpm", speed, end, method="mpm")
-    solid(options, sheet, "solid", judge=True)
-    solid(options, sheet, "solid_default", "")
-    solid(options, sheet, "solid_mpm", method="mpm")
+    solid(options, sheet, "solid")
+    if tier.NAME != "smoke":
+        solid(options, sheet, "solid_default", "")
+        solid(options, sheet, "solid_mpm", method="mpm")
     sheet.end()
 
 

@@ -6,9 +6,10 @@ is off or points inwards, the seam of two regions or the side of a region on a f
 walls that pull, friction from a wrong pressure, impulse or work that is not booked, a region that stays after t_off,
 a way that is not the integral of the table, an opening that is as wide as its face or closed.
 
-Limits. Piston: a wall between nodes counts at the node next to it, so up to half a cell of the way of 10 cells is
-lost (work -1.1 %, plateau -0.6 %), and with `gimp` a little more; the shock is that of test_piston.py. Slope: measured
-4e-6 g without friction and 1.4e-4 g with it, limit ten times that. Bounce: see there.
+Limits. Piston: those of test_piston.py, also for the pressure against that of a face; a wall between nodes counts at
+the node next to it, so up to half a cell of the way of 10 cells is lost, and as much of the work. Slope: target 1e-3
+of g (H-26 in test/hard/README.md); a block that rests starts without stress and may slip while it bounces, by the
+time that a wave takes through it, L/c = 0.2 m/42 m/s, over the time of the run. Bounce: see there.
 """
 # timeout: 120
 
@@ -116,17 +117,18 @@ def piston(options, sheet):
         if start:
             history = run.history
             work = history["external_work"][-1]
-            sheet.near(f"{name}: work of the hammer [J]", work, stress * 1.0e-6 * 400.0 * time, 0.015)
+            sheet.near(f"{name}: work of the hammer [J]", work, stress * 1.0e-6 * 400.0 * time,
+                       0.5 * 1.0e-4 / (400.0 * time))
     for name in ("stick", "slip"):
-        sheet.near(f"{name}: pressure against that of the face [Pa]", plates[name][0], plates["face"][0], 0.008)
+        sheet.near(f"{name}: pressure against that of the face [Pa]", plates[name][0], plates["face"][0], 0.01)
 
 
 def slope(options, sheet):
     """An elastic block slides with g (sin - mu cos) on a halfspace, on two regions side by side that make the same
     halfspace, and rests where the friction is enough."""
     for name, angle, friction, ground, limit in (
-            ("smooth", 25.0, 0.0, WHOLE, 4.0e-5), ("rough", 25.0, 0.3, WHOLE, 1.5e-3),
-            ("steep", 40.0, 0.3, WHOLE, 1.5e-3), ("halves", 25.0, 0.3, HALVES, 1.5e-3),
+            ("smooth", 25.0, 0.0, WHOLE, 1.0e-3), ("rough", 25.0, 0.3, WHOLE, 1.0e-3),
+            ("steep", 40.0, 0.3, WHOLE, 1.0e-3), ("halves", 25.0, 0.3, HALVES, 1.0e-3),
             ("rests", 25.0, 0.8, WHOLE, None)):
         turn = np.radians(angle)
         words = f"friction={friction}" if friction else ""
@@ -144,7 +146,7 @@ def slope(options, sheet):
             sheet.above(f"slope, {name}: speed at the end [m/s]", speed[-1], 0.4)
         else:
             sheet.below(f"slope, {name}: speed over that of free sliding",
-                        np.abs(speed[late]).max() / (4.2 * 0.35), 0.03)
+                        np.abs(speed[late]).max() / (4.2 * 0.35), 0.2 / 42.0 / 0.35)
         sheet.below(f"slope, {name}: momentum error", run.summary["ledger"]["momentum_error"], 1.0e-13)
 
 

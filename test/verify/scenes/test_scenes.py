@@ -3,9 +3,13 @@
 
 Would catch a change of the method that leaves old figures in a README, a scene without figures or that no longer
 runs, a comparison that takes anything for equal, a phrase that is renewed in the wrong place or not at all, a failed
-run that goes unnoticed, and a gallery that was not renewed.
+run that goes unnoticed, and a gallery that was not renewed. Tier full: the scenes of seconds; tier long: all that
+measure themselves, which takes about half an hour.
 """
+# tiers: full, long
 # timeout: 900
+# timeout long: 7200
+# cores: 2
 
 import shutil
 import subprocess
@@ -18,9 +22,10 @@ import case         # noqa: E402
 import gallery      # noqa: E402
 import report       # noqa: E402
 import scree_scene  # noqa: E402
+import tier         # noqa: E402
 from scree_post import PostError, study  # noqa: E402
 
-SHORT = ("cell_crossing", "taylor_copper", "two_discs")    # the others take minutes: test_all_scenes
+SHORT = ("cell_crossing", "taylor_copper", "two_discs")    # the others take minutes
 
 
 def check(options, sheet, scene):
@@ -96,7 +101,7 @@ def complete(sheet):
 
 
 def main():
-    """The short scenes, the comparison, the gallery."""
+    """The scenes, the comparison, the gallery."""
     options = case.arguments()
     sheet = report.Report()
     comparison(sheet)
@@ -106,7 +111,9 @@ def main():
     complete(sheet)
     sheet.require(gallery.PAGE.read_text(encoding="utf-8") == gallery.page(),
                   "gallery: scripts/gallery.py --page changes nothing")
-    for scene in SHORT:
+    scenes = sorted(script.parent.name for script in (ROOT / "input").glob("*/measure.py"))
+    sheet.require(set(SHORT) < set(scenes), "the short scenes are there")
+    for scene in tier.choose(SHORT, long=scenes):
         check(options, sheet, scene)
     sheet.end()
 

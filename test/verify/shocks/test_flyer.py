@@ -169,7 +169,8 @@ def main():
     sheet = report.Report()
     result = flyer(options, 40)
     show("flyer", result, ("stress", "plateau", "arrival", "pulse", "tension", "after"))
-    for key, limit in (("stress", 0.01), ("plateau", 0.01), ("arrival", 3.0 / 80), ("pulse", 3.0 / 80), ("after", 0.01)):
+    for key, limit in (("stress", 0.01), ("plateau", 0.01), ("after", 0.01), ("arrival", 3.0 / 80),
+                       ("pulse", 3.0 / 80)):
         sheet.below(f"flyer: {key}", result[key], limit)
     sheet.above("flyer: greatest tension", result["tension"], 0.99)
     sheet.below("flyer: momentum", result["books"]["momentum_error"], 1.0e-13)

@@ -10,8 +10,8 @@ Exact: p* = 0.3031302, u* = 0.9274526, densities beside the contact 0.4263194 an
 1.7521557, head and tail of the fan -1.1832160 and -0.0702728. Four particles a cell, t = 0.2, error of
 density as the sum of |rho - exact| times volume.
 
-Limits: the ratio of the errors is held to the 0.6 a doubling that Athena++ demands of a Godunov method. The error may be
-0.011 with 128 cells, that of such methods, and 0.6 of it a doubling: 0.013 with 100 and 0.0079 with 200 cells.
+Limits: the ratio of the errors is held to the 0.6 a doubling that Athena++ demands of a Godunov method. The error may
+be 0.011 with 128 cells, that of such methods, and 0.6 of it a doubling: 0.013 with 100 and 0.0079 with 200 cells.
 Pressure and velocity between fan and shock: target 1 %. Total energy: rounding, as the loss of the transfer heats.
 """
 # tiers: smoke, full

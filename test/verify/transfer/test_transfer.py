@@ -13,11 +13,11 @@ q = 1 - 2 b (1 - cos kappa), b the mean of xi (1 - xi); XPIC and FMPM of order k
 keeps its share of them, all others nothing. Both on top of a uniform flow. Limit: rounding.
 
 Energy: two gases of different density that collide in a corner of walls, of which one moves. The
-total energy is kept to rounding with every transfer, gradient and stress update; it was measured to
-be 2e-15.
+total energy is kept to rounding with every transfer, gradient and stress update.
 
 Disc: one turn of an elastic disc that follows its exact solution, 20 cells across. Transfers with
-slopes or rotations keep angular momentum and energy (1e-4), flip = 0.999 loses 4.9 % of the former.
+slopes or rotations keep angular momentum and energy: target 1e-3 (test_spin.py). flip = 0.999 does not: a known miss,
+held at a tenth.
 """
 # timeout: 300
 
@@ -150,10 +150,10 @@ def main():
         drift = table["angular_momentum_y"][-1] / table["angular_momentum_y"][0] - 1.0
         energy = (table["kinetic"] + table["internal"])
         if "'flip'" in words:
-            sheet.note("disc, flip: angular momentum in a turn", float(drift))
+            sheet.known("disc, flip: angular momentum in a turn", float(drift), limit=0.1, target=1.0e-3)
             continue
-        sheet.below(f"disc, {words}: angular momentum in a turn", drift, 2.0e-4)
-        sheet.below(f"disc, {words}: energy in a turn", energy[-1] / energy[0] - 1.0, 5.0e-4)
+        sheet.below(f"disc, {words}: angular momentum in a turn", drift, 1.0e-3)
+        sheet.below(f"disc, {words}: energy in a turn", energy[-1] / energy[0] - 1.0, 1.0e-3)
     sheet.end()
 
 
