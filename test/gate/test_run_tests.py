@@ -74,7 +74,8 @@ class Runner(unittest.TestCase):
                  test("c", 1, "long"), test("d", 1, "bench")]
         for expected, words, share, filtered in (
                 (["a", "b.smoke"], (), None, False), (["a", "b"], ("full",), None, False),
-                (["a", "b"], (), None, True), (["c"], ("long",), None, False), (["a", "b.smoke"], ("smoke",), None, True)):
+                (["a", "b"], (), None, True), (["c"], ("long",), None, False),
+                (["a", "b.smoke"], ("smoke",), None, True)):
             names = [one.name for one in run_tests.choose(tests, choice(*words, share=share), filtered)]
             self.assertEqual(names, expected)
         self.assertEqual([one.name for one in run_tests.choose(tests[4:], choice(), True)], ["d"])
