@@ -6,7 +6,7 @@ table is in doc/theory/matrix_of_methods.md.
 
 The problems are those of the tests free_bar and two_discs (cells of 0.5 m and of 0.025 m), without
 artificial viscosity. A figure is the change of energy over that at the start, in percent: of the vibration of the
-bar, of both discs. A run that ends with an error, or makes thirty thousand steps, which is twenty times what others
+bar, of both discs. A run that ends with an error, or makes ten thousand steps, which is ten times what others
 need, is `x`, one with more than a hundred times its energy `large`: both have failed.
 
 Every run is judged. Momentum: 1e-13 for all that end. Failures are listed by name with their reason (`reason`): a new
@@ -15,13 +15,15 @@ one fails the test, and so does a listed one that runs. Energy, by class:
 bar, all but PIC    target 1 % (test_free_bar.py)
 bar, PIC            each step multiplies the velocities by the square of the transform of the functions, so with kinetic
                     energy for half of the time the energy falls by the factor exp(-n b (k h)2) in n steps, with b =
-                    (p + 1)/12 for splines of degree p, and for linear functions over boxes of a width l and at their
-                    corners (cpdi) 2/12 + (l/h)2/12 and 2/12 + (l/h)2/4; limit a tenth of the loss
+                    (p + 1)/12 for splines of degree p, and for linear functions over boxes of a width l (gimp,
+                    sub_points) and at their corners (cpdi) 2/12 + (l/h)2/12 and 2/12 + (l/h)2/4; limit 5 % of
+                    the loss
 discs               target 2 % (test_two_discs.py)
 
 What misses its target is listed by transfer, update and method. A listed miss may be a fifth of the energy; that of
-PIC, which filters, all of it; that of the bar with the plain method, whose force jumps at faces, and of aflip with
-usf and the dual gradient, a hundred times. A listed miss that meets its target fails the test, too.
+PIC, which filters, all of it; that of the bar with the local stress difference (lsd) twice its target; that of the bar
+with the plain method, whose force jumps at faces, a hundred times the energy. A listed miss that meets its target
+fails the test, too.
 
 `--write FILE` puts the table into a file, `--only WORD` takes the methods whose name holds a word.
 """
@@ -41,26 +43,28 @@ import report  # noqa: E402
 TRANSFERS = {"flip": "", "pic": "", "apic": "", "aflip": "", "rflip": "", "xpic": " order_k=2", "fmpm": " order_k=2"}
 UPDATES = ("usl", "usf", "musl")
 TARGETS = {"bar": 0.01, "discs": 0.02}
-STEPS = 30000
+STEPS = 10000
 LARGE = 100.0                          # of the energy at the start
 PLAIN = "mpm linear"
-DUAL = ("ddmp point", "ddmp control")
+LOCAL = "ddmp lsd"
 # what (p + 1)/12 is for PIC on the bar, whose particles are half a cell wide
-FADES = {"ddmp point": 2 / 12, "ddmp control": 2 / 12, "mpm gimp": 2 / 12 + 0.25 / 12, "mpm cpgimp": 2 / 12 + 0.25 / 12,
-         "mpm cpdi": 2 / 12 + 0.25 / 4, "mpm quadratic": 3 / 12, "mpm cubic": 4 / 12}
+FADES = {"ddmp point": 2 / 12, "ddmp control": 2 / 12, "ddmp lsd": 2 / 12, "ddmp sub_points": 2 / 12 + 0.25 / 12,
+         "mpm gimp": 2 / 12 + 0.25 / 12, "mpm cpgimp": 2 / 12 + 0.25 / 12, "mpm cpdi": 2 / 12 + 0.25 / 4,
+         "mpm quadratic": 3 / 12, "mpm cubic": 4 / 12}
 ALL = (PLAIN, *FADES)
 # Misses of the target of the discs, by transfer and update: methods.
 DISCS = {("flip", "usl"): ALL, ("flip", "usf"): (PLAIN,),
          ("aflip", "usl"): ("mpm cpdi", "mpm quadratic", "mpm cubic"), ("aflip", "usf"): ("mpm quadratic", "mpm cubic"),
-         ("aflip", "musl"): ("mpm quadratic", "mpm cubic"),
-         ("rflip", "usl"): ("mpm cpdi", "mpm quadratic", "mpm cubic"), ("rflip", "usf"): (PLAIN,),
+         ("aflip", "musl"): (PLAIN, "mpm quadratic", "mpm cubic"),
+         ("rflip", "usl"): (LOCAL, "ddmp sub_points", "mpm cpdi", "mpm quadratic", "mpm cubic"),
+         ("rflip", "usf"): (PLAIN,),
          ("rflip", "musl"): (PLAIN, "mpm cubic"),
          **{(transfer, update): ALL for transfer in ("pic", "apic", "xpic", "fmpm") for update in UPDATES}}
 
 
 def reason(kind, transfer, update, problem):
     """Why a combination is expected to fail; empty if it is not."""
-    if kind == PLAIN and transfer in ("apic", "aflip"):
+    if kind == PLAIN and transfer in ("apic", "aflip") and (problem, update) != ("discs", "musl"):
         return "whole linear fields on linear functions gain energy without bound, as the program warns"
     if kind == PLAIN and update == "usl" and problem == "discs":
         return "with usl the plain method gains energy without bound when free bodies cross cells"
@@ -73,7 +77,7 @@ def misses(kind, transfer, update, problem):
         return kind in DISCS.get((transfer, update), ())
     if kind == PLAIN:
         return (transfer, update) not in (("xpic", "usf"), ("fmpm", "usf"))
-    return kind in DUAL and (transfer, update) == ("aflip", "usf")
+    return kind == LOCAL and update != "usf"
 
 
 def kinds(options):
@@ -132,12 +136,14 @@ def judge(sheet, key, result, worst):
     sheet.require(result["momentum"] <= 1.0e-13, f"{label}: momentum {result['momentum']:.1e}")
     if problem == "bar" and transfer == "pic" and kind != PLAIN:
         exact = np.expm1(-result["steps"] * FADES[kind] * (np.pi / 25.0 * 0.5) ** 2)
-        sheet.near(f"{label}: energy", energy, float(exact), 0.1)
+        sheet.near(f"{label}: energy", energy, float(exact), 0.05)
     elif misses(*key):
-        limit = {"bar": LARGE, "discs": 1.0 if transfer == "pic" else 0.2}[problem]
+        limit = 1.0 if transfer == "pic" else 0.2
+        if problem == "bar":
+            limit = LARGE if kind == PLAIN else 2.0 * TARGETS["bar"]
         sheet.require(TARGETS[problem] < abs(energy) <= limit,
                       f"{label}: energy {energy:+.2e} is no known miss any more, or more than {limit}")
-        group = f"{problem}, {transfer}{', plain method' if kind == PLAIN else ''}"
+        group = f"{problem}, {transfer}, {kind if problem == 'bar' else 'all methods'}"
         worst[group] = max(worst.get(group, (0.0, 0.0, 0.0)), (abs(energy), limit, TARGETS[problem]))
     else:
         sheet.require(abs(energy) <= TARGETS[problem], f"{label}: energy {energy:+.2e} of {TARGETS[problem]}")

@@ -4,6 +4,7 @@
 Would catch: a deck for a point that wants a scene, a preset that does not reach the law, a file that
 is not that of the path, JH-2 with a wrong constant, voids that cost work.
 """
+# tiers: smoke
 
 import subprocess
 import sys
