@@ -44,6 +44,7 @@ def test(name, cost, *labels, cores=1):
 def choice(*words, share=None):
     """The options of a user."""
     return type("Choice", (), {"smoke": False, "full": False, "long": False, "long_share": share,
+                               "minutes": 70.0, "jobs": 2,
                                **{word: True for word in words}})
 
 
@@ -67,6 +68,15 @@ class Runner(unittest.TestCase):
         self.assertEqual(sorted(one.name for group in groups for one in group), sorted(one.name for one in tests))
         work = [sum(one.cost * one.cores for one in group) for group in groups]
         self.assertLess(max(work), 1.2 * min(work))
+
+    def test_in_time(self):
+        """A test that was never recorded counts with its time limit; nothing is begun that may not end."""
+        tests = [test("full", 600, "full")]
+        extra = [test("short", 300, "long"), test("long", 3000, "long"), test("new", 1, "long")]
+        extra[2].limit = 7200.0
+        chosen, left = run_tests.in_time(tests, extra, 3000.0, 2)
+        self.assertEqual([one.name for one in chosen], ["short", "long"])
+        self.assertEqual([one.name for one in left], ["new"])
 
     def test_choice(self):
         """Tiers, filters and thirds choose what they say."""
