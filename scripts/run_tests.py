@@ -23,6 +23,7 @@ COSTS = ROOT / "test/costs.csv"
 NEXT_TIER = {"smoke": "full", "full": "long"}
 SHARES = 3      # the long tests are run by thirds
 DAY = 86400
+UNKNOWN = 1.0   # cost of a test that was never recorded
 
 
 class Test:
@@ -32,8 +33,7 @@ class Test:
         self.name = entry["name"]
         values = {item["name"]: item["value"] for item in entry.get("properties", ())}
         self.labels = set(values.get("LABELS", ()))
-        self.cost = float(values.get("COST", 1.0))
-        self.limit = float(values.get("TIMEOUT", 1500.0))
+        self.cost = float(values.get("COST", UNKNOWN))
         self.cores = int(values.get("PROCESSORS", 1))
 
 
@@ -55,14 +55,12 @@ def long_share(tests, share):
 
 
 def in_time(tests, extra, seconds, jobs):
-    """Those of `extra` that end beside `tests` within the time, and those that may not. A test that was never recorded
-    may take as long as its time limit."""
+    """Those of `extra` that end beside `tests` within the time, and the others. A test that was never recorded is not
+    begun: nobody knows how long it takes."""
     chosen, left = list(tests), []
     for test in sorted(extra, key=lambda test: test.cost):
-        # 1 is what CTest is told of tests without a record
-        longest = test.limit if test.cost == 1.0 else test.cost
-        worst = max(expected(chosen, jobs) + longest * min(test.cores, jobs) / jobs, longest)
-        (chosen if worst <= seconds else left).append(test)
+        recorded = test.cost != UNKNOWN
+        (chosen if recorded and expected([*chosen, test], jobs) <= seconds else left).append(test)
     return chosen[len(tests):], left
 
 
@@ -78,7 +76,7 @@ def choose(tests, choice, filtered):
         share = long_share([test for test in tests if "long" in test.labels and test not in chosen], choice.long_share)
         extra, left = in_time(chosen, share, 60.0 * choice.minutes, choice.jobs)
         for test in left:
-            print(f"NOT RUN  {test.name}: it may not end within {choice.minutes:.0f} minutes")
+            print(f"NOT RUN  {test.name}: it may not end within {choice.minutes:.0f} minutes, or was never recorded")
         chosen += extra
     return chosen
 

@@ -11,7 +11,7 @@
 #   scripts/test.sh -L unit        one label: unit, verify, invariance, input, hard, gate, bench
 #
 #   --long-share [K]  besides, a third of the long tests: K = 0, 1, 2, or by the day; those that
-#                     do not end in time are named and left out
+#                     do not end in time, or were never recorded, are named and left out
 #   --minutes N       time for all tests with --long-share (default 70)
 #   --debug           build and test the Debug build, with bounds and floating point checks
 #   --no-setup        neither look for nor install missing packages
