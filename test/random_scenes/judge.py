@@ -175,6 +175,8 @@ def number(share, exact):
 def state(verdict, scene, time, snap):
     """Speed, energy per mass and volume of particles in one snapshot."""
     fields = snap.fields
+    if not len(snap.points):
+        return          # all has left the box
     if not all([finite(verdict, name, fields[name]) for name in fields]) or not finite(verdict, "place", snap.points):
         return
     mass = np.asarray(fields["mass"])
@@ -183,8 +185,9 @@ def state(verdict, scene, time, snap):
     limit = speed_limit(scene)
     beyond(verdict, "speed", speed / limit, mass, f"{when}: {speed.max():.4g} m/s, impact {scene.impact:.4g}, "
            f"limit {limit:.4g}")
-    rows = np.asarray(fields["material"]).astype(int) - 1 if "material" in fields else np.zeros(len(mass), int)
-    rows = np.clip(rows, 0, len(scene.matters) - 1)
+    # bodies are numbered as in the deck; with contact the field material is not
+    bodies = np.asarray(fields["body"]).astype(int) - 1 if "body" in fields else np.zeros(len(mass), int)
+    rows = np.array([body.matter for body in scene.bodies])[bodies]
     if "energy" in fields:
         heat(verdict, scene, np.asarray(fields["energy"]), rows, mass, when)
     volume(verdict, scene, snap, rows, time, when)
@@ -237,7 +240,7 @@ def volume(verdict, scene, snap, rows, time, when):
         rate = scene.impact / matter.bulk_speed
         if matter.family in ("gas", "liquid", "grains") or rate > 0.6 or not own.any():
             continue
-        rest = float(mass[own].sum()) / density_of(scene, matter)
+        rest = float(mass[own].sum()) / matter.density
         ratio = float(volumes[own].sum()) / rest
         least = 0.9 * (1.0 - rate / (1.0 + 1.2 * rate)) if matter.family != "porous" else 0.3
         most = 1.1 + rate
@@ -253,12 +256,6 @@ def volume(verdict, scene, snap, rows, time, when):
     share = float(volumes.sum()) / space_around(scene, snap.points)
     if share > 1.0:
         verdict.find("bad", "volume beyond space", f"{when}: sum v = {share:.3g} of the cells around particles")
-
-
-def density_of(scene, matter):
-    """Density at rest; a list of points has the volumes of its file."""
-    del scene
-    return matter.density
 
 
 def space_around(scene, points):
