@@ -6,19 +6,24 @@ import math
 MASK = (1 << 64) - 1
 
 
+def mixed(value):
+    """A permutation of the integers of 64 bits."""
+    value = (value ^ value >> 30) * 0xBF58476D1CE4E5B9 & MASK
+    value = (value ^ value >> 27) * 0x94D049BB133111EB & MASK
+    return value ^ value >> 31
+
+
 class Chance:
     """SplitMix64: the same numbers with any version of Python, any hash seed and on any machine."""
 
     def __init__(self, seed):
-        self.state = seed * 0x9E3779B97F4A7C15 & MASK
+        # a state that is the seed itself would give the next seed the same numbers, one place on
+        self.state = mixed(seed ^ 0x5DEECE66D)
 
     def bits(self):
         """The next 64 bits."""
         self.state = (self.state + 0x9E3779B97F4A7C15) & MASK
-        value = self.state
-        value = (value ^ value >> 30) * 0xBF58476D1CE4E5B9 & MASK
-        value = (value ^ value >> 27) * 0x94D049BB133111EB & MASK
-        return value ^ value >> 31
+        return mixed(self.state)
 
     def uniform(self, low=0.0, high=1.0):
         """Uniform between two numbers, with four significant digits so that no rounding of a library is seen."""

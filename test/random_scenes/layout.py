@@ -12,7 +12,7 @@ AXES = {"1d": (0,), "plane_strain": (0, 2), "axisymmetric": (0, 2), "3d": (0, 1,
 DEPTH = 1.0                    # of a plane or line [m]
 FACES = ("xlo", "xhi", "ylo", "yhi", "zlo", "zhi")
 MOST = {"1d": 400, "plane_strain": 3600, "axisymmetric": 3600, "3d": 2600}
-ACROSS = {"1d": (3, 30), "plane_strain": (3, 22), "axisymmetric": (3, 22), "3d": (3, 8)}
+ACROSS = {"1d": (3, 30), "plane_strain": (3, 22), "axisymmetric": (3, 22), "3d": (3, 7)}
 CLOSED = {"slip": 3, "stick": 2, "symmetry": 2, "friction": 1}
 
 

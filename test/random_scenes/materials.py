@@ -83,6 +83,8 @@ def draw(chance, family, effects, dx):
                 effects.get("melting") or "jc_m" in keys):
             keys["t_melt"] = chance.uniform(600.0, 2000.0)
         matter.melts = bool(effects.get("melting"))
+    if not effects.get("artificial_viscosity", True):
+        matter.speed_limit = min(matter.speed_limit, 0.02 * matter.bulk_speed)     # no shocks
     if effects.get("damage"):
         fail(chance, matter, effects, dx)
     if effects.get("voids") and "p_alpha" not in matter.model and matter.family in ("grains", "brittle", "metal"):
@@ -368,7 +370,8 @@ def break_brittle(chance, matter, law, effects, dx):
     strain = chance.log(3.0e-4, 5.0e-3)
     shear = 0.75 * matter.density * (matter.wave_speed ** 2 - matter.bulk_speed ** 2)
     young = 9.0 * bulk * shear / (3.0 * bulk + shear)
-    word = chance.choose({"principal_stress": 3, "principal_strain": 2, "grady_kipp": 2, "jh2": 4 if law == "jh2" else 0})
+    word = chance.choose({"principal_stress": 3, "principal_strain": 2, "grady_kipp": 2,
+                          "jh2": 4 if law == "jh2" else 0})
     keys["damage_model"] = word
     if word == "jh2":
         keys.update(jh2_d1=chance.uniform(0.005, 0.1), jh2_d2=chance.uniform(0.5, 1.0))
