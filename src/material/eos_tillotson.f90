@@ -3,11 +3,11 @@
 !! to vapour, in the form of H. J. Melosh, "Impact cratering", 1989, appendix II.
 !!
 !! With eta = rho/rho0, mu = eta - 1, w = 1 + e/(e0 eta**2): condensed, for mu >= 0 or e <= e_iv,
-!! p = (a + b/w) rho e + A mu + B mu**2, where for mu < 0 the last two are A eta mu; expanded, for
-!! mu < 0 and e >= e_cv, with x = 1/eta - 1, p = a rho e + (b rho e/w + A mu exp(-beta x))
-!! exp(-alpha x**2); between the two energies linear in e from one to the other. The published form
-!! has A mu in place of A eta mu: tension that does not end as the density goes to 0. Equations
-!! (E.9) to (E.12) of doc/theory/equations_of_state.md.
+!! p = (a + b/w) rho e + A mu + B mu**2, where for mu < 0 the last two are A/2 eta (eta**2 - 1);
+!! expanded, for mu < 0 and e >= e_cv, with x = 1/eta - 1, p = a rho e + (b rho e/w + A mu exp(-beta
+!! x)) exp(-alpha x**2); between the two energies linear in e from one to the other. The published
+!! form has A mu for all mu < 0: tension that does not end as the density goes to 0. Equations (E.9)
+!! to (E.12) of doc/theory/equations_of_state.md.
 module eos_tillotson
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -162,7 +162,7 @@ contains
       real(wp), intent(out) :: pressure              !! [Pa]
       real(wp), intent(out) :: to_density            !! dp/drho [m2/s2]
       real(wp), intent(out) :: to_energy             !! dp/de [kg/m3]
-      real(wp) :: eta, mu, e, w, dense(3), thin(3), share, fade, tail, x, square, heated
+      real(wp) :: eta, mu, e, w, dense(3), thin(3), share, fade, tail, x, cold, stiff, heated
 
       ! Finite steps can leave a small negative energy.
       e = max(given, 0.0_wp)
@@ -170,14 +170,14 @@ contains
       eta = density/eos%density
       mu = eta - 1.0_wp
       w = 1.0_wp + e/(eos%energy*eta**2)
-      ! A mu + A mu**2 is A eta mu.
-      square = merge(eos%square, eos%bulk, mu >= 0.0_wp)
+      cold = merge(eos%bulk + eos%square*mu, 0.5_wp*eos%bulk*eta*(eta + 1.0_wp), mu >= 0.0_wp)*mu
+      stiff = merge(eos%bulk + 2.0_wp*eos%square*mu, eos%bulk*(1.5_wp*eta**2 - 0.5_wp), &
+         mu >= 0.0_wp)/eos%density
       share = 0.0_wp
       if (mu < 0.0_wp) &
          share = min(1.0_wp, max(0.0_wp, (e - eos%melt)/(eos%vapour - eos%melt)))
-      dense(1) = (eos%a + eos%b/w)*density*e + (eos%bulk + square*mu)*mu
-      dense(2) = (eos%a + eos%b/w + 2.0_wp*eos%b*(w - 1.0_wp)/w**2)*e &
-         + (eos%bulk + 2.0_wp*square*mu)/eos%density
+      dense(1) = (eos%a + eos%b/w)*density*e + cold
+      dense(2) = (eos%a + eos%b/w + 2.0_wp*eos%b*(w - 1.0_wp)/w**2)*e + stiff
       dense(3) = (eos%a + eos%b/w**2)*density
       pressure = dense(1)
       to_density = dense(2)
