@@ -104,7 +104,6 @@ contains
       self%distension = solid%density/self%density
       ! At constant distension waves are as fast as in the solid.
       self%bulk = self%density*solid%sound**2
-      self%gamma_density = solid%gamma_density
    end subroutine p_alpha_set
 
    !> The bulk modulus is that of c0.
