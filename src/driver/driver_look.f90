@@ -37,14 +37,15 @@ module driver_look
       real(wp) :: share = 0.0_wp                     !! Of the mass, with neighbours apart [1]
       real(wp) :: overlap = 0.0_wp                   !! Volume claimed beyond that there is [1]
       real(wp) :: pressure = 0.0_wp                  !! Root mean square of pressure [Pa]
+      real(wp) :: kinetic = 0.0_wp                   !! Kinetic energy of a volume [Pa]
       real(wp) :: difference = 0.0_wp                !! The same, of that from the node means [Pa]
       integer(int64) :: longest_identity = huge(1_int64)    !! Whose neighbour is farthest
       integer(int64) :: difference_identity = huge(1_int64) !! Whose pressure differs most
    end type shapes_look_t
 
-   !> Columns of what is found in a tile: sums, and greatest values from the eighth on.
+   !> Columns of what is found in a tile: sums, and greatest values from the ninth on.
    integer, parameter :: far_mass = 1, seen_mass = 2, claimed = 3, occupied = 4, noise = 5, &
-      sums = 7, longest = 8, differs = 9, columns = 9
+      sums = 8, longest = 9, differs = 10, columns = 10
 
 contains
 
@@ -227,6 +228,7 @@ contains
       if (total(noise) > 0.0_wp) then
          look%pressure = sqrt(total(noise + 1)/total(noise))
          look%difference = sqrt(total(noise + 2)/total(noise))
+         look%kinetic = total(noise + 3)/total(noise)
       end if
       look%longest_identity = identity(longest)
       look%difference_identity = identity(differs)
@@ -282,7 +284,7 @@ contains
       integer :: p
 
       call measure_noise(simulation%grid, simulation%tiles%coordinate(:, tile), alone, store, &
-         tile, patch, found(noise:noise + 2), worst, p)
+         tile, patch, found(noise:noise + 3), worst, p)
       if (p == 0 .or. worst < found(differs)) return
       if (worst > found(differs)) who(differs) = huge(1_int64)
       found(differs) = worst

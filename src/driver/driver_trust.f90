@@ -33,7 +33,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       integer(int64) :: next
-      integer :: n
+      integer :: n, other
 
       if (allocated(simulation%trust%lattices)) deallocate (simulation%trust%lattices)
       allocate (simulation%trust%lattices(size(bodies)))
@@ -44,6 +44,16 @@ contains
             lattice%sites = bodies(n)%sites(simulation%grid)
             lattice%regular = bodies(n)%on_lattice()
             next = next + product(lattice%sites)
+            lattice%origin = lattice%first
+            if (allocated(simulation%contact) .or. .not. lattice%regular) cycle
+            ! without contact bodies of one lattice that touch at the start move as one
+            do other = 1, n - 1
+               if (bodies(other)%store /= bodies(n)%store .or. .not. &
+                  bodies(other)%on_lattice()) cycle
+               if (any(bodies(other)%per_cell /= bodies(n)%per_cell)) cycle
+               lattice%origin = simulation%trust%lattices(other)%origin
+               exit
+            end do
          end associate
       end do
    end subroutine number_lattices
@@ -139,7 +149,8 @@ contains
       trust%longest = max(trust%longest, look%longest)
       trust%worst(trust_stretch) = max(trust%worst(trust_stretch), look%share)
       trust%worst(trust_volume) = max(trust%worst(trust_volume), look%overlap)
-      trust%pressure = max(trust%pressure, look%pressure)
+      ! pressures that are small beside the inertia of the motion do not matter
+      trust%pressure = max(trust%pressure, look%pressure, look%kinetic)
       trust%difference = max(trust%difference, look%difference)
       if (trust%pressure > 0.0_wp) trust%worst(trust_noise) = trust%difference/trust%pressure
    end subroutine note_shapes

@@ -96,7 +96,7 @@ contains
    end subroutine measure_claims
 
    !> Squares of the pressures of particles, and of their differences from the means of the nodes,
-   !! times volume; and the particle that differs most. Only where all nodes of a cell hold all
+   !! times volume; their kinetic energy; and the particle that differs most. Only where all nodes of a cell hold all
    !! particles, and without those that have failed. Equation (L.9).
    pure subroutine measure_noise(grid, coordinate, alone, store, tile, patch, sums, worst, who)
       type(grid_t), intent(in) :: grid               !! The grid
@@ -105,7 +105,7 @@ contains
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), intent(in) :: patch(:, :)            !! (2, node) As above, of this store
-      real(wp), intent(inout) :: sums(3)             !! Volume; times p2; times difference2
+      real(wp), intent(inout) :: sums(4) !! Volume; times p2; times difference2; kinetic energy
       real(wp), intent(out) :: worst                 !! Greatest difference [Pa]
       integer, intent(out) :: who                    !! Its particle, 0 = none
       real(wp) :: weight(8), mean, pressure
@@ -126,7 +126,9 @@ contains
                mean = mean + weight(lane)*patch(2, node(lane))/patch(1, node(lane))
          end do
          pressure = pressure_of(store, p)
-         sums = sums + store%matter%volume(p)*[1.0_wp, pressure**2, (pressure - mean)**2]
+         sums(:3) = sums(:3) + store%matter%volume(p)*[1.0_wp, pressure**2, (pressure - mean)**2]
+         sums(4) = sums(4) + 0.5_wp*store%matter%mass(p)*(store%velocity(p, 1)**2 &
+            + store%velocity(p, 2)**2 + store%velocity(p, 3)**2)
          if (.not. abs(pressure - mean) > worst) cycle
          worst = abs(pressure - mean)
          who = p

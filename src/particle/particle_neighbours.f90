@@ -3,6 +3,7 @@
 !!
 !! An identity is the number of a lattice site, so the neighbours of a particle are known by their
 !! identities and found again wherever they are. No field is carried and no step costs more for it.
+!! Bodies of one material and lattice that lie side by side count as one, unless they have contact.
 !! Pairs are looked for within a tile, so that nothing depends on ranks. Where particles carry their
 !! edges (CPDI, splitting) these stand in for the distances.
 module particle_neighbours
@@ -17,6 +18,7 @@ module particle_neighbours
    !> The lattice sites of a body; they are numbered through the whole box.
    type :: lattice_t
       integer(int64) :: first = 1                    !! Identity of the first site
+      integer(int64) :: origin = 1                   !! The same of the first body with its lattice
       integer(int64) :: sites(3) = 1                 !! Along each direction
       logical :: regular = .false.                   !! Do its particles lie on the lattice?
    end type lattice_t
@@ -25,10 +27,12 @@ module particle_neighbours
    type :: neighbour_table_t
       integer :: size = 0                            !! Entries in use, odd
       integer, allocatable :: entry(:)               !! Particle of the tile, 0 = empty
+      integer, allocatable :: body(:)                !! (particle of the tile) Its lattice
+      integer(int64), allocatable :: key(:)          !! (particle of the tile) Its site, < 0 = none
    contains
       procedure :: lengths => table_lengths          !! Longest distances to lattice neighbours
-      procedure, private :: fill => table_fill
-      procedure, private :: find => table_find
+      procedure, private :: fill => table_fill       !! Enter the particles of a tile
+      procedure, private :: find => table_find       !! The particle at a site
    end type neighbour_table_t
 
 contains
@@ -48,7 +52,7 @@ contains
       integer :: p, edges
 
       length = -1.0_wp
-      if (.not. allocated(store%domain)) call self%fill(store, tile)
+      if (.not. allocated(store%domain)) call self%fill(lattices, store, tile)
       do p = 1, store%count(tile)
          if (allocated(store%matter%failed)) then
             if (store%matter%failed(store%first(tile) + p - 1) /= 0) cycle
@@ -64,23 +68,31 @@ contains
    end subroutine table_lengths
 
    !> Enter the particles of a tile that have not failed.
-   pure subroutine table_fill(self, store, tile)
+   pure subroutine table_fill(self, lattices, store, tile)
       class(neighbour_table_t), intent(inout) :: self !! The table
+      type(lattice_t), intent(in) :: lattices(:)     !! (body) In the order of identities
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Index of the tile
       integer :: p, place
 
       self%size = 2*store%count(tile) + 1
       if (allocated(self%entry)) then
-         if (size(self%entry) < self%size) deallocate (self%entry)
+         if (size(self%entry) < self%size) deallocate (self%entry, self%body, self%key)
       end if
-      if (.not. allocated(self%entry)) allocate (self%entry(2*self%size))
+      if (.not. allocated(self%entry)) allocate (self%entry(2*self%size), &
+         self%body(2*self%size), self%key(2*self%size))
       self%entry(:self%size) = 0
       do p = 1, store%count(tile)
+         associate (identity => store%identity(store%first(tile) + p - 1))
+            self%body(p) = body_of(lattices, identity)
+            self%key(p) = identity - lattices(self%body(p))%first + lattices(self%body(p))%origin
+         end associate
+         if (.not. lattices(self%body(p))%regular) self%key(p) = -1
          if (allocated(store%matter%failed)) then
-            if (store%matter%failed(store%first(tile) + p - 1) /= 0) cycle
+            if (store%matter%failed(store%first(tile) + p - 1) /= 0) self%key(p) = -1
          end if
-         place = place_of(self, store%identity(store%first(tile) + p - 1))
+         if (self%key(p) < 0) cycle
+         place = place_of(self, self%key(p))
          do while (self%entry(place) > 0)
             place = mod(place, self%size) + 1
          end do
@@ -88,27 +100,43 @@ contains
       end do
    end subroutine table_fill
 
-   !> Where the search for an identity begins.
-   pure integer function place_of(table, identity) result(place)
-      class(neighbour_table_t), intent(in) :: table  !! The table
+   !> The body of a particle, by halving the list of them.
+   pure integer function body_of(lattices, identity) result(body)
+      type(lattice_t), intent(in) :: lattices(:)     !! (body) In the order of identities
       integer(int64), intent(in) :: identity         !! Of a particle
+      integer :: last, middle
 
-      place = int(mod(identity, int(table%size, int64))) + 1
+      body = 1
+      last = size(lattices)
+      do while (body < last)
+         middle = (body + last + 1)/2
+         if (identity >= lattices(middle)%first) then
+            body = middle
+         else
+            last = middle - 1
+         end if
+      end do
+   end function body_of
+
+   !> Where the search for a site begins.
+   pure integer function place_of(table, key) result(place)
+      class(neighbour_table_t), intent(in) :: table  !! The table
+      integer(int64), intent(in) :: key              !! The site
+
+      place = int(mod(key, int(table%size, int64))) + 1
    end function place_of
 
-   !> Particle of the tile with an identity, 0 if it has none.
-   pure integer function table_find(self, store, tile, identity) result(particle)
+   !> Particle of the tile at a site, 0 if there is none.
+   pure integer function table_find(self, key) result(particle)
       class(neighbour_table_t), intent(in) :: self   !! The table
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
-      integer(int64), intent(in) :: identity         !! Of a particle
+      integer(int64), intent(in) :: key              !! The site
       integer :: place
 
-      place = place_of(self, identity)
+      place = place_of(self, key)
       do
          particle = self%entry(place)
          if (particle == 0) return
-         if (store%identity(store%first(tile) + particle - 1) == identity) return
+         if (self%key(particle) == key) return
          place = mod(place, self%size) + 1
       end do
    end function table_find
@@ -143,29 +171,23 @@ contains
       integer, intent(in) :: p                       !! Particle of the tile
       real(wp), intent(out) :: edge(3, 3)            !! (component, edge) [m]
       integer, intent(out) :: edges                  !! Neighbours found
-      integer(int64) :: identity, number, stride
-      integer :: body, k, q
+      integer(int64) :: number, stride
+      integer :: k, q
       real(wp) :: sign
 
       edge = 0.0_wp
       edges = 0
-      identity = store%identity(store%first(tile) + p - 1)
-      body = size(lattices)
-      do while (body > 1)
-         if (identity >= lattices(body)%first) exit
-         body = body - 1
-      end do
-      if (.not. lattices(body)%regular) return
+      if (table%key(p) < 0) return
       stride = 1
-      associate (sites => lattices(body)%sites)
+      associate (lattice => lattices(table%body(p)))
          do k = 1, 3
             if (grid%active(k)) then
-               number = mod((identity - lattices(body)%first)/stride, sites(k))
+               number = mod((table%key(p) - lattice%origin)/stride, lattice%sites(k))
                q = 0
                sign = 1.0_wp
-               if (number + 1 < sites(k)) q = table%find(store, tile, identity + stride)
+               if (number + 1 < lattice%sites(k)) q = table%find(table%key(p) + stride)
                if (q == 0 .and. number > 0) then
-                  q = table%find(store, tile, identity - stride)
+                  q = table%find(table%key(p) - stride)
                   sign = -1.0_wp
                end if
                if (q == 0) return
@@ -173,7 +195,7 @@ contains
                edge(:, edges) = sign*way_between(grid, store, store%first(tile) + p - 1, &
                   store%first(tile) + q - 1)
             end if
-            stride = stride*sites(k)
+            stride = stride*lattice%sites(k)
          end do
       end associate
    end subroutine edges_between
