@@ -228,6 +228,10 @@ contains
       integer :: sweep
       logical :: shorter
 
+      if (nearly_square(edge)) then
+         length = sqrt(maxval(sum(edge**2, dim=1)))
+         return
+      end if
       basis = edge
       do sweep = 1, most
          shorter = .false.
@@ -237,6 +241,23 @@ contains
       end do
       length = sqrt(maxval(sum(basis**2, dim=1)))
    end function shortest_longest
+
+   !> Are vectors so near to a right angle to each other that none can be shortened? With products
+   !! of at most a quarter of the lesser square neither pairs nor sums of three become shorter.
+   pure logical function nearly_square(edge) result(square)
+      real(wp), intent(in) :: edge(:, :)             !! (component, vector) [m]
+      real(wp) :: squares(3)
+      integer :: i, j
+
+      square = .true.
+      do i = 1, size(edge, 2)
+         squares(i) = edge(1, i)**2 + edge(2, i)**2 + edge(3, i)**2
+         do j = 1, i - 1
+            square = square .and. 4.0_wp*abs(edge(1, i)*edge(1, j) + edge(2, i)*edge(2, j) &
+               + edge(3, i)*edge(3, j)) <= min(squares(i), squares(j))
+         end do
+      end do
+   end function nearly_square
 
    !> Take from each vector the whole multiple of each other one that leaves the shortest rest.
    pure subroutine shorten_pairs(basis, shorter)
