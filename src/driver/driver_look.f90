@@ -51,7 +51,7 @@ contains
 
    !> Greatest speed, energies of particles. Collective.
    subroutine look_at_bounds(simulation, least_energy, look)
-      type(simulation_t), intent(in) :: simulation   !! The run between two steps
+      type(simulation_t), intent(inout) :: simulation !! The run between two steps
       real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
       type(bounds_look_t), intent(out) :: look       !! What is found
       real(wp) :: greatest(4, max(1, simulation%tiles%own)), all(4)
@@ -70,9 +70,8 @@ contains
          end do
       end do
       !$omp end parallel do
-      do tile = 1, size(all)
-         all(tile) = simulation%communicator%maximum(maxval(greatest(tile, :)))
-      end do
+      all = maxval(greatest, dim=2)
+      call simulation%communicator%maxima(all)
       look%speed = sqrt(max(0.0_wp, all(1)))
       look%heat = all(2)
       look%cold = -all(3)

@@ -67,7 +67,7 @@ contains
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
       call log%info(rules_text(simulation%guard))
       call log%info(balance_text(now, rate, bytes))
-      trust = final_trust(simulation, code, now)
+      call final_trust(simulation, code, now, trust)
       call log%info(trust_text(trust))
       call count_traffic(simulation, traffic)
       if (simulation%communicator%size > 1) call log%info(ranks_text(simulation, traffic))

@@ -23,8 +23,9 @@ module driver_trust
 
    public :: begin_trust, final_trust, number_lattices, watch_trust
 
-   integer(int64), parameter :: bounds_every = 20    !! Steps between looks at speed and energy
-   integer(int64), parameter :: shapes_every = 200   !! Steps between looks at distances and volumes
+   integer(int64), parameter :: bounds_every = 5     !! Steps between looks at speed and energy
+   integer(int64), parameter :: work_every = 50      !! ... between sums of the work
+   integer(int64), parameter :: shapes_every = 250   !! Steps between looks at distances and volumes
 
 contains
 
@@ -104,6 +105,7 @@ contains
       type(bounds_look_t) :: bounds
       type(shapes_look_t) :: shapes
 
+      if (mod(simulation%step, work_every) == 0) call note_work(simulation, simulation%trust)
       if (mod(simulation%step, bounds_every) == 0) then
          call look_at_bounds(simulation, simulation%trust%least_energy, bounds)
          call note_bounds(simulation, bounds, simulation%trust)
@@ -121,16 +123,18 @@ contains
    !> What is known at the end: with the last state, if it is one that a run could go on from. What
    !! a checkpoint holds does not change, so that a run that goes on sees what it would have seen
    !! without a break. Collective.
-   function final_trust(simulation, code, now) result(trust)
-      type(simulation_t), intent(in) :: simulation   !! The run at its end
+   subroutine final_trust(simulation, code, now, trust)
+      type(simulation_t), intent(inout) :: simulation !! The run at its end; stays as it is
       integer, intent(in) :: code                    !! Exit code
       type(balance_t), intent(in) :: now             !! Its books
-      type(trust_t) :: trust
+      type(trust_t), intent(out) :: trust            !! What is known
       type(bounds_look_t) :: bounds
       type(shapes_look_t) :: shapes
 
       trust = simulation%trust
+      trust%failed = code == exit_physics
       if (trust%begun .and. code /= exit_physics) then
+         call note_work(simulation, trust)
          call look_at_bounds(simulation, trust%least_energy, bounds)
          call note_bounds(simulation, bounds, trust)
          call look_at_shapes(simulation, shapes)
@@ -139,7 +143,7 @@ contains
       trust%worst(trust_energy) = abs(now%energy_error)
       if (simulation%ledger%start%entry(mass) > 0.0_wp) trust%worst(trust_retired) = &
          now%entry(retired_mass)/simulation%ledger%start%entry(mass)
-   end function final_trust
+   end subroutine final_trust
 
    !> Take the worst of distances, volumes and pressures.
    pure subroutine note_shapes(look, trust)
@@ -157,14 +161,13 @@ contains
 
    !> Take the worst of speeds and energies, over what can be explained. Equations (L.10) and (L.11)
    !! of doc/theory/ledger.md. A manufactured solution may do anything.
-   subroutine note_bounds(simulation, look, trust)
+   pure subroutine note_bounds(simulation, look, trust)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(bounds_look_t), intent(in) :: look        !! What was found
       type(trust_t), intent(inout) :: trust          !! The worst so far
       real(wp) :: square, scale
 
       if (allocated(simulation%exact)) return
-      trust%work = max(trust%work, abs(work_so_far(simulation)))
       square = explained_square(simulation, trust)
       if (square > 0.0_wp) trust%worst(trust_speed) = max(trust%worst(trust_speed), &
          look%speed/sqrt(square))
@@ -184,15 +187,16 @@ contains
       if (max(value, -cold*value) > max(worst, -cold*worst)) worst = value
    end subroutine take_worse
 
-   !> Work of walls and gravity so far. Collective. [J]
-   real(wp) function work_so_far(simulation) result(work)
+   !> Take the greatest work of walls and gravity so far. Collective.
+   subroutine note_work(simulation, trust)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(trust_t), intent(inout) :: trust          !! The greatest so far
       type(exact_sum_t) :: sum
 
       call sum%merge(simulation%ledger%sums(external_work))
       call sum%over_ranks(simulation%communicator)
-      work = sum%value()
-   end function work_so_far
+      trust%work = max(trust%work, abs(sum%value()))
+   end subroutine note_work
 
    !> Square of the greatest speed that start, walls, gravity, energy at the start and work explain
    !! [m2/s2]. Equation (L.10).
@@ -266,7 +270,7 @@ contains
 
       associate (trust => simulation%trust)
          if (warns(trust, trust_speed, trust_bad)) then
-            write (text, "(a,es10.3,a,f0.1,a)") "its speed", look%speed, " m/s is ", &
+            write (text, "(a,es10.3,a,es9.2,a)") "its speed", look%speed, " m/s is", &
                trust%worst(trust_speed), " times what start, walls, gravity and work explain"
             call tell_particle(simulation, log, find_greatest(simulation, measure_speed, &
                trust%least_energy), trim(text)//"; check units and constants of its material, "// &
@@ -274,14 +278,14 @@ contains
          end if
          if (.not. warns(trust, trust_heat, trust_bad)) return
          if (trust%worst(trust_heat) > 0.0_wp) then
-            write (text, "(a,es10.3,a,f0.1,a)") "its internal energy", look%heat, " J/kg is ", &
+            write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", look%heat, " J/kg is", &
                trust%worst(trust_heat), " times what was put in"
             call tell_particle(simulation, log, find_greatest(simulation, measure_heat, &
                trust%least_energy), trim(text)//"; check its equation of state, or take such "// &
                "particles out with &time on_bad = 'retire'")
          else
-            write (text, "(a,es10.3,a,f0.1,a)") "its internal energy", look%cold, &
-               " J/kg is below the least at the start by ", -trust%worst(trust_heat), &
+            write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", look%cold, &
+               " J/kg is below the least at the start by", -trust%worst(trust_heat), &
                " times what was put in"
             call tell_particle(simulation, log, find_greatest(simulation, measure_cold, &
                trust%least_energy), trim(text)//"; check its equation of state in expansion, or "// &

@@ -45,6 +45,7 @@ module driver_trust_record
       real(wp) :: least_energy = 0.0_wp              !! Least of matter that carries it [J/kg]
       real(wp) :: work = 0.0_wp                      !! Greatest work of walls and gravity [J]
       logical :: begun = .false.                     !! Is the start known?
+      logical :: failed = .false.                    !! Did the run have to end?
       logical :: warned(trust_entries) = .false.     !! Has a warning been given?
       !> (body) Lattices of the bodies, from the deck
       type(lattice_t), allocatable :: lattices(:)
@@ -74,7 +75,7 @@ contains
       character(len=40) :: part
       integer :: entry, worst
 
-      worst = trust_ok
+      worst = merge(trust_bad, trust_ok, trust%failed)
       text = ""
       do entry = 1, trust_entries
          associate (verdict => verdict_of(entry, trust%worst(entry)))
@@ -98,7 +99,7 @@ contains
       integer :: entry, worst
 
       call json%begin("trust")
-      worst = trust_ok
+      worst = merge(trust_bad, trust_ok, trust%failed)
       do entry = 1, trust_entries
          associate (verdict => verdict_of(entry, trust%worst(entry)))
             worst = max(worst, verdict)
