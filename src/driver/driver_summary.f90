@@ -14,6 +14,8 @@ module driver_summary
    use driver_restart, only: describe_state
    use driver_simulation, only: nodes_t, simulation_t
    use driver_step, only: count_particles
+   use driver_trust, only: final_trust
+   use driver_trust_record, only: add_trust, trust_t, trust_text
    use io_digest, only: state_digest
    use io_state, only: state_t
    use io_summary, only: json_t
@@ -46,6 +48,7 @@ contains
       type(json_t) :: json
       type(balance_t) :: now
       type(state_t) :: state
+      type(trust_t) :: trust
       character(len=16) :: digest
       integer(int64) :: counts(4), traffic(kinds)
       real(wp) :: rate, bytes, range(extremes)
@@ -64,6 +67,8 @@ contains
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
       call log%info(rules_text(simulation%guard))
       call log%info(balance_text(now, rate, bytes))
+      call final_trust(simulation, code, now, trust)
+      call log%info(trust_text(trust))
       call count_traffic(simulation, traffic)
       if (simulation%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
       call find_extremes(simulation, range)
@@ -88,6 +93,7 @@ contains
       call json%add("particles_halved", counts(3))
       call add_timers(json, simulation, least, mean, greatest)
       call add_ledger(json, simulation, now)
+      call add_trust(json, trust)
       if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
       if (allocated(simulation%exact)) call add_exact(json, simulation)
       call add_files(json, outputs)
