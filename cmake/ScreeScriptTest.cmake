@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-#   scree_script_tests(verify [folder])
-# registers test_*.py of a folder of test/, and of the folders in it, with the name of the folder as
+#   scree_script_tests(label [folder])
+# registers test_*.py of test/LABEL, or of another folder of test/, and of the folders in it, with this
 # label, as   python FILE --scree PROGRAM --work FOLDER   with SCREE and WORK in the environment too.
 #
 # Lines in the head of a test file:
@@ -13,6 +13,9 @@
 
 function(scree_script_tests label)
    set(folder "${PROJECT_SOURCE_DIR}/test/${label}")
+   if(ARGC GREATER 1)
+      set(folder "${PROJECT_SOURCE_DIR}/test/${ARGV1}")
+   endif()
    file(GLOB scripts CONFIGURE_DEPENDS "${folder}/test_*.py" "${folder}/*/test_*.py")
    foreach(script IN LISTS scripts)
       scree_script_test("${script}" ${label})

@@ -8,7 +8,7 @@
 #   scripts/test.sh --full         all that is verified by default
 #   scripts/test.sh --long         studies that take many minutes each
 #   scripts/test.sh -R deck        tests of --full with deck in their names
-#   scripts/test.sh -L unit        one label: unit, verify, invariance, input, hard, gate, bench
+#   scripts/test.sh -L unit       unit, verify, invariance, input, hard, random, gate or bench
 #
 #   --long-share [K]  besides, a third of the long tests: K = 0, 1, 2, or by the day
 #   --debug           build and test the Debug build, with bounds and floating point checks

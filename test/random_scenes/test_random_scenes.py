@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke, full, long
+# timeout: 1800
+# timeout long: 18000
+"""Random legal decks, each judged by invariants alone; see generate.py for what is drawn and judge.py for the limits.
+
+    PYTHONPATH=test/support python test/random_scenes/test_random_scenes.py --scree build/bin/scree --work FOLDER
+        --seed 17                  one deck: all findings; deck and outputs are kept in FOLDER/s17
+        --first 1 --count 100      some decks; --jobs J at a time
+
+Would catch what no deck that somebody tuned shows: matter that runs away with exit code 0, energy from nothing, bits
+that depend on ranks or restarts, combinations of models that nobody has tried, and runs without end.
+"""
+
+import argparse
+import collections
+import concurrent.futures
+import shutil
+import sys
+from pathlib import Path
+
+import case
+import generate
+import judge
+import report
+import tier
+
+COUNT = tier.choose(smoke=20, full=200, long=2000)
+TARGET = 1.0       # percent of decks
+# More than half of random decks failing would mean that a change has spoiled what is common to all of them.
+LIMIT = 50.0
+KEPT = ("bad", "look")
+
+
+def one(options, seed, keep=False):
+    """Judge the deck of a seed; what is neither bad nor to be looked at is removed."""
+    scene = generate.scene(seed)
+    verdict = judge.judge(options, scene, layouts=True if keep else None)
+    if not keep:
+        for folder in options.work.glob(f"s{seed}_*"):
+            shutil.rmtree(folder, ignore_errors=True)
+        folder = options.work / f"s{seed}"
+        if verdict.result in KEPT:
+            for path in folder.iterdir():
+                if path.suffix not in (".nml", ".csv", ".mha", ".stl", ".json", ".log"):
+                    path.unlink()
+        else:
+            shutil.rmtree(folder, ignore_errors=True)
+    return verdict
+
+
+def table(verdicts):
+    """Counts by reason and matter, with seeds, the most frequent reason first."""
+    groups = collections.defaultdict(lambda: collections.defaultdict(list))
+    for verdict in verdicts:
+        if verdict.result != "ok":
+            groups[verdict.result, verdict.reason][verdict.who].append(verdict.seed)
+    rows = sorted(groups.items(), key=lambda item: (item[0][0], -sum(len(seeds) for seeds in item[1].values())))
+    for (result, reason), parts in rows:
+        total = sum(len(seeds) for seeds in parts.values())
+        print(f"         {result:4s} {reason}: {total} of {len(verdicts)}", flush=True)
+        for who, seeds in sorted(parts.items(), key=lambda item: -len(item[1])):
+            print(f"              {len(seeds):3d}  {who}: {' '.join(str(seed) for seed in seeds[:12])}", flush=True)
+
+
+def run(options, first, count, jobs):
+    """Judge some decks, `jobs` at a time; verdicts in the order of the seeds."""
+    verdicts = []
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        for verdict in pool.map(lambda seed: one(options, seed), range(first, first + count)):
+            verdicts.append(verdict)
+            if verdict.result != "ok":
+                print(f"         {verdict.seed} {verdict.result} {verdict.reason} [{verdict.who}] {verdict.detail}",
+                      flush=True)
+    return verdicts
+
+
+def share(verdicts, condition):
+    """Percent of decks."""
+    return 100.0 * sum(1 for verdict in verdicts if condition(verdict)) / len(verdicts)
+
+
+def judge_all(verdicts):
+    """The checks of the test."""
+    sheet = report.Report()
+    table(verdicts)
+    for name in ("hang", "illegal deck", "crash"):
+        seeds = [verdict.seed for verdict in verdicts if any(finding[1] == name for finding in verdict.findings)]
+        sheet.require(not seeds, f"{name}: no deck {seeds or ''}")
+    sheet.require(sum(verdict.steps > 10 for verdict in verdicts) > 0.5 * len(verdicts), "decks make steps")
+    bad = share(verdicts, lambda verdict: verdict.result == "bad")
+    silent = share(verdicts, lambda verdict: any(
+        finding[0] == "bad" and not finding[1].startswith("ends") for finding in verdict.findings))
+    sheet.note("decks to look at [%]", share(verdicts, lambda verdict: verdict.result == "look"))
+    sheet.known("bad decks [%]", bad, limit=LIMIT, target=TARGET)
+    sheet.known("decks that end with exit code 0 and break an invariant [%]", silent, limit=LIMIT, target=0.0)
+    sheet.end()
+
+
+def show(options, seed):
+    """All findings of one deck."""
+    scene = generate.scene(seed)
+    print(scene.deck)
+    verdict = one(options, seed, keep=True)
+    print(f"{seed} {scene.kind} {scene.dimension} [{verdict.who}] {scene.method.name}: {verdict.result} "
+          f"{verdict.reason}, {verdict.steps} steps ({scene.steps} expected), {verdict.seconds:.1f} s")
+    for finding in verdict.findings:
+        print("   ", *finding)
+    print(options.work / f"s{seed}")
+    sys.exit(0 if verdict.result != "bad" else 1)
+
+
+def main():
+    """All decks of the tier, or those of the command line."""
+    options = case.arguments(__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, help="one deck, which is kept")
+    parser.add_argument("--first", type=int, default=1)
+    parser.add_argument("--count", type=int, default=COUNT)
+    parser.add_argument("--jobs", type=int, default=1)
+    words = parser.parse_args()
+    options.work = Path(options.work)
+    if words.seed is not None:
+        show(options, words.seed)
+    judge_all(run(options, words.first, words.count, words.jobs))
+
+
+if __name__ == "__main__":
+    main()
