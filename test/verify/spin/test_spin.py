@@ -115,7 +115,7 @@ def many_turns(options, sheet):
             continue
         sheet.below(f"{TURNS} turns, {name}: radius", growth, 5.0e-3)
         if name in TAKE:
-            sheet.known(f"{TURNS} turns, {name}: angular momentum a turn", result["drift"], limit=1.0 / TURNS,
+            sheet.known(f"{TURNS} turns, {name}: angular momentum a turn", result["drift"], limit=1.01 / TURNS,
                         target=COARSE)
             continue
         sheet.below(f"{TURNS} turns, {name}: angular momentum a turn", result["drift"], COARSE)
