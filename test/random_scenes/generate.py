@@ -52,7 +52,7 @@ class Scene:
     matters: list                     # of materials.Matter, in the order of the deck
     effects: dict
     method: methods.Method
-    impact: float                     # greatest relative speed of two bodies, or of a body and a wall [m/s]
+    impact: float                     # greatest relative speed of bodies, or of a body and a closed face [m/s]
     frame: float                      # greatest speed of a body or of a wall, with its spin [m/s]
     fall: float                       # greatest speed gained by gravity [m/s]
     push: float                       # speed that energy and pressure of the start can make [m/s]
@@ -97,6 +97,9 @@ def finish(seed, kind, chance, plan, method):
     if plan.effects:
         texts.append(group("effects", **plan.effects))
     texts += [group("material", name=f"m{index + 1}", **matter.keys) for index, matter in enumerate(plan.matters)]
+    # what flies may meet a closed face
+    closed = any(f"type = '{word}'" in text for word in ("slip", "stick", "symmetry", "friction")
+                 for text in plan.walls)
     files = {}
     for body in plan.bodies:
         texts += body.regions(dx)
@@ -107,8 +110,8 @@ def finish(seed, kind, chance, plan, method):
               group("output", name="p", kind="particles", count=6, fields="state", precision="double"),
               group("checkpoint", wall_minutes=0.0)]
     return Scene(seed=seed, kind=kind, dimension=plan.dimension, deck="\n".join(texts) + "\n", files=files, dx=dx,
-                 bodies=plan.bodies, matters=plan.matters, effects=plan.effects, method=method, impact=plan.impact,
+                 bodies=plan.bodies, matters=plan.matters, effects=plan.effects, method=method,
+                 impact=max(plan.impact, plan.frame if closed else 0.0),
                  frame=plan.frame, fall=plan.fall, push=plan.push(), oblique=plan.oblique, full=plan.full,
                  swept=plan.swept * t_end * plan.area, contact=bool(plan.effects.get("contact")), steps=steps,
                  t_end=t_end)
-
