@@ -23,6 +23,7 @@ COSTS = ROOT / "test/costs.csv"
 NEXT_TIER = {"smoke": "full", "full": "long"}
 SHARES = 3      # the long tests are run by thirds
 DAY = 86400
+UNKNOWN = 1.0   # cost of a test that was never recorded
 
 
 class Test:
@@ -32,7 +33,7 @@ class Test:
         self.name = entry["name"]
         values = {item["name"]: item["value"] for item in entry.get("properties", ())}
         self.labels = set(values.get("LABELS", ()))
-        self.cost = float(values.get("COST", 1.0))
+        self.cost = float(values.get("COST", UNKNOWN))
         self.cores = int(values.get("PROCESSORS", 1))
 
 
@@ -53,6 +54,16 @@ def long_share(tests, share):
     return groups[share]
 
 
+def in_time(tests, extra, seconds, jobs):
+    """Those of `extra` that end beside `tests` within the time, and the others. A test that was never recorded is not
+    begun: nobody knows how long it takes."""
+    chosen, left = list(tests), []
+    for test in sorted(extra, key=lambda test: test.cost):
+        recorded = test.cost != UNKNOWN
+        (chosen if recorded and expected([*chosen, test], jobs) <= seconds else left).append(test)
+    return chosen[len(tests):], left
+
+
 def choose(tests, choice, filtered):
     """Tests of the tiers that were named; those of `full` for a filter without a tier, or what it finds at all."""
     tiers = [name for name in ("smoke", "full", "long") if getattr(choice, name)]
@@ -62,8 +73,11 @@ def choose(tests, choice, filtered):
             return tests
     chosen = [test for test in tests if test.labels & set(tiers)]
     if choice.long_share is not None:
-        extra = [test for test in tests if "long" in test.labels and test not in chosen]
-        chosen += long_share(extra, choice.long_share)
+        share = long_share([test for test in tests if "long" in test.labels and test not in chosen], choice.long_share)
+        extra, left = in_time(chosen, share, 60.0 * choice.minutes, choice.jobs)
+        for test in left:
+            print(f"NOT RUN  {test.name}: it may not end within {choice.minutes:.0f} minutes, or was never recorded")
+        chosen += extra
     return chosen
 
 
@@ -162,6 +176,7 @@ def arguments():
         parser.add_argument(f"--{word}", action="store_true")
     today = int(time.time() // DAY) % SHARES
     parser.add_argument("--long-share", type=int, nargs="?", const=today, choices=range(SHARES))
+    parser.add_argument("--minutes", type=float, default=70.0)
     for word in ("-R", "-E", "-L", "-LE"):
         parser.add_argument(word, dest="filters", action=Filter)
     parser.set_defaults(filters=[])

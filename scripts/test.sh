@@ -10,7 +10,9 @@
 #   scripts/test.sh -R deck        tests of --full with deck in their names
 #   scripts/test.sh -L unit       unit, verify, invariance, input, hard, random, gate or bench
 #
-#   --long-share [K]  besides, a third of the long tests: K = 0, 1, 2, or by the day
+#   --long-share [K]  besides, a third of the long tests: K = 0, 1, 2, or by the day; those that
+#                     do not end in time, or were never recorded, are named and left out
+#   --minutes N       time for all tests with --long-share (default 70)
 #   --debug           build and test the Debug build, with bounds and floating point checks
 #   --no-setup        neither look for nor install missing packages
 #   --record          write how long the tests took into test/costs.csv

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# timeout: 300
+# timeout: 900
 # cores: 2
 """No slice of an array is copied behind the back of a call.
 

@@ -44,6 +44,7 @@ def test(name, cost, *labels, cores=1):
 def choice(*words, share=None):
     """The options of a user."""
     return type("Choice", (), {"smoke": False, "full": False, "long": False, "long_share": share,
+                               "minutes": 70.0, "jobs": 2,
                                **{word: True for word in words}})
 
 
@@ -68,10 +69,19 @@ class Runner(unittest.TestCase):
         work = [sum(one.cost * one.cores for one in group) for group in groups]
         self.assertLess(max(work), 1.2 * min(work))
 
+    def test_in_time(self):
+        """Nothing is begun that may not end."""
+        tests = [test("full", 600, "full")]
+        extra = [test("short", 300, "long"), test("long", 3000, "long"), test("longer", 3000, "long"),
+                 test("never recorded", run_tests.UNKNOWN, "long")]
+        chosen, left = run_tests.in_time(tests, extra, 3000.0, 2)
+        self.assertEqual([one.name for one in chosen], ["short", "long"])
+        self.assertEqual([one.name for one in left], ["never recorded", "longer"])
+
     def test_choice(self):
         """Tiers, filters and thirds choose what they say."""
         tests = [test("a", 1, "unit", "smoke", "full"), test("b", 1, "full"), test("b.smoke", 1, "smoke"),
-                 test("c", 1, "long"), test("d", 1, "bench")]
+                 test("c", 2, "long"), test("d", 1, "bench")]
         for expected, words, share, filtered in (
                 (["a", "b.smoke"], (), None, False), (["a", "b"], ("full",), None, False),
                 (["a", "b"], (), None, True), (["c"], ("long",), None, False),

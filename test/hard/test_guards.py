@@ -5,7 +5,7 @@ Would catch: a bound that is not looked at, a particle named that is in its boun
 on ranks or threads, a spoiled state that pushes a good checkpoint away, a state before the step that
 cannot be had again, a step that the summary counts for the wrong reason.
 """
-# timeout: 120
+# timeout: 600
 
 import re
 import subprocess

@@ -5,7 +5,7 @@ Would catch: a checkpoint that takes its name before it is whole, an older one t
 new one is safe, rows of a history that are doubled or lost, snapshots of a time that was undone.
 """
 # tiers: smoke, full, long
-# timeout: 300
+# timeout: 900
 # timeout long: 1800
 
 import sys

@@ -4,7 +4,7 @@
 Would catch: particles that turn inside out unseen, numbers that are none, a step that grows too fast, is
 not finite, or follows the wrong cause, an end of the run without the particle that caused it.
 """
-# timeout: 120
+# timeout: 600
 
 import sys
 from pathlib import Path

@@ -56,7 +56,7 @@ class Jobs(unittest.TestCase):
         """Exit code of the script in a job that ends so many seconds from now, and the calls of stand-ins."""
         (self.folder / "calls").write_text("", encoding="utf-8")
         answer = subprocess.run(
-            ["bash", "job.sh"], cwd=self.folder, text=True, capture_output=True, timeout=100,
+            ["bash", "job.sh"], cwd=self.folder, text=True, capture_output=True, timeout=250,
             env={**os.environ, **case.OPEN_MPI, "PATH": f"{self.folder / 'bin'}:{os.environ['PATH']}",
                  "SLURM_JOB_ID": "4711", "SLURM_NTASKS": str(ranks), "SLURM_CPUS_PER_TASK": "1",
                  "SLURM_JOB_END_TIME": str(int(time.time() + seconds)), "PBS_O_WORKDIR": str(self.folder)})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# timeout: 600
+# timeout: 900
 """Every command of scree-post that a document or a help text shows is run on small runs.
 
 Would catch an option that was renamed, an example that does not work, and a command of a document

@@ -6,7 +6,7 @@ depend on ranks, files that VTK does not read. Byte for byte, except for the ech
 the folder of the run.
 """
 # tiers: smoke
-# timeout: 120
+# timeout: 600
 # cores: 2
 
 import subprocess

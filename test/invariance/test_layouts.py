@@ -8,7 +8,7 @@ smoke: one deck on few ranks and threads; full: four decks on 4 and 7 ranks; lon
 layouts of ranks {1, 2, 3, 4, 7} and threads {1, 2, 3}, with restarts at the first, a middle and the last step but one.
 """
 # tiers: smoke, full, long
-# timeout: 300
+# timeout: 900
 # timeout long: 7200
 # cores: 2
 
