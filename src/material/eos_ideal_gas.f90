@@ -2,7 +2,7 @@
 !> Equation of state of an ideal gas with constant heat capacities: p = (gamma - 1) rho e.
 !!
 !! It has no reference state without pressure: bodies of it need an energy to begin with. Equation
-!! (E.12) of doc/theory/equations_of_state.md.
+!! (E.14) of doc/theory/equations_of_state.md.
 module eos_ideal_gas
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -98,7 +98,8 @@ contains
       end do
    end subroutine gas_pressure
 
-   !> Grueneisen number gamma - 1 times density at the middle of the step. Equation (A.13).
+   !> Grueneisen number gamma - 1 times density at the middle of the step. Equation (A.13) of
+   !! doc/theory/matter.md.
    pure subroutine ideal_gas_gruneisen(self, matter, deformation, first, last)
       class(eos_ideal_gas_t), intent(in) :: self           !! The equation of state
       type(matter_t), intent(in) :: matter                 !! State of the store

@@ -4,8 +4,8 @@
 !! With y = rho/rho0, eta = 1 - 1/y and K = rho0 c0**2, in compression (y > 1) p = pH (1 - Gamma0
 !! eta/2) + Gamma0 rho0 e with pH = K eta/(1 - s eta)**2. In expansion (y < 1) the cold material has
 !! the energy c0**2 (1 - y)**2/2 and the pressure K y**2 (y - 1), and heat above it adds Gamma rho
-!! heat, where Gamma goes from Gamma0 to its value in the vapour. Equations (E.5) to (E.7) of
-!! doc/theory/equations_of_state.md.
+!! heat, where Gamma goes from Gamma0 to its value in the vapour. Equations (E.5), (E.6),
+!! (E.7) and (E.8) of doc/theory/equations_of_state.md.
 module eos_mie_gruneisen
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -152,8 +152,8 @@ contains
       real(wp), intent(in) :: energy                 !! [J/kg]
       real(wp), intent(out) :: pressure              !! [Pa]
       real(wp), intent(out) :: square                !! Square of the sound speed [m2/s2]
-      real(wp) :: stiff, curvature, vapour, most, y, z, d, clipped, reserve, tangent, shock, number, &
-         heat, warm
+      real(wp) :: stiff, curvature, vapour, most, y, z, d, clipped, reserve, tangent, shock
+      real(wp) :: number, heat, warm
 
       stiff = sound**2
       curvature = max(2.0_wp*gamma - gamma_of_vapour, 0.0_wp)

@@ -34,11 +34,11 @@ contains
    !> Temperature after the step.
    !!
    !! From T ds = c_v dT + T Gamma rho c_v dv: at constant entropy dT = -T Gamma rho dv, with Gamma
-   !! rho of the middle of the step. Where Gamma rho is constant this is exactly T exp(Gamma rho (v -
-   !! v')), where Gamma is, as in a gas, it is T (v/v')**Gamma to third order. To it the heat of the
-   !! work of plastic flow and of artificial viscosity is added. Where the material is at the least
-   !! pressure it can bear, voids open or close and the material itself keeps its volume and
-   !! temperature. Equations (A.12) and (A.13) of doc/theory/matter.md.
+   !! rho of the middle of the step. Where Gamma rho is constant this is exactly
+   !! T exp(Gamma rho (v - v')), where Gamma is, as in a gas, it is T (v/v')**Gamma to third order.
+   !! To it the heat of the work of plastic flow and of artificial viscosity is added. Where the
+   !! material is at the least pressure it can bear, voids open or close and the material itself
+   !! keeps its volume and temperature. Equations (A.12) and (A.13) of doc/theory/matter.md.
    pure subroutine heat(first, last, specific_heat, plastic_share, gruneisen, mass, volume, &
       old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
       integer, intent(in) :: first                   !! First particle of the range

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Closed solutions of shocks in solids and gases, independent of the program.
 
-Mie-Grueneisen material with a straight line Us = c0 + s up, as doc/theory/equations_of_state.md writes it, with the strength of von Mises; and ideal gases. Roots by bisection, isentropes by Runge and Kutta.
+Mie-Grueneisen material with a straight line Us = c0 + s up, as doc/theory/equations_of_state.md writes it, with the
+strength of von Mises; and ideal gases. Roots by bisection, isentropes by Runge and Kutta.
 """
 
 import dataclasses

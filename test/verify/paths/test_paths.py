@@ -225,7 +225,8 @@ def tillotson(ratio, energy):
     density, eta = 2700.0 / ratio, 1.0 / ratio
     mu, e = eta - 1.0, max(energy, 0.0)
     hot = 1.63 / (1.0 + e / (5.0e6 * eta ** 2))
-    dense = (0.5 + hot) * density * e + (75.2e9 * mu + 65.0e9 * mu ** 2 if mu > 0.0 else 37.6e9 * eta * (eta ** 2 - 1.0))
+    cold = 75.2e9 * mu + 65.0e9 * mu ** 2 if mu > 0.0 else 37.6e9 * eta * (eta ** 2 - 1.0)
+    dense = (0.5 + hot) * density * e + cold
     assert mu > 0.0 or e < 3.0e6
     return dense / 2700.0
 
