@@ -37,7 +37,7 @@ import numpy as np
 
 # A rank that waits leaves its core to the other one; else two ranks on a machine at work take minutes.
 os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
-HANG = 150.0       # seconds of wall time; a run is made for a few, and max_steps bounds it to six times that
+HANG = 300.0       # seconds of wall time; a run is made for a few, and max_steps bounds it to six times that
 RANK_STEPS = 60    # first steps, which are compared between one rank and two
 JET = 0.02         # share of the mass that jets of a closing angle of 16 degrees take, (1 - cos)/2
 FEW = 0.005        # share of the mass that may go beyond a limit and is only looked at

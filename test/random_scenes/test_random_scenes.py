@@ -80,9 +80,8 @@ def share(verdicts, condition):
     return 100.0 * sum(1 for verdict in verdicts if condition(verdict)) / len(verdicts)
 
 
-def judge_all(verdicts):
+def judge_all(sheet, verdicts):
     """The checks of the test."""
-    sheet = report.Report()
     table(verdicts)
     for name in ("hang", "illegal deck", "crash"):
         seeds = [verdict.seed for verdict in verdicts if any(finding[1] == name for finding in verdict.findings)]
@@ -122,7 +121,8 @@ def main():
     options.work = Path(options.work)
     if words.seed is not None:
         show(options, words.seed)
-    judge_all(run(options, words.first, words.count, words.jobs))
+    sheet = report.Report()
+    judge_all(sheet, run(options, words.first, words.count, words.jobs))
 
 
 if __name__ == "__main__":
