@@ -139,28 +139,36 @@ contains
             share%deformation%gradient(i, column) = deformation%gradient(share%place(i), column)
          end do
       end do
-      do i = 1, n
-         share%released(i) = share%matter%volume(i)*release(self%law%shear, &
-            share%matter%stress(i, :), share%deformation%gradient(i, :))
-      end do
+      call find_release(n, self%law%shear, share%matter%volume, share%matter%stress, &
+         share%deformation%gradient, share%released)
       call self%law%predict(share%matter, share%deformation, 1, n)
    end subroutine remains_collect
 
-   !> Energy per volume that a deviator of stress releases which ends in the step: what it stores,
-   !! and the work that the mean of it and of 0 does. The elastic trial of the step does none.
-   pure real(wp) function release(shear, stress, gradient) result(energy)
+   !> Energy that a deviator of stress releases which ends in the step: what it stores, and the work
+   !! that the mean of it and of 0 does. The elastic trial of the step does none.
+   pure subroutine find_release(count, shear, volume, stress, gradient, released)
+      integer, intent(in) :: count                   !! Particles
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
-      real(wp), intent(in) :: stress(6)              !! Before the step [Pa]
-      real(wp), intent(in) :: gradient(9)            !! dt du_k/dx_l [1]
-      real(wp) :: s(6), work
+      real(wp), intent(in) :: volume(:)              !! [m3]
+      real(wp), intent(in) :: stress(:, :)           !! (particle, 6) Before the step [Pa]
+      real(wp), intent(in) :: gradient(:, :)         !! (particle, 9) dt du_k/dx_l [1]
+      real(wp), intent(out) :: released(:)           !! [J]
+      real(wp) :: s(6), mean, work
+      integer :: i, k
 
-      s = stress
-      s(1:3) = s(1:3) - sum(s(1:3))/3.0_wp
-      work = s(1)*gradient(1) + s(2)*gradient(5) + s(3)*gradient(9) + s(4)*(gradient(2) &
-         + gradient(4)) + s(5)*(gradient(6) + gradient(8)) + s(6)*(gradient(3) + gradient(7))
-      energy = max(0.0_wp, 0.5_wp*work + 0.25_wp/shear*(s(1)**2 + s(2)**2 + s(3)**2 &
-         + 2.0_wp*(s(4)**2 + s(5)**2 + s(6)**2)))
-   end function release
+      do i = 1, count
+         mean = (stress(i, 1) + stress(i, 2) + stress(i, 3))/3.0_wp
+         do k = 1, 3
+            s(k) = stress(i, k) - mean
+            s(k + 3) = stress(i, k + 3)
+         end do
+         work = s(1)*gradient(i, 1) + s(2)*gradient(i, 5) + s(3)*gradient(i, 9) &
+            + s(4)*(gradient(i, 2) + gradient(i, 4)) + s(5)*(gradient(i, 6) + gradient(i, 8)) &
+            + s(6)*(gradient(i, 3) + gradient(i, 7))
+         released(i) = volume(i)*max(0.0_wp, 0.5_wp*work + 0.25_wp/shear*(s(1)**2 + s(2)**2 &
+            + s(3)**2 + 2.0_wp*(s(4)**2 + s(5)**2 + s(6)**2)))
+      end do
+   end subroutine find_release
 
    !> Let the failed particles follow their law, with volume, pressure and wave speed after the
    !! step.
