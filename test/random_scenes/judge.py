@@ -318,7 +318,8 @@ def restart(verdict, scene, options, summary):
     try:
         run.run("-q", "-s", f"time.max_steps={max(1, summary['steps'] // 2)}", expect=None, timeout=HANG)
     except subprocess.TimeoutExpired:
-        run.code = "timeout"
+        verdict.find("bad", "hang", f"first half: more than {HANG:.0f} s")
+        return
     if run.code:
         verdict.find("bad", "bits after restart", f"first half: exit code {run.code}")
         return
@@ -330,7 +331,8 @@ def compare(verdict, run, summary, name, *words):
     try:
         run.run(*words, expect=None, timeout=HANG)
     except subprocess.TimeoutExpired:
-        run.code = "timeout"
+        verdict.find("bad", "hang", f"{name}: more than {HANG:.0f} s")
+        return
     if run.code:
         verdict.find("bad", name, f"exit code {run.code}: {run.output[-200:]}")
     elif run.summary["digest"] != summary["digest"]:

@@ -29,6 +29,8 @@ COUNT = tier.choose(smoke=20, full=200, long=2000)
 TARGET = 1.0       # percent of decks
 # More than half of random decks failing would mean that a change has spoiled what is common to all of them.
 LIMIT = 50.0
+# Fewer decks than this cannot tell whether a share of one percent is met.
+ENOUGH = 200
 KEPT = ("bad", "look")
 
 
@@ -91,8 +93,12 @@ def judge_all(sheet, verdicts):
     silent = share(verdicts, lambda verdict: any(
         finding[0] == "bad" and not finding[1].startswith("ends") for finding in verdict.findings))
     sheet.note("decks to look at [%]", share(verdicts, lambda verdict: verdict.result == "look"))
-    sheet.known("bad decks [%]", bad, limit=LIMIT, target=TARGET)
-    sheet.known("decks that end with exit code 0 and break an invariant [%]", silent, limit=LIMIT, target=0.0)
+    for name, value, target in (("bad decks [%]", bad, TARGET),
+                                ("decks that end with exit code 0 and break an invariant [%]", silent, 0.0)):
+        if len(verdicts) < ENOUGH:
+            sheet.below(name, value, LIMIT)
+        else:
+            sheet.known(name, value, limit=LIMIT, target=target)
     sheet.end()
 
 
