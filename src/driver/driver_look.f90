@@ -163,7 +163,7 @@ contains
             value = 0.5_wp*matter%mass(p)*(v(p, 1)**2 + v(p, 2)**2 + v(p, 3)**2)
             if (allocated(matter%energy)) &
                value = value + matter%mass(p)*(matter%energy(p) - least_energy)
-         case (measure_volume)
+         case default
             value = matter%volume(p)*density/matter%mass(p)
             if (allocated(matter%failed)) then
                if (matter%failed(p) /= 0) value = -huge(1.0_wp)
@@ -279,14 +279,18 @@ contains
       real(wp), intent(in) :: patch(:, :)            !! (2, node) Of this store
       real(wp), intent(inout) :: found(:)            !! (column)
       integer(int64), intent(inout) :: who(longest:) !! (column)
-      real(wp) :: worst
-      integer :: p
+      real(wp) :: all(5)
+      integer :: p, n
 
+      all = 0.0_wp
       call measure_noise(simulation%grid, simulation%tiles%coordinate(:, tile), alone, store, &
-         tile, patch, found(noise:noise + 3), worst, p)
-      if (p == 0 .or. worst < found(differs)) return
-      if (worst > found(differs)) who(differs) = huge(1_int64)
-      found(differs) = worst
+         tile, patch, all, p)
+      do n = 1, 4
+         found(noise + n - 1) = found(noise + n - 1) + all(n)
+      end do
+      if (p == 0 .or. all(5) < found(differs)) return
+      if (all(5) > found(differs)) who(differs) = huge(1_int64)
+      found(differs) = all(5)
       who(differs) = min(who(differs), store%identity(p))
    end subroutine look_at_noise
 

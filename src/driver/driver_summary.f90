@@ -47,7 +47,6 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       type(json_t) :: json
       type(balance_t) :: now
-      type(state_t) :: state
       type(trust_t) :: trust
       character(len=16) :: digest
       integer(int64) :: counts(4), traffic(kinds)
@@ -56,8 +55,7 @@ contains
 
       call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
          simulation%materials, now)
-      call describe_state(simulation, state)
-      digest = state_digest(simulation%communicator, simulation%stores, state)
+      digest = digest_of(simulation)
       counts = [count_particles(simulation), simulation%updates, simulation%halved, &
          nint(simulation%worked/nano, int64)]
       call simulation%communicator%total(counts)
@@ -85,20 +83,28 @@ contains
       call json%add("wall_s", wall)
       call add_work(json, counts(2), nano*real(counts(4), wp), rate)
       call json%add("bytes_per_particle", bytes)
-      call json%add("ranks", simulation%communicator%size)
-      call json%add("threads", omp_get_max_threads())
+      call add_layout(json, simulation)
       call json%add("digest", digest)
       call add_extremes(json, range)
       call add_rules(json, simulation%guard)
       call json%add("particles_halved", counts(3))
       call add_timers(json, simulation, least, mean, greatest)
-      call add_ledger(json, simulation, now)
-      call add_trust(json, trust)
+      call add_books(json, simulation, now, trust)
       if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
       if (allocated(simulation%exact)) call add_exact(json, simulation)
       call add_files(json, outputs)
       call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
    end subroutine summarise
+
+   !> Digest of the state of a run. Collective.
+   function digest_of(simulation) result(digest)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      character(len=16) :: digest
+      type(state_t) :: state
+
+      call describe_state(simulation, state)
+      digest = state_digest(simulation%communicator, simulation%stores, state)
+   end function digest_of
 
    !> What was done in the steps, and how fast.
    subroutine add_work(json, updates, worked, rate)
@@ -111,6 +117,15 @@ contains
       call json%add("particle_updates", updates)
       call json%add("particle_updates_per_s", rate)
    end subroutine add_work
+
+   !> On what it ran.
+   subroutine add_layout(json, simulation)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      call json%add("ranks", simulation%communicator%size)
+      call json%add("threads", omp_get_max_threads())
+   end subroutine add_layout
 
    !> Times of all phases over the ranks, those of effects among them. Collective.
    subroutine spread_timers(simulation, wall, least, mean, greatest)
@@ -383,6 +398,17 @@ contains
       end do
       call json%end()
    end subroutine add_timers
+
+   !> The ledger, and what it cannot show.
+   subroutine add_books(json, simulation, now, trust)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! With the start
+      type(balance_t), intent(in) :: now             !! The end
+      type(trust_t), intent(in) :: trust             !! The values at the end
+
+      call add_ledger(json, simulation, now)
+      call add_trust(json, trust)
+   end subroutine add_books
 
    !> Every entry at the start and the end, and the errors.
    subroutine add_ledger(json, simulation, now)

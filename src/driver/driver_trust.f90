@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Watches whether the results of a run can be trusted where its balances cannot tell. Every
-!! bounds_every steps it looks at speeds and energies, every shapes_every steps at distances, volumes
-!! and pressures; it warns once of each and stops the run where a number is impossible. The values
-!! and their limits are those of doc/theory/ledger.md, (L.8) to (L.11).
+!> Watches whether the results of a run can be trusted where its balances cannot tell: speeds and
+!! energies, distances of neighbours, volumes and pressures. It warns once of each and stops the run
+!! where a number is impossible. The values and their limits are (L.8) to (L.11) of
+!! doc/theory/ledger.md.
 module driver_trust
    use base_error, only: error_t, exit_physics, fail
    use base_exact_sum, only: exact_sum_t
@@ -288,8 +288,8 @@ contains
                " J/kg is below the least at the start by", -trust%worst(trust_heat), &
                " times what was put in"
             call tell_particle(simulation, log, find_greatest(simulation, measure_cold, &
-               trust%least_energy), trim(text)//"; check its equation of state in expansion, or "// &
-               "give the material a spall strength")
+               trust%least_energy), trim(text)//"; check its equation of state in expansion, "// &
+               "or give the material a spall strength")
          end if
       end associate
    end subroutine warn_of_bounds

@@ -38,7 +38,7 @@ module driver_trust_record
    type :: trust_t
       real(wp) :: worst(trust_entries) = 0.0_wp      !! Worst values so far, heat with its sign
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
-      real(wp) :: pressure = 0.0_wp                  !! Greatest, or kinetic energy of a volume, so far [Pa]
+      real(wp) :: pressure = 0.0_wp                  !! Greatest, or density of kinetic energy [Pa]
       real(wp) :: difference = 0.0_wp                !! Greatest pressure that nodes do not see [Pa]
       real(wp) :: start_speed = 0.0_wp               !! Greatest speed at the start [m/s]
       real(wp) :: start_energy = 0.0_wp              !! Greatest energy per mass then [J/kg]

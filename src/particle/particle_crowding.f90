@@ -53,8 +53,9 @@ contains
          call find_nodes(grid, coordinate, store, p, node, weight)
          volume = claimed_volume(store, p, density, loose)
          do lane = 1, 2**grid%dimensions
-            patch(:, node(lane)) = patch(:, node(lane)) &
-               + weight(lane)*volume*[1.0_wp, pressure_of(store, p)]
+            patch(1, node(lane)) = patch(1, node(lane)) + weight(lane)*volume
+            patch(2, node(lane)) = patch(2, node(lane)) &
+               + weight(lane)*volume*pressure_of(store, p)
          end do
       end do
    end subroutine add_to_nodes
@@ -96,22 +97,21 @@ contains
    end subroutine measure_claims
 
    !> Squares of the pressures of particles, and of their differences from the means of the nodes,
-   !! times volume; their kinetic energy; and the particle that differs most. Only where all nodes of a cell hold all
-   !! particles, and without those that have failed. Equation (L.9).
-   pure subroutine measure_noise(grid, coordinate, alone, store, tile, patch, sums, worst, who)
+   !! times volume; their kinetic energy; the particle that differs most. Only where all nodes of
+   !! a cell hold all particles, and without those that have failed. Equation (L.9).
+   pure subroutine measure_noise(grid, coordinate, alone, store, tile, patch, sums, who)
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), intent(in) :: patch(:, :)            !! (2, node) As above, of this store
-      real(wp), intent(inout) :: sums(4) !! Volume; times p2; times difference2; kinetic energy
-      real(wp), intent(out) :: worst                 !! Greatest difference [Pa]
-      integer, intent(out) :: who                    !! Its particle, 0 = none
+      !> Volume; times p2; times difference2; kinetic energy; greatest difference so far [Pa]
+      real(wp), intent(inout) :: sums(5)
+      integer, intent(out) :: who                    !! Whose it is, 0 = of none of these
       real(wp) :: weight(8), mean, pressure
       integer :: node(8), lane, lanes_used, p
 
-      worst = 0.0_wp
       who = 0
       lanes_used = 2**grid%dimensions
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
@@ -126,11 +126,13 @@ contains
                mean = mean + weight(lane)*patch(2, node(lane))/patch(1, node(lane))
          end do
          pressure = pressure_of(store, p)
-         sums(:3) = sums(:3) + store%matter%volume(p)*[1.0_wp, pressure**2, (pressure - mean)**2]
+         sums(1) = sums(1) + store%matter%volume(p)
+         sums(2) = sums(2) + store%matter%volume(p)*pressure**2
+         sums(3) = sums(3) + store%matter%volume(p)*(pressure - mean)**2
          sums(4) = sums(4) + 0.5_wp*store%matter%mass(p)*(store%velocity(p, 1)**2 &
             + store%velocity(p, 2)**2 + store%velocity(p, 3)**2)
-         if (.not. abs(pressure - mean) > worst) cycle
-         worst = abs(pressure - mean)
+         if (.not. abs(pressure - mean) > sums(5)) cycle
+         sums(5) = abs(pressure - mean)
          who = p
       end do
    end subroutine measure_noise

@@ -218,7 +218,7 @@ contains
       end do
    end function way_between
 
-   !> Length of the longest vector of the shortest basis of a lattice, given any basis of it: vectors
+   !> Length of the longest vector of the shortest basis of a lattice, given any basis. Vectors
    !! are shortened by multiples of each other until none gets shorter (C. F. Gauss, Disquisitiones
    !! Arithmeticae (1801); in space by pairs, and by all sums and differences of the others).
    pure real(wp) function shortest_longest(edge) result(length)
@@ -263,14 +263,19 @@ contains
    pure subroutine shorten_pairs(basis, shorter)
       real(wp), intent(inout) :: basis(:, :)         !! (component, vector) [m]
       logical, intent(inout) :: shorter              !! Has one become shorter?
-      integer :: i, j
+      real(wp) :: other(3), square
+      integer :: i, j, k
 
       do i = 1, size(basis, 2)
          do j = 1, size(basis, 2)
-            if (i == j) cycle
-            if (.not. sum(basis(:, j)**2) > 0.0_wp) cycle
-            call replace_if_shorter(basis(:, i), basis(:, i) - anint(dot_product(basis(:, i), &
-               basis(:, j))/sum(basis(:, j)**2))*basis(:, j), shorter)
+            square = basis(1, j)**2 + basis(2, j)**2 + basis(3, j)**2
+            if (i == j .or. .not. square > 0.0_wp) cycle
+            square = anint((basis(1, i)*basis(1, j) + basis(2, i)*basis(2, j) &
+               + basis(3, i)*basis(3, j))/square)
+            do k = 1, 3
+               other(k) = basis(k, i) - square*basis(k, j)
+            end do
+            call replace_if_shorter(basis, i, other, shorter)
          end do
       end do
    end subroutine shorten_pairs
@@ -279,28 +284,36 @@ contains
    pure subroutine shorten_third(basis, shorter)
       real(wp), intent(inout) :: basis(:, :)         !! (component, vector) [m]
       logical, intent(inout) :: shorter              !! Has one become shorter?
+      real(wp) :: other(3)
       integer :: i, j, k, signs
 
       do i = 1, 3
-         j = mod(i, 3) + 1
-         k = mod(i + 1, 3) + 1
          do signs = 0, 3
-            call replace_if_shorter(basis(:, i), basis(:, i) &
-               + real(2*ibits(signs, 0, 1) - 1, wp)*basis(:, j) &
-               + real(2*ibits(signs, 1, 1) - 1, wp)*basis(:, k), shorter)
+            do k = 1, 3
+               j = mod(i, 3) + 1
+               other(k) = basis(k, i) + real(2*ibits(signs, 0, 1) - 1, wp)*basis(k, j)
+               j = mod(i + 1, 3) + 1
+               other(k) = other(k) + real(2*ibits(signs, 1, 1) - 1, wp)*basis(k, j)
+            end do
+            call replace_if_shorter(basis, i, other, shorter)
          end do
       end do
    end subroutine shorten_third
 
-   !> Take another vector if it is shorter by more than rounding.
-   pure subroutine replace_if_shorter(vector, other, shorter)
-      real(wp), intent(inout) :: vector(:)           !! [m]
-      real(wp), intent(in) :: other(:)               !! [m]
+   !> Take another vector in place of one if it is shorter by more than rounding.
+   pure subroutine replace_if_shorter(basis, i, other, shorter)
+      real(wp), intent(inout) :: basis(:, :)         !! (component, vector) [m]
+      integer, intent(in) :: i                       !! Which one
+      real(wp), intent(in) :: other(3)               !! The other [m]
       logical, intent(inout) :: shorter              !! Becomes true if so
       real(wp), parameter :: rounding = 1.0e-12_wp
+      integer :: k
 
-      if (.not. sum(other**2) < (1.0_wp - rounding)*sum(vector**2)) return
-      vector = other
+      if (.not. sum(other**2) < (1.0_wp - rounding)*(basis(1, i)**2 + basis(2, i)**2 &
+         + basis(3, i)**2)) return
+      do k = 1, 3
+         basis(k, i) = other(k)
+      end do
       shorter = .true.
    end subroutine replace_if_shorter
 end module particle_neighbours

@@ -222,8 +222,8 @@ contains
       if (grid%axisymmetric) share = 0.5_wp*[1.0_wp - shift/radius, 1.0_wp + shift/radius]
    end function shares_of_halves
 
-   !> Make halves of two equal particles. Their velocities leave the momentum of the whole. Equations
-   !! (P.2) and (P.3).
+   !> Make halves of two equal particles. Their velocities leave the momentum of the whole.
+   !! Equations (P.2) and (P.3).
    pure subroutine halve(grid, store, low, high, edge, opening, gain)
       type(grid_t), intent(in) :: grid               !! The grid
       type(store_t), intent(inout) :: store          !! The particles

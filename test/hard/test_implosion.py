@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An imploding cylinder: neighbours that come apart are seen, and halving rings cures it.
 
-Would catch: a stretch of 3 between layers that nobody notices, neighbours that are looked for in one body only, rings that are halved into
-equal masses or not at all, axial momentum or energy that halving makes, halves of several materials in each other's books, failed
-matter that is halved for ever, bits that depend on ranks or a restart.
+Would catch: a stretch of 3 between layers that nobody notices, neighbours that are looked for in one body only,
+rings that are halved into equal masses or not at all, axial momentum or energy that halving makes, halves of several
+materials in each other's books, failed matter that is halved for ever, bits that depend on ranks or a restart.
 
-A shell of radii 1 and 1.2 m flows inwards with u = -1/r m/s, nearly incompressible, with a small yield strength Y. With q = a da/dt,
-b^2 - a^2 constant and L = ln(b/a) the energy balance is d(q^2 L)/dt = -4/sqrt(3) Y/rho |q| L, integrated here. Layers of two particles a cell
-drift apart by more than a cell and feel each other no more: q is then off by 1 %. What splitting must reach is the accuracy of four particles a
-cell, whose layers stay within a cell; it may have twice its error, as a particle is twice as large before it is halved.
+A shell of radii 1 and 1.2 m flows inwards with u = -1/r m/s, nearly incompressible, with a small yield strength Y.
+With q = a da/dt, b^2 - a^2 constant and L = ln(b/a) the energy balance is d(q^2 L)/dt = -4/sqrt(3) Y/rho |q| L,
+integrated here. Layers of two particles a cell drift apart by more than a cell and feel each other no more: q is
+then off by 1 %. What splitting must reach is the accuracy of four particles a cell, whose layers stay within a cell;
+it may have twice its error, as a particle is twice as large before it is halved.
 """
 # tiers: smoke, full
 # timeout: 400
@@ -51,7 +52,8 @@ ROD = """
 &material  name='weak'  density=2  eos_model='mie_gruneisen'  mg_c0=1.0  mg_s=0.1  mg_gamma=1  shear=0.3
   specific_heat=1  strength_model='von_mises'  yield=1.0e-2  damage_model='principal_stress'  failure_stress={failure} /
 {bodies}
-&output  name='p'  kind='particles'  count=1  precision='double'  fields='identity','mass','volume','failed','material' /
+&output  name='p'  kind='particles'  count=1  precision='double'
+  fields='identity','mass','volume','failed','material' /
 &checkpoint  at_end=.true. /
 """
 
@@ -89,7 +91,8 @@ def closed(end, steps=4000):
 
 def implode(options, sheet, name, per_cell, split):
     """One shell: its errors of q and of the inner radius, and the run."""
-    deck = SHELL.format(dx=(OUTER - INNER) / CELLS, end=END, split=split, density=DENSITY, limit=YIELD, bodies=layers(per_cell))
+    deck = SHELL.format(dx=(OUTER - INNER) / CELLS, end=END, split=split, density=DENSITY, limit=YIELD,
+                        bodies=layers(per_cell))
     run = case.Case(options, name, deck).run("-q")
     fields, points = run.snapshots()[-1][1].fields, run.snapshots()[-1][1].points
     mass = fields["mass"] / fields["mass"].sum()
@@ -107,8 +110,9 @@ def shells(options, sheet):
     """Two particles a cell, four, and two that are halved."""
     (coarse, _), run = implode(options, sheet, "two", 2, ".false.")
     trust, column = run.summary["trust"]["stretch"], run.history
-    said = [line for line in run.path(".log").read_text().splitlines() if "of the mass neighbours are more than" in line]
-    sheet.require(len(said) == 1 and "split" in said[0] and "ppc" in said[0], f"two: one warning with the remedy: {said}")
+    said = [line for line in run.path(".log").read_text().splitlines() if "of the mass neighbours are" in line]
+    sheet.require(len(said) == 1 and "split" in said[0] and "ppc" in said[0],
+                  f"two: one warning with the remedy: {said}")
     sheet.require(trust["verdict"] == "bad", f"two: the stretch is bad: {trust}")
     # the inner layer is stretched by r0/r = 3.3 and had half a cell
     sheet.near("two: distance of neighbours [cells]", trust["greatest"], 0.5 * INNER / closed(END)[0], 0.1)

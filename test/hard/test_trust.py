@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What balances cannot show: the line `trust`, its warnings, and runs that end since a number is impossible.
 
-Would catch: a healthy scene that is not told to be ok, volumes that do not fit into the box without a word, values that depend on
-ranks, threads or a restart, a warning that comes in every look or names a particle that is not the worst, a particle with more
-energy than the whole run that goes on.
+Would catch: a healthy scene that is not told to be ok, volumes that do not fit into the box without a word, values
+that depend on ranks, threads or a restart, a warning that comes in every look or names a particle that is not the
+worst, a particle with more energy than the whole run that goes on.
 
-Gas at rest in a closed box must stay at rest. With irregular particles it does not: the volumes that they claim grow beyond the box,
-while all balances hold to rounding. On a lattice it rests, and all is ok.
+Gas at rest in a closed box must stay at rest. With irregular particles it does not: the volumes that they claim grow
+beyond the box, while all balances hold to rounding. On a lattice it rests, and all is ok.
 """
 # tiers: smoke, full
 # timeout: 300
@@ -46,7 +46,8 @@ JET = """
 &output  name='p'  kind='particles'  count=1  precision='double'  fields='identity','velocity','energy','mass' /
 """
 NAMED = re.compile(r"step (\d+), .*particle (\d+) of body")
-SIGNS = {"speed": "times what start, walls", "heat": "times what was put in", "total": "more than there is in the whole run"}
+SIGNS = {"speed": "times what start, walls", "heat": "times what was put in",
+         "total": "more than there is in the whole run"}
 
 
 def warnings(run, words):
@@ -117,7 +118,8 @@ def impossible(options, sheet):
              "total": fields["mass"] * (0.5 * speed ** 2 + energy)}
     for (name, values), line in zip(shown.items(), words[0]):
         named = NAMED.search(line)
-        sheet.require(named is not None and int(named.group(1)) == run.summary["steps"], f"jet: step and particle: {line}")
+        sheet.require(named is not None and int(named.group(1)) == run.summary["steps"],
+                      f"jet: step and particle: {line}")
         # mirrored particles differ by rounding
         worst = fields["identity"][values >= values.max() * (1.0 - 1.0e-12)]
         sheet.require(named is not None and int(named.group(2)) in worst and len(worst) < 3,
