@@ -28,7 +28,7 @@ fails the test, too.
 `--write FILE` puts the table into a file, `--only WORD` takes the methods whose name holds a word.
 """
 # tiers: long
-# timeout long: 3600
+# timeout long: 7200
 
 import sys
 from pathlib import Path
