@@ -24,7 +24,7 @@ tall ones. The tallest round deposits are too low: known misses, held at a half.
 Tier full: low columns. Tier long: half to sixteen times as high as half of them is wide.
 """
 # tiers: full, long
-# timeout long: 1800
+# timeout long: 3600
 
 import sys
 from pathlib import Path

@@ -11,7 +11,7 @@ first. Held bar: energy 1 %, period the dispersion of DDMP. Shear of grains: the
 5e-4 kg/m3, go with the root of the density.
 """
 # tiers: long
-# timeout long: 1200
+# timeout long: 2400
 
 import sys
 from pathlib import Path

@@ -17,7 +17,7 @@ fall short by more than the target from nu = 0.49 on, or the cure is not needed.
 """
 # tiers: full, long
 # timeout: 120
-# timeout long: 3000
+# timeout long: 5400
 
 import sys
 from pathlib import Path

@@ -9,8 +9,10 @@ artificial viscosity. A figure is the change of energy over that at the start, i
 bar, of both discs. A run that ends with an error, or makes ten thousand steps, which is ten times what others
 need, is `x`, one with more than a hundred times its energy `large`: both have failed.
 
-Every run is judged. Momentum: 1e-13 for all that end. Failures are listed by name with their reason (`reason`): a new
-one fails the test, and so does a listed one that runs. Energy, by class:
+Every run is judged. Momentum: 1e-13 for all that end, but with the local stress difference (lsd) at the free ends of
+the bar, where every node has a mean stress of its own ((Q.5) of doc/theory/quadratures.md): a known miss, held at a
+thousandth. Failures are listed by name with their reason (`reason`): a new one fails the test, and so does a listed
+one that runs. Energy, by class:
 
 bar, all but PIC    target 1 % (test_free_bar.py)
 bar, PIC            each step multiplies the velocities by the square of the transform of the functions, so with kinetic
@@ -28,7 +30,7 @@ fails the test, too.
 `--write FILE` puts the table into a file, `--only WORD` takes the methods whose name holds a word.
 """
 # tiers: long
-# timeout long: 3600
+# timeout long: 7200
 
 import sys
 from pathlib import Path
@@ -133,7 +135,12 @@ def judge(sheet, key, result, worst):
     if why or has_failed:
         return
     energy = result["energy"]
-    sheet.require(result["momentum"] <= 1.0e-13, f"{label}: momentum {result['momentum']:.1e}")
+    if kind == LOCAL and problem == "bar":
+        sheet.require(1.0e-13 < result["momentum"] <= 1.0e-3, f"{label}: momentum {result['momentum']:.1e}")
+        worst["bar, lsd: momentum"] = max(worst.get("bar, lsd: momentum", (0.0, 0.0, 0.0)),
+                                          (result["momentum"], 1.0e-3, 1.0e-13))
+    else:
+        sheet.require(result["momentum"] <= 1.0e-13, f"{label}: momentum {result['momentum']:.1e}")
     if problem == "bar" and transfer == "pic" and kind != PLAIN:
         exact = np.expm1(-result["steps"] * FADES[kind] * (np.pi / 25.0 * 0.5) ** 2)
         sheet.near(f"{label}: energy", energy, float(exact), 0.05)
@@ -143,7 +150,7 @@ def judge(sheet, key, result, worst):
             limit = LARGE if kind == PLAIN else 2.0 * TARGETS["bar"]
         sheet.require(TARGETS[problem] < abs(energy) <= limit,
                       f"{label}: energy {energy:+.2e} is no known miss any more, or more than {limit}")
-        group = f"{problem}, {transfer}, {kind if problem == 'bar' else 'all methods'}"
+        group = f"{problem}, {transfer}, {kind if problem == 'bar' else 'all methods'}: change of energy"
         worst[group] = max(worst.get(group, (0.0, 0.0, 0.0)), (abs(energy), limit, TARGETS[problem]))
     else:
         sheet.require(abs(energy) <= TARGETS[problem], f"{label}: energy {energy:+.2e} of {TARGETS[problem]}")
@@ -164,7 +171,7 @@ def main():
     for key, result in figures.items():
         judge(sheet, key, result, worst)
     for group, (value, limit, target) in worst.items():
-        sheet.known(f"{group}: change of energy, the worst", value, limit=limit, target=target)
+        sheet.known(f"{group}, the worst", value, limit=limit, target=target)
     sheet.end()
 
 

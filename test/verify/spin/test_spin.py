@@ -26,7 +26,7 @@ take all. The stress at the end is a known miss of the limit above, held at half
 method is the control: it must grow by more than the disc may, or no cell is crossed.
 """
 # tiers: smoke, full, long
-# timeout long: 1200
+# timeout long: 2400
 
 import sys
 from pathlib import Path
