@@ -40,7 +40,7 @@ INSIDE_OUT = BLOCK.replace("dt_fixed = 0.08", "dt_fixed = 0.08  dt_collapse = 0 
 CUBE = """&run dimension = '3d' /
 &grid lo = 0 0 0  hi = 8 8 8  dx = 1 /
 &time t_end = 10  dt_fixed = 0.08  dt_collapse = 0 /
-&material name = 'rubber'  density = 1000  young = 1e6  poisson = 0.3 /
+&material name = 'rubber'  density = 1000  young = 1e60  poisson = 0.3 /
 &region name = 'block'  shape = 'box'  lo = 2 2 2  hi = 5 6 6 /
 &body name = 'one'  region = 'block'  material = 'rubber'  velocity = 3 -6 9  spin = 1 2 3 /
 &boundary face = 'all'  type = 'slip' /
@@ -65,6 +65,43 @@ DROP = """&run dimension = '3d' /
 &material name = 'rubber'  density = 1000  young = 1e4  poisson = 0.3 /
 &region name = 'cube'  shape = 'box'  lo = 0.25 0.25 3  hi = 0.75 0.75 3.5 /
 &body name = 'one'  region = 'cube'  material = 'rubber' /
+"""
+FAST = BLOCK.replace("t_end = 2  dt_fixed = 0.08", "t_end = 2  dt_fixed = 0.03  dt_collapse = 0")
+GAS = """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 1 1 0.5  dx = 0.05 /
+&time t_end = 0.02 /
+&effects strength = .false.  eos = .true.  artificial_viscosity = .false. /
+&material name = 'gas'  density = 100  eos_model = 'ideal_gas'  ig_gamma = 1.4 /
+&region name = 'box'  shape = 'box'  lo = 0 0 0  hi = 1 1 0.5 /
+&body name = 'gas'  region = 'box'  material = 'gas'  specific_energy = 2e5  packing = 'jitter' /
+&boundary face = 'all'  type = 'slip' /
+"""
+JET = """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 8 1 4  dx = 1 /
+&time t_end = 0.1  dt_fixed = 0.015  dt_collapse = 0 /
+&effects strength = .false.  eos = .true. /
+&material name = 'gas'  density = 100  eos_model = 'ideal_gas'  ig_gamma = 1.4 /
+&region name = 'box'  shape = 'box'  lo = 1 0 1  hi = 3 1 3 /
+&body name = 'gas'  region = 'box'  material = 'gas'  velocity = 100 0 0  specific_energy = 1e3 /
+&boundary face = 'all'  type = 'slip' /
+"""
+GUM = """&run dimension = '1d' /
+&grid lo = 0 0 0  hi = 40 1 1  dx = 1 /
+&time t_end = 70 /
+&material name = 'gum'  density = 1000  young = 1e5  poisson = 0 /
+&region name = 'bar'  shape = 'box'  lo = 0 0 0  hi = 10 1 1 /
+&region name = 'grip'  shape = 'box'  lo = 9 0 0  hi = 11 1 1 /
+&body name = 'bar'  region = 'bar'  material = 'gum' /
+&boundary face = 'xlo'  type = 'stick' /
+&boundary region = 'grip'  type = 'stick'  velocity = 0.1 0 0 /
+"""
+LOCKED = """&run dimension = 'plane_strain'  method = 'mpm' /
+&grid lo = 0 0 0  hi = 20 1 10  dx = 1 /
+&time t_end = 3 /
+&material name = 'rubber'  density = 1000  young = 1e6  poisson = 0.49 /
+&region name = 'block'  shape = 'box'  lo = 1 0 3  hi = 9 1 7 /
+&body name = 'one'  region = 'block'  material = 'rubber'  velocity = 5 0 0 /
+&boundary face = 'all'  type = 'slip' /
 """
 PUSHED = """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
@@ -175,10 +212,11 @@ SITUATIONS = {
         "right": "&time t_end = 0.02 /",
         "right_files": {"scene.nml": MEET.replace("  cfl = 0.9  dt_min = 2e-3", "")}},
     "is-not-a-finite-number": {
-        "files": {"scene.nml": CUBE}, "text": "A whole deck; its step is ten times the stable one, and `dt_collapse = "
-        "0` keeps the run from being ended for that:", "shows": CUBE, "commands": [RUN],
+        "files": {"scene.nml": CUBE}, "text": "A whole deck; its modulus was mistyped, and `dt_fixed` and "
+        "`dt_collapse = 0` keep the run from being ended for its step:", "shows": CUBE, "commands": [RUN],
         "right": "&time t_end = 10 /", "traps": True,
-        "right_files": {"scene.nml": CUBE.replace("10  dt_fixed = 0.08  dt_collapse = 0", "0.5")}},
+        "right_files": {"scene.nml": CUBE.replace("10  dt_fixed = 0.08  dt_collapse = 0", "0.5").replace(
+            "1e60", "1e6")}},
     "it-has-turned-inside-out": {
         "files": {"scene.nml": INSIDE_OUT}, "text": "A whole deck; its step is far too long, and two guards that "
         "would have seen it before are switched off:", "shows": INSIDE_OUT, "commands": [RUN], "right": FREE,
@@ -204,6 +242,31 @@ SITUATIONS = {
         "files": {"scene.nml": DROP}, "text": "The deck of [is above speed_max](is-above-speed-max.md):",
         "shows": DROP.split("\n")[3], "commands": [RUN],
         "then": ["scree -q scene.nml -s time.max_steps={max_steps}"]},
+    "more-than-there-is-in-the-whole": {
+        "files": {"scene.nml": FAST}, "text": "A whole deck; its step is a little longer than the stable one:",
+        "shows": FAST, "commands": [RUN], "right": FREE,
+        "right_files": {"scene.nml": FAST.replace("  dt_fixed = 0.03  dt_collapse = 0", "")}},
+    "times-what-start-walls-gravity-and-work": {
+        "files": {"scene.nml": FAST}, "text": "The deck of [more than there is in the whole run]"
+        "(more-than-there-is-in-the-whole.md):", "shows": FAST.split("\n")[2], "commands": [RUN], "right": FREE,
+        "right_files": {"scene.nml": FAST.replace("  dt_fixed = 0.03  dt_collapse = 0", "")},
+        "see": ["output.md#trust"]},
+    "times-what-was-put-in": {
+        "files": {"scene.nml": JET}, "text": "A whole deck, of a gas whose step is too long:", "shows": JET,
+        "commands": [RUN], "right": JET.split("\n")[2].replace("  dt_fixed = 0.015  dt_collapse = 0", ""),
+        "right_files": {"scene.nml": JET.replace("  dt_fixed = 0.015  dt_collapse = 0", "")},
+        "see": ["output.md#trust"]},
+    "of-the-mass-neighbours-are-more-than": {
+        "files": {"scene.nml": GUM}, "text": "A whole deck, of a bar that is drawn out:", "shows": GUM,
+        "commands": [RUN], "then": ["scree -q scene.nml --set method.split=T"], "see": ["output.md#trust"]},
+    "more-volume-than-there-is": {
+        "files": {"scene.nml": GAS}, "text": "A whole deck, of a gas at rest in a box, with irregular particles:",
+        "shows": GAS, "commands": [RUN], "right": GAS.split("\n")[6].replace("'jitter'", "'lattice'"),
+        "right_files": {"scene.nml": GAS.replace("'jitter'", "'lattice'")}, "see": ["output.md#trust"]},
+    "its-pressure-differs-most-from-that-around": {
+        "files": {"scene.nml": LOCKED}, "text": "A whole deck, of nearly incompressible rubber that hits a wall:",
+        "shows": LOCKED, "commands": [RUN], "right": "poisson = 0.3",
+        "right_files": {"scene.nml": LOCKED.replace("0.49", "0.3")}, "see": ["output.md#trust"]},
     "wall-limit-reached": {
         "files": {"scene.nml": BAR}, "commands": ["scree scene.nml --set \"time.wall_limit='00:00:00'\""], "last": 1,
         "then": [AGAIN], "see": ["running.md#checkpoints-and-restart"]},

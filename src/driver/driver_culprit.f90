@@ -10,7 +10,7 @@ module driver_culprit
    implicit none
    private
 
-   public :: name_bad, name_limiting, replay_text, spread, step_text, tile_bounds
+   public :: name_bad, name_limiting, name_particle, replay_text, spread, step_text, tile_bounds
 
    !> A particle of this rank, or none.
    type :: found_t
@@ -104,6 +104,21 @@ contains
       end if
       text = step_text(simulation)//": "//text
    end subroutine name_limiting
+
+   !> Text on a particle whose identity is known. Collective.
+   subroutine name_particle(simulation, identity, text)
+      type(simulation_t), intent(in) :: simulation   !! The run between two steps
+      integer(int64), intent(in) :: identity         !! Who it is
+      character(len=:), allocatable, intent(out) :: text !! Body, material and place
+      type(found_t) :: found
+
+      found%identity = identity
+      call find_identity(simulation, found)
+      call claim(simulation, found)
+      text = ""
+      if (found%store > 0) text = particle_text(simulation, found)
+      call spread(simulation, text)
+   end subroutine name_particle
 
    !> Particle of lowest identity on this rank that is out of its bounds.
    pure subroutine find_bad(simulation, found)

@@ -8,6 +8,7 @@ module driver_history
    use base_text, only: append, closest, text_t
    use driver_exact_error, only: error_columns, take_errors
    use driver_ledger, only: balance_t, entries, entry_names, entry_units
+   use driver_look, only: look_at_shapes, shapes_look_t
    use driver_simulation, only: simulation_t
    use io_profile, only: half_height, profile_rows, profile_t
    use mesh_grid, only: grid_t
@@ -23,10 +24,12 @@ module driver_history
    integer, parameter :: all_books = before + entries + sums
    integer, parameter :: all_errors = size(error_columns) !! Columns of an exact solution
    !> Columns that only those get who name them, with units; and their numbers.
-   character(len=14), parameter :: further(9) = [character(len=14) :: "potential [J]", &
+   character(len=19), parameter :: further(13) = [character(len=19) :: "potential [J]", &
       "runout [m]", "height [m]", "front_x [m]", "front_y [m]", "front_z [m]", "tail_x [m]", &
-      "tail_y [m]", "tail_z [m]"]
-   integer, parameter :: potential = 1, runout = 2, height = 3, front = 4, tail = 7
+      "tail_y [m]", "tail_z [m]", "stretch [1]", "stretched_share [1]", "overlap [1]", &
+      "noise [Pa]"]
+   integer, parameter :: potential = 1, runout = 2, height = 3, front = 4, tail = 7, &
+      stretch = 10
    character(len=*), parameter :: other_name = "mass_failed" !! Of failed_mass
    integer, parameter :: every = all_books + all_errors + size(further)
    real(wp), parameter :: share = 0.99_wp            !! Of the mass, behind the run-out
@@ -160,7 +163,7 @@ contains
       if (n < 1) return
       if (n == potential .and. .not. with_gravity) text = "needs &effects gravity = .true."
       lacks = n == height .and. .not. grid%active(3)
-      if (n >= front) lacks = .not. grid%active(mod(n - front, 3) + 1)
+      if (n >= front .and. n < stretch) lacks = .not. grid%active(mod(n - front, 3) + 1)
       if (lacks) text = "is along a direction that the scene lacks; remove it"
    end function fault_of
 
@@ -181,6 +184,7 @@ contains
       real(wp), allocatable, intent(out) :: row(:)   !! (column)
       real(wp) :: values(every)
       type(balance_t) :: now
+      type(shapes_look_t) :: look
 
       values = 0.0_wp
       call simulation%ledger%balance(simulation%communicator, simulation%grid, &
@@ -194,7 +198,11 @@ contains
       associate (more => values(all_books + all_errors + 1:))
          if (columns%further(potential)) more(potential) = potential_energy(simulation)
          if (columns%further(runout)) more(runout) = reach(simulation)
-         if (any(columns%further(height:))) call find_ends(simulation, more(height), &
+         if (any(columns%further(stretch:))) then
+            call look_at_shapes(simulation, look)
+            more(stretch:) = [look%longest, look%share, look%overlap, look%difference]
+         end if
+         if (any(columns%further(height:tail + 2))) call find_ends(simulation, more(height), &
             more(front:front + 2), more(tail:tail + 2))
       end associate
       row = values(columns%chosen)

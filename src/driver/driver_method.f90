@@ -132,29 +132,22 @@ contains
       call group%get("antilock", word)
       self%even = word == "bbar"
       call group%get("heat_flux", self%heat_flux)
-      call read_splitting(self, deck, group)
+      call read_splitting(self, group)
       group = deck%group("time", 1)
       call group%get("cfl", self%cfl)
    end subroutine method_read
 
    !> When long particles are halved.
-   subroutine read_splitting(method, deck, group)
+   subroutine read_splitting(method, group)
       class(method_t), intent(inout) :: method       !! The method
-      type(deck_t), intent(inout) :: deck            !! Collects complaints
       type(group_t), intent(in) :: group             !! &method
-      character(len=:), allocatable :: dimension
       logical :: split
-      type(group_t) :: run
 
       call group%get("split", split)
       if (.not. split) return
       allocate (method%splitting)
       call group%get("split_at", method%splitting%longest)
       call group%get("split_max", method%splitting%generations)
-      run = deck%group("run", 1)
-      call run%get("dimension", dimension)
-      if (dimension == "axisymmetric") call deck%complain(group, "split = .true. does not know "// &
-         "rings; with dimension = 'axisymmetric' write .false.", "split")
    end subroutine read_splitting
 
    !> Settle the defaults that depend on other keys; all are by measurement: see

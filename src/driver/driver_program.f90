@@ -26,6 +26,7 @@ module driver_program
    use driver_run, only: run_to_end
    use driver_signal, only: outlive_file_limit
    use driver_summary, only: summarise
+   use driver_trust, only: number_lattices
    use io_deck_check, only: check_case
    use io_digest, only: file_digest
    use io_file, only: join_path, make_folder, write_file
@@ -236,6 +237,7 @@ contains
          call begin_run(session%simulation, session%bodies, session%survey, session%shapes, error)
       end if
       if (allocated(error)) return
+      call number_lattices(session%simulation, session%bodies)
       call forget_shapes(session)
       call session%outputs%open(session%simulation, session%command%restart, note, error)
       if (allocated(error)) return

@@ -7,6 +7,7 @@ module driver_restart
    use driver_output, only: outputs_t
    use driver_simulation, only: simulation_t
    use driver_start, only: distribute
+   use driver_trust_record, only: load_trust, save_trust
    use io_checkpoint, only: checkpoint_place_t, checkpoint_write
    use io_restart, only: checkpoint_find, checkpoint_read
    use io_state, only: state_t
@@ -40,6 +41,7 @@ contains
       call describe_state(simulation, state)
       call outputs%save(state)
       call save_errors(simulation, state)
+      call save_trust(simulation%trust, state)
       call state%set("checkpoint_number", [int(place%number, int64)])
       call state%set("last_step_length", [simulation%dt, simulation%guard%longest])
       call state%set("space", space_of(simulation))
@@ -103,6 +105,7 @@ contains
       simulation%guard%longest = length(size(length))
       call outputs%load(state)
       call load_errors(simulation, state)
+      call load_trust(simulation%trust, state)
       call distribute(simulation)
    end subroutine resume
 end module driver_restart

@@ -18,6 +18,7 @@ module driver_run
    use driver_signal, only: signal_caught, watch_signal
    use driver_simulation, only: requests_t, simulation_t
    use driver_step, only: advance, count_particles
+   use driver_trust, only: begin_trust, watch_trust
    use io_checkpoint, only: checkpoint_place_t
    implicit none
    private
@@ -131,6 +132,7 @@ contains
 
       call begin(simulation, limits, log, watch, error)
       if (allocated(error)) return
+      call begin_trust(simulation)
       call write_outputs(simulation, outputs, .false., log, error)
       if (allocated(error)) return
       finished = .false.
@@ -146,6 +148,8 @@ contains
          simulation%worked = simulation%worked - process_seconds()
          call advance(simulation, dt, error)
          simulation%worked = simulation%worked + process_seconds()
+         if (allocated(error)) exit
+         call watch_trust(simulation, log, error)
          if (allocated(error)) exit
          call balance_ranks(simulation, limits%balancing)
          call write_outputs(simulation, outputs, .false., log, error)

@@ -11,6 +11,7 @@ module driver_simulation
    use driver_laps, only: laps_t
    use driver_ledger, only: ledger_t
    use driver_method, only: method_t
+   use driver_trust_record, only: trust_t
    use material_matter, only: deformation_t
    use material_models, only: chain_effects
    use material_type, only: material_t
@@ -212,6 +213,7 @@ module driver_simulation
       type(load_t) :: load                           !! How evenly the ranks work
       type(requests_t) :: requests                   !! Of this rank, after a step of all
       type(ledger_t) :: ledger                       !! The books
+      type(trust_t) :: trust                         !! How far results can be trusted
       type(timer_t) :: timer                         !! Wall time by phase
       type(phases_t) :: phase                        !! Indices of the phases
    contains

@@ -14,6 +14,8 @@ module driver_summary
    use driver_restart, only: describe_state
    use driver_simulation, only: nodes_t, simulation_t
    use driver_step, only: count_particles
+   use driver_trust, only: final_trust
+   use driver_trust_record, only: add_trust, trust_t, trust_text
    use io_digest, only: state_digest
    use io_state, only: state_t
    use io_summary, only: json_t
@@ -45,7 +47,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       type(json_t) :: json
       type(balance_t) :: now
-      type(state_t) :: state
+      type(trust_t) :: trust
       character(len=16) :: digest
       integer(int64) :: counts(4), traffic(kinds)
       real(wp) :: rate, bytes, range(extremes)
@@ -53,8 +55,7 @@ contains
 
       call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
          simulation%materials, now)
-      call describe_state(simulation, state)
-      digest = state_digest(simulation%communicator, simulation%stores, state)
+      digest = digest_of(simulation)
       counts = [count_particles(simulation), simulation%updates, simulation%halved, &
          nint(simulation%worked/nano, int64)]
       call simulation%communicator%total(counts)
@@ -64,6 +65,8 @@ contains
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
       call log%info(rules_text(simulation%guard))
       call log%info(balance_text(now, rate, bytes))
+      call final_trust(simulation, code, now, trust)
+      call log%info(trust_text(trust))
       call count_traffic(simulation, traffic)
       if (simulation%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
       call find_extremes(simulation, range)
@@ -80,19 +83,28 @@ contains
       call json%add("wall_s", wall)
       call add_work(json, counts(2), nano*real(counts(4), wp), rate)
       call json%add("bytes_per_particle", bytes)
-      call json%add("ranks", simulation%communicator%size)
-      call json%add("threads", omp_get_max_threads())
+      call add_layout(json, simulation)
       call json%add("digest", digest)
       call add_extremes(json, range)
       call add_rules(json, simulation%guard)
       call json%add("particles_halved", counts(3))
       call add_timers(json, simulation, least, mean, greatest)
-      call add_ledger(json, simulation, now)
+      call add_books(json, simulation, now, trust)
       if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
       if (allocated(simulation%exact)) call add_exact(json, simulation)
       call add_files(json, outputs)
       call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
    end subroutine summarise
+
+   !> Digest of the state of a run. Collective.
+   function digest_of(simulation) result(digest)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      character(len=16) :: digest
+      type(state_t) :: state
+
+      call describe_state(simulation, state)
+      digest = state_digest(simulation%communicator, simulation%stores, state)
+   end function digest_of
 
    !> What was done in the steps, and how fast.
    subroutine add_work(json, updates, worked, rate)
@@ -105,6 +117,15 @@ contains
       call json%add("particle_updates", updates)
       call json%add("particle_updates_per_s", rate)
    end subroutine add_work
+
+   !> On what it ran.
+   subroutine add_layout(json, simulation)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      call json%add("ranks", simulation%communicator%size)
+      call json%add("threads", omp_get_max_threads())
+   end subroutine add_layout
 
    !> Times of all phases over the ranks, those of effects among them. Collective.
    subroutine spread_timers(simulation, wall, least, mean, greatest)
@@ -377,6 +398,17 @@ contains
       end do
       call json%end()
    end subroutine add_timers
+
+   !> The ledger, and what it cannot show.
+   subroutine add_books(json, simulation, now, trust)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! With the start
+      type(balance_t), intent(in) :: now             !! The end
+      type(trust_t), intent(in) :: trust             !! The values at the end
+
+      call add_ledger(json, simulation, now)
+      call add_trust(json, trust)
+   end subroutine add_books
 
    !> Every entry at the start and the end, and the errors.
    subroutine add_ledger(json, simulation, now)

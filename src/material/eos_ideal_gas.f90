@@ -2,7 +2,7 @@
 !> Equation of state of an ideal gas with constant heat capacities: p = (gamma - 1) rho e.
 !!
 !! It has no reference state without pressure: bodies of it need an energy to begin with. Equation
-!! (E.12) of doc/theory/equations_of_state.md.
+!! (E.14) of doc/theory/equations_of_state.md.
 module eos_ideal_gas
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -24,6 +24,7 @@ module eos_ideal_gas
       procedure :: sets_bulk => ideal_gas_sets_bulk  !! It does: 0 without energy
       procedure :: request => ideal_gas_request      !! Asks for energy
       procedure :: update => ideal_gas_update        !! Pressure and square of the sound speed
+      procedure :: gruneisen => ideal_gas_gruneisen  !! Grueneisen number times density
       procedure :: stored => ideal_gas_stored        !! Nothing, energy is carried
    end type eos_ideal_gas_t
 
@@ -46,7 +47,6 @@ contains
 
       call group%get("ig_gamma", self%heat_ratio)
       self%bulk = 0.0_wp
-      self%constant_gamma = self%heat_ratio - 1.0_wp
    end subroutine ideal_gas_read
 
    !> The stiffness of a gas is that of its energy.
@@ -97,6 +97,23 @@ contains
          wave_speed(i) = heat_ratio*share
       end do
    end subroutine gas_pressure
+
+   !> Grueneisen number gamma - 1 times density at the middle of the step. Equation (A.13) of
+   !! doc/theory/matter.md.
+   pure subroutine ideal_gas_gruneisen(self, matter, deformation, first, last)
+      class(eos_ideal_gas_t), intent(in) :: self           !! The equation of state
+      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         deformation%gruneisen(i) = (self%heat_ratio - 1.0_wp)*2.0_wp*matter%mass(k) &
+            /(matter%volume(k) + deformation%old_volume(i))
+      end do
+   end subroutine ideal_gas_gruneisen
 
    !> The energy is carried by the particles.
    pure real(wp) function ideal_gas_stored(self, mass, volume, limit) result(energy)

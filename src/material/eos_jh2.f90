@@ -8,6 +8,7 @@ module eos_jh2
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use base_schema, only: schema_t
+   use eos_linear, only: linear_energy
    use material_eos, only: eos_t
    use material_matter, only: deformation_t, matter_t
    use material_wishes, only: wishes_t
@@ -121,8 +122,8 @@ contains
       end do
    end subroutine polynomial
 
-   !> Energy stored in the change of volume, m/rho0 times the integral of p/(1 + mu)**2, by Gauss.
-   !! Beyond the volume at which the pressure would be less than its limit it grows linearly.
+   !> Energy stored in the change of volume: in tension that of a linear equation of state, in
+   !! compression m/rho0 times the integral of p/(1 + mu)**2, by Gauss.
    pure real(wp) function jh2_stored(self, mass, volume, limit) result(energy)
       class(eos_jh2_t), intent(in) :: self           !! The equation of state
       real(wp), intent(in) :: mass                   !! [kg]
@@ -133,21 +134,22 @@ contains
       real(wp), parameter :: weight(4) = [0.1739274225687269_wp, 0.3260725774312731_wp, &
          0.3260725774312731_wp, 0.1739274225687269_wp]
       integer, parameter :: pieces = 4
-      real(wp) :: excess, last, x, positive
+      real(wp) :: excess, x
       integer :: i, j
 
       excess = mass/(self%density*volume) - 1.0_wp
-      last = max(excess, limit/self%bulk)
+      if (excess <= 0.0_wp) then
+         energy = linear_energy(self%density, self%bulk, mass, volume, limit)
+         return
+      end if
       energy = 0.0_wp
       do j = 0, pieces - 1
          do i = 1, 4
-            x = last*(real(j, wp) + place(i))/real(pieces, wp)
-            positive = max(x, 0.0_wp)
-            energy = energy + weight(i)/real(pieces, wp)*last*(self%bulk*x &
-               + positive**2*(self%square + self%cube*positive))/(1.0_wp + x)**2
+            x = excess*(real(j, wp) + place(i))/real(pieces, wp)
+            energy = energy + weight(i)/real(pieces, wp)*excess*(self%bulk*x &
+               + x**2*(self%square + self%cube*x))/(1.0_wp + x)**2
          end do
       end do
       energy = mass/self%density*energy
-      if (excess < last) energy = energy - limit*(volume - mass/(self%density*(1.0_wp + last)))
    end function jh2_stored
 end module eos_jh2

@@ -9,7 +9,7 @@ module eos_linear
    implicit none
    private
 
-   public :: eos_linear_t
+   public :: eos_linear_t, linear_energy
 
    !> Linear equation of state.
    type, extends(eos_t) :: eos_linear_t
@@ -59,21 +59,31 @@ contains
       end do
    end subroutine linear_pressure
 
-   !> Energy stored in the change of volume. With x = V rho0/m it is K m/rho0 (x - 1 - ln x), and
-   !! beyond the x at which the pressure would be less than its limit it grows linearly.
+   !> Energy stored in the change of volume.
    pure real(wp) function linear_stored(self, mass, volume, limit) result(energy)
-      class(eos_linear_t), intent(in) :: self            !! The equation of state
+      class(eos_linear_t), intent(in) :: self        !! The equation of state
+      real(wp), intent(in) :: mass                   !! [kg]
+      real(wp), intent(in) :: volume                 !! [m3]
+      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
+
+      energy = linear_energy(self%density, self%bulk, mass, volume, limit)
+   end function linear_stored
+
+   !> Energy stored by p = K (rho/rho0 - 1). With x = V rho0/m it is K m/rho0 (x - 1 - ln x), and
+   !! beyond the x at which the pressure would be less than its limit it grows linearly.
+   pure real(wp) function linear_energy(density, bulk, mass, volume, limit) result(energy)
+      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]
       real(wp) :: ratio, largest
 
-      ratio = volume*self%density/mass - 1.0_wp
+      ratio = volume*density/mass - 1.0_wp
       largest = ratio
-      if (limit > -self%bulk) largest = -limit/(self%bulk + limit)
-      energy = mass/self%density*(self%bulk*excess(min(ratio, largest)) &
-         - limit*max(0.0_wp, ratio - largest))
-   end function linear_stored
+      if (limit > -bulk) largest = -limit/(bulk + limit)
+      energy = mass/density*(bulk*excess(min(ratio, largest)) - limit*max(0.0_wp, ratio - largest))
+   end function linear_energy
 
    !> x - ln(1 + x), by its series where the difference would lose digits.
    pure real(wp) function excess(x) result(over)

@@ -6,7 +6,7 @@
 !! e)/alpha with the pressure ps of the solid, here that of Mie and Grueneisen. Up to the elastic
 !! limit alpha stays as it is; beyond it the pressure follows the curve alpha = 1 + (alpha0 - 1)
 !! ((pc - p)/(pc - pe))**2 to the pressure pc that leaves no pores. Crushing is for good. Equations
-!! (E.10) and (E.11) of doc/theory/equations_of_state.md.
+!! (E.12) and (E.13) of doc/theory/equations_of_state.md.
 module eos_p_alpha
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -104,7 +104,6 @@ contains
       self%distension = solid%density/self%density
       ! At constant distension waves are as fast as in the solid.
       self%bulk = self%density*solid%sound**2
-      self%gamma_density = solid%gamma_density
    end subroutine p_alpha_set
 
    !> The bulk modulus is that of c0.

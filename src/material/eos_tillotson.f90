@@ -3,10 +3,11 @@
 !! to vapour, in the form of H. J. Melosh, "Impact cratering", 1989, appendix II.
 !!
 !! With eta = rho/rho0, mu = eta - 1, w = 1 + e/(e0 eta**2): condensed, for mu >= 0 or e <= e_iv,
-!! p = (a + b/w) rho e + A mu + B mu**2, where B = 0 for mu < 0; expanded, for mu < 0 and e >= e_cv,
-!! with x = 1/eta - 1, p = a rho e + (b rho e/w + A mu exp(-beta x)) exp(-alpha x**2); between the
-!! two energies linear in e from one to the other. Equations (E.7), (E.8) and (E.9) of
-!! doc/theory/equations_of_state.md.
+!! p = (a + b/w) rho e + A mu + B mu**2, where for mu < 0 the last two are A/2 eta (eta**2 - 1);
+!! expanded, for mu < 0 and e >= e_cv, with x = 1/eta - 1, p = a rho e + (b rho e/w + A mu exp(-beta
+!! x)) exp(-alpha x**2); between the two energies linear in e from one to the other. The published
+!! form has A mu for all mu < 0: tension that does not end as the density goes to 0. Equations
+!! (E.9), (E.10) and (E.11) of doc/theory/equations_of_state.md.
 module eos_tillotson
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -19,7 +20,8 @@ module eos_tillotson
 
    public :: eos_tillotson_t
 
-   !> The sound speed is not let fall below this share of that at the reference.
+   !> Lower bound of the sound speed, relative to that of the reference state. The square of it is
+   !! negative in material expanded beyond its greatest tension, which is unstable (spinodal).
    real(wp), parameter :: least_sound = 0.1_wp
 
    !> Equation of state of Tillotson.
@@ -39,6 +41,7 @@ module eos_tillotson
       procedure :: sets_bulk => tillotson_sets_bulk  !! It does
       procedure :: request => tillotson_request      !! Asks for energy
       procedure :: update => tillotson_update        !! Pressure and square of the sound speed
+      procedure :: gruneisen => tillotson_gruneisen  !! Grueneisen number times density
       procedure :: stored => tillotson_stored        !! Nothing, energy is carried
    end type eos_tillotson_t
 
@@ -95,7 +98,6 @@ contains
       call group%get("till_e0", self%energy)
       call group%get("till_eiv", self%melt)
       call group%get("till_ecv", self%vapour)
-      self%gamma_density = (self%a + self%b)*self%density
    end subroutine tillotson_read
 
    !> The bulk modulus is A.
@@ -113,7 +115,7 @@ contains
       call wishes%ask("energy", "equation of state tillotson", 1)
    end subroutine tillotson_request
 
-   !> Pressure and square of the sound speed, dp/drho + max(p, 0)/rho**2 dp/de: (E.1).
+   !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de: (E.1).
    pure subroutine tillotson_update(self, matter, deformation, first, last)
       class(eos_tillotson_t), intent(in) :: self           !! The equation of state
       type(matter_t), intent(in) :: matter                 !! State of the store
@@ -129,9 +131,28 @@ contains
          call state(self, density, matter%energy(k), pressure, to_density, to_energy)
          deformation%pressure(i) = pressure
          deformation%wave_speed(i) = max(least_sound**2*self%bulk/self%density, &
-            to_density + max(pressure, 0.0_wp)/density**2*to_energy)
+            to_density + pressure/density**2*to_energy)
       end do
    end subroutine tillotson_update
+
+   !> Grueneisen number (a + b/w**2) of condensed material times density at the middle of the step.
+   !! In vapour b/w**2 is small.
+   pure subroutine tillotson_gruneisen(self, matter, deformation, first, last)
+      class(eos_tillotson_t), intent(in) :: self           !! The equation of state
+      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp) :: density, w
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         density = 2.0_wp*matter%mass(k)/(matter%volume(k) + deformation%old_volume(i))
+         w = 1.0_wp + max(matter%energy(k), 0.0_wp)*(self%density/density)**2/self%energy
+         deformation%gruneisen(i) = (self%a + self%b/w**2)*density
+      end do
+   end subroutine tillotson_gruneisen
 
    !> Pressure of a state, and its derivatives to density and energy.
    pure subroutine state(eos, density, given, pressure, to_density, to_energy)
@@ -141,24 +162,26 @@ contains
       real(wp), intent(out) :: pressure              !! [Pa]
       real(wp), intent(out) :: to_density            !! dp/drho [m2/s2]
       real(wp), intent(out) :: to_energy             !! dp/de [kg/m3]
-      real(wp) :: eta, mu, e, w, dense(3), thin(3), share, fade, tail, x, square
+      real(wp) :: eta, mu, e, w, dense(3), thin(3), share, fade, tail, x, cold, stiff, heated
 
-      ! Less than no energy is what finite steps leave of it.
+      ! Finite steps can leave a small negative energy.
       e = max(given, 0.0_wp)
+      heated = merge(1.0_wp, 0.0_wp, given >= 0.0_wp)
       eta = density/eos%density
       mu = eta - 1.0_wp
       w = 1.0_wp + e/(eos%energy*eta**2)
-      square = merge(eos%square, 0.0_wp, mu >= 0.0_wp)
+      cold = merge(eos%bulk + eos%square*mu, 0.5_wp*eos%bulk*eta*(eta + 1.0_wp), mu >= 0.0_wp)*mu
+      stiff = merge(eos%bulk + 2.0_wp*eos%square*mu, eos%bulk*(1.5_wp*eta**2 - 0.5_wp), &
+         mu >= 0.0_wp)/eos%density
       share = 0.0_wp
       if (mu < 0.0_wp) &
          share = min(1.0_wp, max(0.0_wp, (e - eos%melt)/(eos%vapour - eos%melt)))
-      dense(1) = (eos%a + eos%b/w)*density*e + (eos%bulk + square*mu)*mu
-      dense(2) = (eos%a + eos%b/w + 2.0_wp*eos%b*(w - 1.0_wp)/w**2)*e &
-         + (eos%bulk + 2.0_wp*square*mu)/eos%density
+      dense(1) = (eos%a + eos%b/w)*density*e + cold
+      dense(2) = (eos%a + eos%b/w + 2.0_wp*eos%b*(w - 1.0_wp)/w**2)*e + stiff
       dense(3) = (eos%a + eos%b/w**2)*density
       pressure = dense(1)
       to_density = dense(2)
-      to_energy = dense(3)
+      to_energy = heated*dense(3)
       if (share <= 0.0_wp) return
       x = 1.0_wp/eta - 1.0_wp
       fade = exp(-eos%alpha*x**2)

@@ -309,15 +309,9 @@ contains
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
-      real(wp) :: gamma_density, gamma, share
+      real(wp) :: share
 
-      gamma_density = 0.0_wp
-      gamma = 0.0_wp
       share = 0.9_wp
-      if (allocated(self%eos)) then
-         gamma_density = self%eos%gamma_density
-         gamma = self%eos%constant_gamma
-      end if
       if (allocated(self%law)) then
          share = self%law%heat_share
          deformation%pressure_floor(:last - first + 1) = max(self%law%least_pressure(), &
@@ -326,11 +320,16 @@ contains
       ! Nobody needs the homologous temperature any more in this step.
       if (allocated(self%voids)) &
          deformation%homologous(:last - first + 1) = matter%temperature(first:last)
-      call heat(first, last, self%heat%specific_heat, gamma_density, gamma, share, matter%mass, &
+      if (allocated(self%voids)) call self%voids%squeeze_both(matter, deformation, first, last)
+      deformation%gruneisen(:last - first + 1) = 0.0_wp
+      if (allocated(self%eos)) call self%eos%gruneisen(matter, deformation, first, last)
+      call heat(first, last, self%heat%specific_heat, share, deformation%gruneisen, matter%mass, &
          matter%volume, deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
          deformation%plastic_work, deformation%viscous_work, matter%temperature)
-      if (allocated(self%voids)) call expand_grains(first, last, self%voids%expansion, &
-         matter%temperature, deformation%homologous, matter%solid_fraction)
+      if (.not. allocated(self%voids)) return
+      matter%volume(first:last) = deformation%whole_volume(:last - first + 1)
+      call expand_grains(first, last, self%voids%expansion, matter%temperature, &
+         deformation%homologous, matter%solid_fraction)
    end subroutine update_temperature
 
    !> True if nothing is left of a particle that bears stress.

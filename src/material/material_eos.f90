@@ -17,8 +17,6 @@ module material_eos
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
       real(wp) :: distension = 1.0_wp !! Of porous matter at the start, solid over its density [1]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
-      real(wp) :: gamma_density = 0.0_wp !! Grueneisen number times density, constant [kg/m3]
-      real(wp) :: constant_gamma = 0.0_wp !! Grueneisen number where it is constant itself [1]
    contains
       procedure :: declare => eos_declare            !! Declares its keys, if it has any
       procedure :: fault => eos_fault                !! What is wrong with its keys together
@@ -27,6 +25,7 @@ module material_eos
       procedure(request_i), deferred :: request      !! Asks for the fields it needs
       procedure :: remember => eos_remember          !! Keeps what the step did to its own state
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
+      procedure :: gruneisen => eos_gruneisen        !! Grueneisen number times density
       procedure(stored_i), deferred :: stored        !! Energy stored in the change of volume
    end type eos_t
 
@@ -92,6 +91,18 @@ contains
 
       sets = .false.
    end function eos_sets_bulk
+
+   !> Grueneisen number times density at the middle of the step, for the temperature. It is 0 where
+   !! the pressure does not depend on energy.
+   pure subroutine eos_gruneisen(self, matter, deformation, first, last)
+      class(eos_t), intent(in) :: self                         !! The equation of state
+      type(matter_t), intent(in) :: matter                     !! State of the store
+      type(deformation_t), intent(inout) :: deformation        !! Step of the range
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+
+      deformation%gruneisen(:last - first + 1) = 0.0_wp
+   end subroutine eos_gruneisen
 
    !> Keep what the step did to the state that belongs to the equation of state, after `update`.
    pure subroutine eos_remember(self, matter, deformation, first, last)

@@ -33,20 +33,19 @@ contains
 
    !> Temperature after the step.
    !!
-   !! From T ds = c_v dT + T Gamma rho c_v dv: at constant entropy dT = -T Gamma rho dv. With Gamma
-   !! rho constant this is exactly T exp(Gamma rho (v - v')), with Gamma constant, as in a gas, T
-   !! (v/v')**Gamma, where ln(v/v') is 2 (v - v')/(v + v') to third order. To it the heat of the
-   !! work of plastic flow and of artificial viscosity is added. Where the material is at the least
-   !! pressure it can bear, voids open or close and the material itself keeps its volume and
-   !! temperature. Equations (A.12) and (A.13) of doc/theory/matter.md.
-   pure subroutine heat(first, last, specific_heat, gamma_density, gamma, plastic_share, mass, &
-      volume, old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
+   !! From T ds = c_v dT + T Gamma rho c_v dv: at constant entropy dT = -T Gamma rho dv, with Gamma
+   !! rho of the middle of the step. Where Gamma rho is constant this is exactly
+   !! T exp(Gamma rho (v - v')), where Gamma is, as in a gas, it is T (v/v')**Gamma to third order.
+   !! To it the heat of the work of plastic flow and of artificial viscosity is added. Where the
+   !! material is at the least pressure it can bear, voids open or close and the material itself
+   !! keeps its volume and temperature. Equations (A.12) and (A.13) of doc/theory/matter.md.
+   pure subroutine heat(first, last, specific_heat, plastic_share, gruneisen, mass, volume, &
+      old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: specific_heat          !! At constant volume [J/(kg K)]
-      real(wp), intent(in) :: gamma_density !! Grueneisen number times density, constant [kg/m3]
-      real(wp), intent(in) :: gamma                  !! Grueneisen number where it is constant [1]
       real(wp), intent(in) :: plastic_share          !! Of plastic work, becomes heat [1]
+      real(wp), contiguous, intent(in) :: gruneisen(:) !! Gamma rho (range) [kg/m3]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
       real(wp), contiguous, intent(in) :: old_volume(:)     !! Before the step (range) [m3]
@@ -62,13 +61,13 @@ contains
          k = first - 1 + i
          ! 1 above the floor and 0 on it; a merge here would keep the loop from vectorising.
          closed = 0.5_wp - sign(0.5_wp, pressure_floor(i) - pressure(i))
-         compression = closed*(old_volume(i) - volume(k))*(gamma_density/mass(k) &
-            + 2.0_wp*gamma/(old_volume(i) + volume(k)))
+         compression = closed*(old_volume(i) - volume(k))*gruneisen(i)/mass(k)
          ! The exponential function, by its positive Pade approximant of order (2, 2).
          growth = (1.0_wp + compression*(0.5_wp + compression/12.0_wp)) &
             /(1.0_wp - compression*(0.5_wp - compression/12.0_wp))
-         temperature(k) = temperature(k)*growth &
-            + (plastic_share*plastic_work(i) + viscous_work(i))/(mass(k)*specific_heat)
+         ! Artificial viscosity lags by a step and can take heat where material turns to expansion.
+         temperature(k) = max(0.0_wp, temperature(k)*growth &
+            + (plastic_share*plastic_work(i) + viscous_work(i))/(mass(k)*specific_heat))
       end do
    end subroutine heat
 

@@ -52,6 +52,7 @@ module material_matter
       real(wp), allocatable :: distension(:)         !! Of porous matter after the step [1]
       real(wp), allocatable :: modulus(:)            !! Shear modulus over that at reference [1]
       real(wp), allocatable :: share(:)              !! Of the dilatation, of matter itself [1]
+      real(wp), allocatable :: gruneisen(:)          !! Grueneisen number times density [kg/m3]
       real(wp), allocatable :: whole_volume(:)       !! Volume with its voids [m3]
       real(wp), allocatable :: wave_speed(:)         !! Limits the next time step (out) [m/s]
       real(wp), allocatable :: plastic_work(:)       !! Work into plastic flow in the step (out) [J]
@@ -108,14 +109,14 @@ contains
          if (size(self%dilatation) >= particles) return
          deallocate (self%gradient, self%old_volume, self%dilatation, self%pressure, &
             self%pressure_floor, self%homologous, self%plastic_increment, self%loosening, &
-            self%distension, self%modulus, self%share, self%whole_volume, &
+            self%distension, self%modulus, self%share, self%gruneisen, self%whole_volume, &
             self%wave_speed, self%plastic_work, self%viscous_work)
       end if
       n = 64*((particles + 63)/64) + 8
       allocate (self%gradient(n, 9), self%old_volume(n), self%dilatation(n), self%pressure(n), &
          self%pressure_floor(n), self%homologous(n), self%plastic_increment(n), &
          self%loosening(n), self%distension(n), self%modulus(n), self%wave_speed(n), &
-         self%share(n), self%whole_volume(n), &
+         self%share(n), self%gruneisen(n), self%whole_volume(n), &
          self%plastic_work(n), self%viscous_work(n))
    end subroutine deformation_reserve
 end module material_matter

@@ -34,6 +34,7 @@ module material_remains
    type :: share_t
       integer :: count = 0                           !! How many
       integer, allocatable :: place(:)               !! Their places in the range
+      real(wp), allocatable :: released(:)           !! Work that loosening them sets free [J]
       type(matter_t) :: matter                       !! Their state
       type(deformation_t) :: deformation             !! Their step
    end type share_t
@@ -115,7 +116,7 @@ contains
       end do
       share%count = n
       if (n == 0) return
-      allocate (share%place(n), share%matter%mass(n), share%matter%volume(n), &
+      allocate (share%place(n), share%released(n), share%matter%mass(n), share%matter%volume(n), &
          share%matter%stress(n, 6))
       call share%deformation%reserve(n)
       n = 0
@@ -138,8 +139,36 @@ contains
             share%deformation%gradient(i, column) = deformation%gradient(share%place(i), column)
          end do
       end do
+      call find_release(n, self%law%shear, share%matter%volume, share%matter%stress, &
+         share%deformation%gradient, share%released)
       call self%law%predict(share%matter, share%deformation, 1, n)
    end subroutine remains_collect
+
+   !> Energy that a deviator of stress releases which ends in the step: what it stores, and the work
+   !! that the mean of it and of 0 does. The elastic trial of the step does none.
+   pure subroutine find_release(count, shear, volume, stress, gradient, released)
+      integer, intent(in) :: count                   !! Particles
+      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
+      real(wp), intent(in) :: volume(:)              !! [m3]
+      real(wp), intent(in) :: stress(:, :)           !! (particle, 6) Before the step [Pa]
+      real(wp), intent(in) :: gradient(:, :)         !! (particle, 9) dt du_k/dx_l [1]
+      real(wp), intent(out) :: released(:)           !! [J]
+      real(wp) :: s(6), mean, work
+      integer :: i, k
+
+      do i = 1, count
+         mean = (stress(i, 1) + stress(i, 2) + stress(i, 3))/3.0_wp
+         do k = 1, 3
+            s(k) = stress(i, k) - mean
+            s(k + 3) = stress(i, k + 3)
+         end do
+         work = s(1)*gradient(i, 1) + s(2)*gradient(i, 5) + s(3)*gradient(i, 9) &
+            + s(4)*(gradient(i, 2) + gradient(i, 4)) + s(5)*(gradient(i, 6) + gradient(i, 8)) &
+            + s(6)*(gradient(i, 3) + gradient(i, 7))
+         released(i) = volume(i)*max(0.0_wp, 0.5_wp*work + 0.25_wp/shear*(s(1)**2 + s(2)**2 &
+            + s(3)**2 + 2.0_wp*(s(4)**2 + s(5)**2 + s(6)**2)))
+      end do
+   end subroutine find_release
 
    !> Let the failed particles follow their law, with volume, pressure and wave speed after the
    !! step.
@@ -161,17 +190,16 @@ contains
          share%deformation%plastic_work(i) = 0.0_wp
       end do
       call self%law%update(share%matter, share%deformation, 1, share%count, dt)
-      call loosen(share%count, self%law%shear, share%matter%volume, share%deformation%pressure, &
-         share%matter%stress, share%deformation%plastic_work)
+      call loosen(share%count, share%released, share%deformation%pressure, share%matter%stress, &
+         share%deformation%plastic_work)
       call self%law%stiffen(share%matter, share%deformation, 1, share%count)
    end subroutine remains_follow
 
-   !> Failed matter that is not pressed has come apart and bears no shear. The energy of what is
-   !! left of its deviator is booked as plastic work.
-   pure subroutine loosen(count, shear, volume, pressure, stress, plastic_work)
+   !> Failed material that is not pressed has separated and supports no shear. The energy of the
+   !! deviator that it had is recorded as plastic work.
+   pure subroutine loosen(count, released, pressure, stress, plastic_work)
       integer, intent(in) :: count                   !! Particles
-      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
-      real(wp), contiguous, intent(in) :: volume(:)            !! [m3]
+      real(wp), contiguous, intent(in) :: released(:)          !! Energy of the deviator [J]
       real(wp), contiguous, intent(in) :: pressure(:)          !! [Pa]
       real(wp), contiguous, intent(inout) :: stress(:, :)      !! Deviator (:, 6) [Pa]
       real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step [J]
@@ -179,9 +207,7 @@ contains
 
       do i = 1, count
          if (pressure(i) > 0.0_wp) cycle
-         plastic_work(i) = plastic_work(i) + 0.25_wp*volume(i)/shear*(stress(i, 1)**2 &
-            + stress(i, 2)**2 + stress(i, 3)**2 &
-            + 2.0_wp*(stress(i, 4)**2 + stress(i, 5)**2 + stress(i, 6)**2))
+         plastic_work(i) = released(i)
          do column = 1, 6
             stress(i, column) = 0.0_wp
          end do

@@ -36,6 +36,7 @@ module material_voids
       procedure :: open => voids_open                !! Opens and closes voids
       procedure :: squeeze => voids_squeeze          !! Volume becomes that of the matter
       procedure :: relax => voids_relax              !! And back again
+      procedure :: squeeze_both => voids_squeeze_both !! The same before and after the step
    end type voids_t
 
 contains
@@ -203,6 +204,22 @@ contains
       deformation%whole_volume(:last - first + 1) = matter%volume(first:last)
       matter%volume(first:last) = matter%volume(first:last)*matter%solid_fraction(first:last)
    end subroutine voids_squeeze
+
+   !> Volumes before and after the step become those of the material itself, which takes its part of
+   !! the dilatation. The volume of the motion is left in `whole_volume`.
+   pure subroutine voids_squeeze_both(self, matter, deformation, first, last)
+      class(voids_t), intent(in) :: self                   !! The rules
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+
+      associate (volume => matter%volume(first:last), old => deformation%old_volume( &
+         :last - first + 1), share => deformation%share(:last - first + 1))
+         old = matter%solid_fraction(first:last)*(volume + share*(old - volume))
+      end associate
+      call self%squeeze(matter, deformation, first, last)
+   end subroutine voids_squeeze_both
 
    !> Volume becomes that of the motion again, and the pressure that on a whole surface. Where voids
    !! open or close there is none: round-off of it would stop the opening.

@@ -3,7 +3,8 @@
 !! particles no longer reach a common node.
 !!
 !! A half has half the mass and volume and all else of the whole; it lies a quarter of the edge to
-!! one side. Halves part along the line between them as the velocity there does, which leaves
+!! one side. In axisymmetry halves are rings of half the section, and have mass and volume by their
+!! radii. Halves part along the line between them as the velocity there does, which leaves
 !! momentum and angular momentum as they are; the kinetic energy of that comes from the internal
 !! energy, or is told for the books. Halves carry their way from the whole in the upper bits of the
 !! identity, which needs no counter and knows nothing of ranks.
@@ -18,7 +19,8 @@ module particle_split
    implicit none
    private
 
-   public :: find_opening, generation_of, half_of, root_of, split_store, splitting_t
+   public :: find_opening, generation_of, half_of, root_of, shares_of_halves, split_store, &
+      splitting_t
 
    integer, parameter :: root_bits = 40              !! Lower bits: the identity of the first whole
    integer, parameter, public :: most_generations = 20 !! For which the upper bits have room
@@ -175,16 +177,21 @@ contains
    end subroutine list_long
 
    !> Edge along which a particle is to be halved, 0 = none. It waits until it is in its tile, and
-   !! where a half would lie outside of the box. Equation (P.1) of doc/theory/splitting.md.
+   !! where a half would lie outside of the box or hardly have a radius. Failed ones have come apart
+   !! for good. Equation (P.1) of doc/theory/splitting.md.
    pure integer function too_long(splitting, grid, store, p) result(edge)
       type(splitting_t), intent(in) :: splitting     !! What is too long
       type(grid_t), intent(in) :: grid               !! The grid
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: p                       !! Which one
       real(wp) :: square, reach
+      real(wp), parameter :: least_share = 0.1_wp    ! of the mass of the whole
       integer :: k
 
       edge = 0
+      if (allocated(store%matter%failed)) then
+         if (store%matter%failed(p) /= 0) return
+      end if
       call find_longest(store, p, k, square)
       if (.not. 4.0_wp*square > (splitting%longest*grid%spacing)**2) return
       if (store%home(p) < 0) return
@@ -199,9 +206,24 @@ contains
             return
          end if
       end do
+      if (.not. grid%axisymmetric) return
+      reach = 0.5_wp*abs(store%domain(p, 3*(edge - 1) + 1))
+      if (minval(shares_of_halves(grid, store%position(p, 1), reach)) < least_share) edge = 0
    end function too_long
 
-   !> Make halves of two equal particles. Equations (P.2) and (P.3).
+   !> Shares of mass and volume of the half against the edge and that along it. Equation (P.4).
+   pure function shares_of_halves(grid, radius, shift) result(share)
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), intent(in) :: radius                 !! Of the whole, along x [m]
+      real(wp), intent(in) :: shift                  !! Along x, of the half along the edge [m]
+      real(wp) :: share(2)
+
+      share = 0.5_wp
+      if (grid%axisymmetric) share = 0.5_wp*[1.0_wp - shift/radius, 1.0_wp + shift/radius]
+   end function shares_of_halves
+
+   !> Make halves of two equal particles. Their velocities leave the momentum of the whole.
+   !! Equations (P.2) and (P.3).
    pure subroutine halve(grid, store, low, high, edge, opening, gain)
       type(grid_t), intent(in) :: grid               !! The grid
       type(store_t), intent(inout) :: store          !! The particles
@@ -211,7 +233,7 @@ contains
       real(wp), intent(in) :: opening                !! Rate at which it grows [1/s]
       real(wp), intent(out) :: gain                  !! Kinetic energy that nothing pays for [J]
       integer(int64) :: whole
-      real(wp) :: half(3), part
+      real(wp) :: half(3), share(2), part
       integer :: k
 
       whole = store%identity(low)
@@ -221,21 +243,22 @@ contains
          half(k) = 0.5_wp*store%domain(low, 3*(edge - 1) + k)
       end do
       where (.not. grid%active) half = 0.0_wp
+      share = shares_of_halves(grid, store%position(low, 1), half(1))
       do k = 1, 3
          store%position(high, k) = store%position(low, k) + half(k)
          store%position(low, k) = store%position(low, k) - half(k)
          store%domain([low, high], 3*(edge - 1) + k) = half(k)
-         store%velocity(high, k) = store%velocity(low, k) + opening*half(k)
-         store%velocity(low, k) = store%velocity(low, k) - opening*half(k)
+         store%velocity(high, k) = store%velocity(low, k) + 2.0_wp*share(1)*opening*half(k)
+         store%velocity(low, k) = store%velocity(low, k) - 2.0_wp*share(2)*opening*half(k)
       end do
-      part = 0.5_wp*opening**2*sum(half**2)
+      part = 2.0_wp*share(1)*share(2)*opening**2*sum(half**2)
       gain = store%matter%mass(low)*part
       if (allocated(store%matter%energy)) then
          store%matter%energy([low, high]) = store%matter%energy(low) - part
          gain = 0.0_wp
       end if
-      store%matter%mass([low, high]) = 0.5_wp*store%matter%mass(low)
-      store%matter%volume([low, high]) = 0.5_wp*store%matter%volume(low)
+      store%matter%mass([low, high]) = share*store%matter%mass(low)
+      store%matter%volume([low, high]) = share*store%matter%volume(low)
       if (.not. allocated(store%extent)) return
       k = maxloc(abs(half), 1)
       store%extent([low, high], k) = 0.5_wp*store%extent(low, k)

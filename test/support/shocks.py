@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Closed solutions of shocks in solids and gases, independent of the program.
 
-Mie-Grueneisen matter with a straight line Us = c0 + s up and gamma rho constant, as doc/theory/equations_of_state.md
-writes it, with the strength of von Mises; and ideal gases. Roots by bisection, isentropes by Runge and Kutta.
+Mie-Grueneisen material with a straight line Us = c0 + s up, as doc/theory/equations_of_state.md writes it, with the
+strength of von Mises; and ideal gases. Roots by bisection, isentropes by Runge and Kutta.
 """
 
 import dataclasses
@@ -44,12 +44,21 @@ class Metal:
             text += (f"  shear={self.shear / 1e9!r}  strength_model='von_mises'  yield={self.strength / 1e9!r}")
         return text
 
+    def heating(self, density):
+        """Grueneisen number times density; in vapour the number goes to 1, or to twice that of the solid."""
+        share, vapour = min(density / self.density, 1.0), min(1.0, 2.0 * self.gamma)
+        return self.density * share * (vapour + (3.0 * self.gamma - 2.0 * vapour) * share
+                                       - (2.0 * self.gamma - vapour) * share ** 2)
+
     def pressure(self, density, energy):
-        """Equation of state; in expansion K (rho/rho0 - 1) + gamma rho0 e."""
+        """Equation of state; in expansion that of the energy c0^2 (1 - rho/rho0)^2/2 and of the heat above it."""
         bulk, strain = self.density * self.sound ** 2, 1.0 - self.density / density
-        cold = (bulk * strain / (1.0 - self.slope * strain) ** 2 * (1.0 - 0.5 * self.gamma * strain)
-                if strain > 0.0 else bulk * (density / self.density - 1.0))
-        return cold + self.gamma * self.density * energy
+        if strain > 0.0:
+            cold = bulk * strain / (1.0 - self.slope * strain) ** 2 * (1.0 - 0.5 * self.gamma * strain)
+            return cold + self.gamma * self.density * energy
+        share = density / self.density
+        heat = energy - 0.5 * self.sound ** 2 * (1.0 - share) ** 2
+        return bulk * share ** 2 * (share - 1.0) + self.heating(density) * heat
 
     def shock(self, speed):
         """Shock speed, pressure, density and energy of a fluid that was at rest."""

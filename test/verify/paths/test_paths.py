@@ -135,7 +135,7 @@ def copper_shear(rate, end, steps, keep):
 
 def copper_strain(rate, end, steps, keep, returns):
     """Uniaxial strain, and back: axial deviator, plastic strain, temperature, energy, damage, logarithm of volume."""
-    g, density, gamma = COPPER["shear"], EOS.density, EOS.gamma
+    g, density = COPPER["shear"], EOS.density
 
     def slopes_at(pace):
         def slopes(_, state):
@@ -146,7 +146,7 @@ def copper_strain(rate, end, steps, keep, returns):
             pressure = EOS.pressure(1.0 / volume, energy)
             grow = flow / failure_strain(pressure, stress, flow, temperature) if flow else 0.0
             return np.array([4.0 / 3.0 * g * pace - 2.0 * g * flow * np.sign(deviator), flow,
-                             -gamma * density * volume * pace * temperature
+                             -EOS.heating(1.0 / volume) * volume * pace * temperature
                              + 0.9 * stress * flow * volume / COPPER["heat"],
                              (deviator - pressure) * pace * volume, grow, pace])
         return slopes
@@ -162,7 +162,7 @@ def copper_strain(rate, end, steps, keep, returns):
 
 def steinberg(end, steps, keep):
     """Uniaxial strain of copper of Steinberg and Guinan by steps of the midpoint, and back."""
-    k, density, gamma = STEINBERG, EOS.density, EOS.gamma
+    k, density = STEINBERG, EOS.density
     deviator, plastic, temperature, energy, logarithm, pressure = 0.0, 0.0, 300.0, 0.0, 0.0, 0.0
     rows = [(0.0, 0.0, 0.0, 300.0)]
 
@@ -184,7 +184,7 @@ def steinberg(end, steps, keep):
             new = np.sign(trial) * (abs(trial) - 2.0 * k["shear"] * ratio * increment)
             work = 0.5 * (deviator - pressure + new - guess[0]) * (after - old)
             stress = 0.75 * (abs(deviator) + abs(new))
-            warm = (temperature * np.exp(gamma * density * (old - after))
+            warm = (temperature * np.exp(EOS.heating(1.0 / middle) * (old - after))
                     + 0.9 * stress * increment * middle / k["heat"])
             guess = (EOS.pressure(1.0 / after, energy + work), warm, new)
         pressure, temperature, deviator = guess
@@ -225,7 +225,8 @@ def tillotson(ratio, energy):
     density, eta = 2700.0 / ratio, 1.0 / ratio
     mu, e = eta - 1.0, max(energy, 0.0)
     hot = 1.63 / (1.0 + e / (5.0e6 * eta ** 2))
-    dense = (0.5 + hot) * density * e + 75.2e9 * mu + (65.0e9 * mu ** 2 if mu > 0.0 else 0.0)
+    cold = 75.2e9 * mu + 65.0e9 * mu ** 2 if mu > 0.0 else 37.6e9 * eta * (eta ** 2 - 1.0)
+    dense = (0.5 + hot) * density * e + cold
     assert mu > 0.0 or e < 3.0e6
     return dense / 2700.0
 
