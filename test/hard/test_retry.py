@@ -9,7 +9,7 @@ A step is done again if a node would move by more than half a cell, so two nodes
 at most and the logarithm of a volume changes by at most 1 in a step. Without it the streams must exceed that, and may
 end with an error.
 """
-# timeout: 120
+# timeout: 300
 
 import sys
 from pathlib import Path
