@@ -1,0 +1,232 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Normalised sums (`&method normalise`): the two parts of the dual gradient are averages over
+!! particles, which are divided by their own sums of the particles and carried by exact integrals.
+!!
+!! Each edge of a cell and each node, direction by direction, has a factor: the integral of its
+!! weight over the sum of the weight times the volumes of the particles. Force, strain and work use
+!! the same factors, so the power of the force stays that of the stress and forces on nodes still
+!! add up to zero; and in full cells uniform stress makes no force, wherever the particles are.
+!! Towards free surfaces, and where matter beyond the scope takes part, factors go to one. Equations
+!! (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
+module driver_normalise
+   use base_kinds, only: wp
+   use ddmp_alpha, only: mean_alpha
+   use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use driver_scatter, only: find_places
+   use driver_simulation, only: empty_mass, scratch_t, simulation_t
+   use material_type, only: material_t
+   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use omp_lib, only: omp_get_thread_num
+   use transfer_edges, only: add_edge_sums, cell_edges, edges
+   use transfer_scatter, only: scatter_values
+   implicit none
+   private
+
+   public :: choose_normalised, find_factors
+
+   !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of matter
+   !! beyond the scope
+   integer, parameter :: mass = 1, volume = 2, rest = 2, foreign = 6
+   real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
+   real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
+   real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign matter borne [1]
+
+contains
+
+   !> Materials whose sums are normalised; nothing is kept where there are none.
+   subroutine choose_normalised(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run with materials and method
+      integer :: n
+
+      associate (method => simulation%method)
+         if (.not. method%dual) return
+         if (method%normalise == "none") return
+         allocate (simulation%normalises(size(simulation%materials)), source=method%normalise == "all")
+         if (method%normalise == "fluids") simulation%normalises = &
+            [(flows(simulation%materials(n)), n=1, size(simulation%materials))]
+         if (.not. any(simulation%normalises)) then
+            deallocate (simulation%normalises)
+            return
+         end if
+         simulation%mean_alpha = mean_alpha(method%quadrature%alpha, &
+            method%quadrature%alpha_centre, simulation%grid%dimensions)
+      end associate
+   end subroutine choose_normalised
+
+   !> Is a material without strength? Loose grains have some.
+   pure logical function flows(material)
+      type(material_t), intent(in) :: material       !! The material
+
+      flows = .true.
+      if (allocated(material%law)) flows = .not. (material%law%has_shear() .or. &
+         material%law%has_grains() .or. material%law%whole())
+   end function flows
+
+   !> Factors of all edges and nodes for the particles as they are.
+   subroutine find_factors(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, allocatable :: tiles(:)
+      integer :: tile, part, n, columns
+
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+         call simulation%timer%start(simulation%phase%scatter)
+         columns = merge(foreign - 1, foreign, all(simulation%normalises))
+         call ensure_patch(nodes%counted, columns, number, simulation%tiles%own)
+         call ensure_patch(nodes%factor, cell_edges, simulation%grid%tile_cells, &
+            simulation%tiles%own)
+         do part = edge_tiles, inner_tiles
+            call next_tiles(simulation, part, tiles)
+            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp schedule(dynamic, 1)
+            do n = 1, size(tiles)
+               call count_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+                  simulation%nodes%counted(:, :, tiles(n)), &
+                  simulation%nodes%factor(:, :, tiles(n)))
+            end do
+            !$omp end parallel do
+            call pass_patches(simulation, part, nodes%counted)
+         end do
+         call simulation%timer%stop(simulation%phase%scatter)
+         call simulation%timer%start(simulation%phase%grid)
+         call ensure_patch(nodes%covered, 1, number, simulation%tiles%all)
+         call ensure_patch(nodes%normal, 4, number, simulation%tiles%all)
+         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%all
+            call judge_cells(simulation, tile)
+         end do
+         !$omp end parallel do
+         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%all
+            call judge_nodes(simulation, tile)
+         end do
+         !$omp end parallel do
+         call simulation%timer%stop(simulation%phase%grid)
+      end associate
+   end subroutine find_factors
+
+   !> Sums of the particles of a tile round its nodes and the edges of its cells.
+   subroutine count_tile(simulation, scratch, tile, patch, sums)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      real(wp), contiguous, intent(inout) :: sums(:, :)  !! (edge, cell) [m3]
+      integer :: index, p, l, first, count
+
+      call clear_patch(patch)
+      sums = 0.0_wp
+      do index = simulation%first_store, simulation%end_store()
+         count = simulation%stores(index)%count(tile)
+         if (count == 0) cycle
+         first = simulation%stores(index)%first(tile)
+         associate (store => simulation%stores(index), grid => simulation%grid, &
+            places => scratch%places, start => simulation%stores(index)%cell_start(:, tile))
+            call find_places(simulation, scratch, store, tile)
+            places%values(:count, 1) = store%matter%mass(first:first + count - 1)
+            call scatter_values(grid, start, places%local, 1, places%values, mass - 1, patch)
+            places%values(:count, 1) = store%matter%volume(first:first + count - 1)
+            do l = 1, 3
+               do p = 1, count
+                  places%values(p, 1 + l) = places%values(p, 1)*(1.0_wp - places%alpha(p, l))
+               end do
+            end do
+            call scatter_values(grid, start, places%blend, 4, places%values, volume - 1, patch)
+            if (.not. simulation%normalises(index)) call scatter_values(grid, start, &
+               places%blend, 1, places%values, foreign - 1, patch)
+            call add_edge_sums(grid, start, first, places%blend, places%alpha, &
+               store%matter%volume, sums)
+         end associate
+      end do
+   end subroutine count_tile
+
+   !> How far the cells of a tile are full, and the factors of their edges. What the node part
+   !! leaves to the cell, where its cell counts less than in full, the edges take.
+   subroutine judge_cells(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: sums(size(simulation%nodes%counted, 1), simulation%grid%tile_nodes)
+      real(wp) :: filled(volume, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
+      real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells), whole, mean
+      integer :: node, cell
+
+      associate (grid => simulation%grid, nodes => simulation%nodes, &
+         coordinate => simulation%tiles%coordinate(:, tile))
+         call assemble(grid, simulation%tiles, nodes%counted, tile, sums)
+         nodes%normal(:3, :, tile) = sums(rest + 1:rest + 3, :)
+         call grid%node_volume(coordinate, around)
+         call simulation%dual%cell_weights(grid, sums, volume, around, weight)
+         ! by the fill alone, with the same density everywhere
+         filled(mass, :) = around
+         filled(volume, :) = sums(volume, :)
+         if (size(sums, 1) >= foreign) then
+            do node = 1, size(sums, 2)
+               filled(volume, node) = max(0.0_wp, sums(volume, node) - clear*sums(foreign, node))
+            end do
+         end if
+         call simulation%dual%cell_weights(grid, filled, volume, around, full)
+         do cell = 1, size(full)
+            full(cell) = ramp(2.0_wp*full(cell) - 1.0_wp)
+         end do
+         call clear_patch(nodes%covered(:, :, tile))
+         call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
+         if (tile > simulation%tiles%own) return
+         whole = grid%depth*grid%spacing**grid%dimensions/real(2**(grid%dimensions - 1), wp)
+         mean = simulation%mean_alpha
+         do cell = 1, size(full)
+            call find_edges(full(cell), whole*(1.0_wp - (1.0_wp - mean)*weight(cell)), &
+               nodes%factor(:, cell, tile))
+         end do
+      end associate
+   end subroutine judge_cells
+
+   !> Factors of the edges of a cell from their sums. Equation (Q.7).
+   pure subroutine find_edges(full, whole, factor)
+      real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
+      real(wp), intent(in) :: whole                  !! Integral of the weight of an edge [m3]
+      real(wp), intent(inout) :: factor(:)           !! (edge) Sums [m3] in, factors [1] out
+      integer :: e
+
+      if (.not. full > 0.0_wp) then
+         factor = 1.0_wp
+         return
+      end if
+      do e = 1, size(factor)
+         factor(e) = 1.0_wp + full*(whole/min(max(factor(e), whole/greatest), whole/least) - 1.0_wp)
+      end do
+   end subroutine find_edges
+
+   !> What the node stress and the node gradient are multiplied by along each direction where the
+   !! cells around are full, and how far they are. Equation (Q.8).
+   subroutine judge_nodes(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: covered(1, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
+      real(wp) :: whole, cells
+      integer :: node, l
+
+      associate (grid => simulation%grid, nodes => simulation%nodes)
+         call assemble(grid, simulation%tiles, nodes%covered, tile, covered)
+         call grid%node_volume(simulation%tiles%coordinate(:, tile), around)
+         cells = real(2**grid%dimensions, wp)
+         do node = 1, size(around)
+            nodes%normal(4, node, tile) = 0.0_wp
+            if (.not. around(node) > empty_mass) cycle
+            nodes%normal(4, node, tile) = max(0.0_wp, &
+               1.0_wp - cells*(1.0_wp - covered(1, node)/around(node)))
+            whole = (1.0_wp - simulation%mean_alpha)*around(node)
+            do l = 1, 3
+               nodes%normal(l, node, tile) = (1.0_wp - simulation%mean_alpha) &
+                  /min(max(nodes%normal(l, node, tile), whole/greatest), whole/least)
+            end do
+         end do
+      end associate
+   end subroutine judge_nodes
+
+   !> Smooth way from 0 to 1 [1].
+   pure real(wp) function ramp(x) result(y)
+      real(wp), intent(in) :: x                      !! Below 0: 0, above 1: 1
+
+      y = min(max(x, 0.0_wp), 1.0_wp)
+      y = y*y*(3.0_wp - 2.0_wp*y)
+   end function ramp
+end module driver_normalise
