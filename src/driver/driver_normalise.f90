@@ -14,7 +14,9 @@ module driver_normalise
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_scatter, only: find_places
    use driver_simulation, only: empty_mass, scratch_t, simulation_t
+   use driver_walls, only: stand_walls
    use material_type, only: material_t
+   use mesh_rigid, only: held_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use transfer_edges, only: add_edge_sums, cell_edges, edges
@@ -69,6 +71,8 @@ contains
       integer :: tile, part, n, columns
 
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+         ! places of regions do not depend on how long the forces will act
+         if (allocated(simulation%rigid)) call stand_walls(simulation, 0.0_wp)
          call simulation%timer%start(simulation%phase%scatter)
          columns = merge(foreign - 1, foreign, all(simulation%normalises))
          call ensure_patch(nodes%counted, columns, number, simulation%tiles%own)
@@ -163,6 +167,8 @@ contains
                filled(volume, node) = max(0.0_wp, sums(volume, node) - clear*sums(foreign, node))
             end do
          end if
+         if (allocated(simulation%rigid)) call fill_held(simulation%rigid%held(tile), around, &
+            filled(volume, :))
          call simulation%dual%cell_weights(grid, filled, volume, around, full)
          do cell = 1, size(full)
             full(cell) = ramp(2.0_wp*full(cell) - 1.0_wp)
@@ -178,6 +184,17 @@ contains
          end do
       end associate
    end subroutine judge_cells
+
+   !> Nodes in rigid regions count as full: what a wall leaves of a cell carries the pressure of the
+   !! whole cell, and is compressed as fast as its walls approach each other, which is what the
+   !! integrals over the whole cell say.
+   pure subroutine fill_held(held, around, filled)
+      type(held_t), intent(in) :: held               !! Nodes of the tile in rigid regions
+      real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
+      real(wp), intent(inout) :: filled(:)           !! (node) That of particles [m3]
+
+      if (allocated(held%node)) filled(held%node) = around(held%node)
+   end subroutine fill_held
 
    !> Factors of the edges of a cell from their sums. Equation (Q.7).
    pure subroutine find_edges(full, whole, factor)
