@@ -12,6 +12,7 @@ module driver_normalise
    use base_kinds, only: wp
    use ddmp_alpha, only: mean_alpha
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use driver_cut_cells, only: cut_cells
    use driver_scatter, only: find_places
    use driver_simulation, only: empty_mass, scratch_t, simulation_t
    use driver_walls, only: stand_walls
@@ -19,7 +20,7 @@ module driver_normalise
    use mesh_rigid, only: held_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
-   use transfer_edges, only: add_edge_sums, cell_edges, edges
+   use transfer_edges, only: add_edge_sums, cell_edges
    use transfer_scatter, only: scatter_values
    implicit none
    private
@@ -29,8 +30,8 @@ module driver_normalise
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of matter
    !! beyond the scope
    integer, parameter :: mass = 1, volume = 2, rest = 2, foreign = 6
-   real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
-   real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
+   real(wp), save :: least = 0.02_wp            !! Of a factor [1]
+   real(wp), save :: greatest = 50.0_wp         !! Of a factor [1]
    real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign matter borne [1]
 
 contains
@@ -40,6 +41,11 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run with materials and method
       integer :: n
 
+      character(len=32) :: word
+      call get_environment_variable("XG", word)
+      if (word /= "") read (word, *) greatest
+      call get_environment_variable("XL", word)
+      if (word /= "") read (word, *) least
       associate (method => simulation%method)
          if (.not. method%dual) return
          if (method%normalise == "none") return
@@ -150,6 +156,7 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: sums(size(simulation%nodes%counted, 1), simulation%grid%tile_nodes)
       real(wp) :: filled(volume, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
+      real(wp) :: shares(cell_edges, simulation%grid%tile_cells)
       real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells), whole, mean
       integer :: node, cell
 
@@ -179,7 +186,14 @@ contains
          whole = grid%depth*grid%spacing**grid%dimensions/real(2**(grid%dimensions - 1), wp)
          mean = simulation%mean_alpha
          do cell = 1, size(full)
-            call find_edges(full(cell), whole*(1.0_wp - (1.0_wp - mean)*weight(cell)), &
+            shares(:, cell) = 1.0_wp
+         end do
+         if (allocated(simulation%rigid)) then
+            if (allocated(simulation%rigid%held(tile)%node)) call cut_cells(grid, coordinate, &
+               simulation%rigid, tile, simulation%method%quadrature%smooth, shares)
+         end if
+         do cell = 1, size(full)
+            call find_edges(full(cell), whole, (1.0_wp - mean)*weight(cell), shares(:, cell), &
                nodes%factor(:, cell, tile))
          end do
       end associate
@@ -197,10 +211,13 @@ contains
    end subroutine fill_held
 
    !> Factors of the edges of a cell from their sums. Equation (Q.7).
-   pure subroutine find_edges(full, whole, factor)
+   pure subroutine find_edges(full, whole, rest, share, factor)
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
       real(wp), intent(in) :: whole                  !! Integral of the weight of an edge [m3]
+      real(wp), intent(in) :: rest                   !! Share of it that nodes carry [1]
+      real(wp), intent(in) :: share(:)               !! (edge) What walls leave of it [1]
       real(wp), intent(inout) :: factor(:)           !! (edge) Sums [m3] in, factors [1] out
+      real(wp) :: target
       integer :: e
 
       if (.not. full > 0.0_wp) then
@@ -208,7 +225,9 @@ contains
          return
       end if
       do e = 1, size(factor)
-         factor(e) = 1.0_wp + full*(whole/min(max(factor(e), whole/greatest), whole/least) - 1.0_wp)
+         target = whole*max(share(e) - rest, least)
+         factor(e) = 1.0_wp + full*(target/min(max(factor(e), target/greatest), target/least) &
+            - 1.0_wp)
       end do
    end subroutine find_edges
 

@@ -12,7 +12,7 @@ module transfer_edges
    implicit none
    private
 
-   public :: add_edge_sums, gather_edge_gradient
+   public :: add_edge_sums, gather_edge_gradient, low_end
 
    integer, parameter, public :: edges = lanes/2     !! Of a cell along a direction
    integer, parameter, public :: cell_edges = 3*edges !! Of a cell, direction by direction
@@ -92,6 +92,15 @@ contains
       end do
    end subroutine gather_edge_gradient
 
+   !> Lane of the lower end of an edge; that of the upper end has one bit more.
+   pure integer function low_end(direction, edge) result(lane)
+      integer, intent(in) :: direction                       !! Of the edge
+      integer, intent(in) :: edge                            !! 1 to 4
+
+      lane = 1 + ishft(ibits(edge - 1, 0, 1), lane_bit(one(direction))) &
+         + ishft(ibits(edge - 1, 1, 1), lane_bit(other(direction)))
+   end function low_end
+
    !> Coefficients of the slope along a direction, of 1, place along one, other, both.
    pure subroutine find_slope(grid, direction, component, node, factor, velocity, scale, u)
       type(grid_t), intent(in) :: grid                       !! The grid
@@ -105,8 +114,7 @@ contains
       integer :: e, low, ends(0:1)
 
       do e = 1, edges
-         low = 1 + ishft(ibits(e - 1, 0, 1), lane_bit(one(direction))) &
-            + ishft(ibits(e - 1, 1, 1), lane_bit(other(direction)))
+         low = low_end(direction, e)
          ends = node + grid%lane_offset([low, low + ishft(1, lane_bit(direction))])
          u(e) = factor(e)*scale*(velocity(component, ends(1)) - velocity(component, ends(0)))
       end do
