@@ -150,17 +150,17 @@ contains
    !! Equation (Q.8) of doc/theory/quadratures.md.
    pure subroutine normalise(volume, normal, values)
       real(wp), contiguous, intent(in) :: volume(:)        !! (node) Of the dual gradient [m3]
-      real(wp), contiguous, intent(in) :: normal(:, :)     !! (4, node) Factors, how far they hold
+      real(wp), contiguous, intent(in) :: normal(:, :)     !! (7, node) Over sums; plain share
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (9, node) (k, l) in row k + 3 (l - 1)
-      real(wp) :: plain
+      real(wp) :: inverse
       integer :: node, l
 
       do node = 1, size(volume)
-         plain = 0.0_wp
-         if (volume(node) > empty_mass) plain = (1.0_wp - normal(4, node))/volume(node)
+         inverse = 0.0_wp
+         if (volume(node) > empty_mass) inverse = 1.0_wp/volume(node)
          do l = 1, 3
             values(3*l - 2:3*l, node) = values(3*l - 2:3*l, node) &
-               *(plain + normal(4, node)*normal(l, node))
+               *(normal(4 + l, node)*inverse + normal(l, node))
          end do
       end do
    end subroutine normalise

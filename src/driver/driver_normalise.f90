@@ -30,6 +30,7 @@ module driver_normalise
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of matter
    !! beyond the scope
    integer, parameter :: mass = 1, volume = 2, rest = 2, foreign = 6
+   integer, parameter :: rows = 7                    !! Of what nodes keep
    real(wp), save :: least = 0.02_wp            !! Of a factor [1]
    real(wp), save :: greatest = 50.0_wp         !! Of a factor [1]
    real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign matter borne [1]
@@ -99,7 +100,7 @@ contains
          call simulation%timer%stop(simulation%phase%scatter)
          call simulation%timer%start(simulation%phase%grid)
          call ensure_patch(nodes%covered, 1, number, simulation%tiles%all)
-         call ensure_patch(nodes%normal, 4, number, simulation%tiles%all)
+         call ensure_patch(nodes%normal, rows, number, simulation%tiles%all)
          !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
          do tile = 1, simulation%tiles%all
             call judge_cells(simulation, tile)
@@ -158,6 +159,7 @@ contains
       real(wp) :: filled(volume, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
       real(wp) :: shares(cell_edges, simulation%grid%tile_cells)
       real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells), whole, mean
+      real(wp) :: own(simulation%grid%tile_cells)
       integer :: node, cell
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
@@ -168,12 +170,17 @@ contains
          call simulation%dual%cell_weights(grid, sums, volume, around, weight)
          ! by the fill alone, with the same density everywhere
          filled(mass, :) = around
-         filled(volume, :) = sums(volume, :)
+         nodes%normal(5, :, tile) = 1.0_wp
+         own = 1.0_wp
          if (size(sums, 1) >= foreign) then
             do node = 1, size(sums, 2)
-               filled(volume, node) = max(0.0_wp, sums(volume, node) - clear*sums(foreign, node))
+               nodes%normal(5, node, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, node) &
+                  /max(sums(volume, node), empty_mass))
             end do
+            filled(volume, :) = 0.5_wp*nodes%normal(5, :, tile)*around
+            call simulation%dual%cell_weights(grid, filled, volume, around, own)
          end if
+         filled(volume, :) = nodes%normal(5, :, tile)*sums(volume, :)
          if (allocated(simulation%rigid)) call fill_held(simulation%rigid%held(tile), around, &
             filled(volume, :))
          call simulation%dual%cell_weights(grid, filled, volume, around, full)
@@ -193,7 +200,7 @@ contains
                simulation%rigid, tile, simulation%method%quadrature%smooth, shares)
          end if
          do cell = 1, size(full)
-            call find_edges(full(cell), whole, (1.0_wp - mean)*weight(cell), shares(:, cell), &
+            call find_edges(full(cell), own(cell), whole, (1.0_wp - mean)*weight(cell), shares(:, cell), &
                nodes%factor(:, cell, tile))
          end do
       end associate
@@ -210,24 +217,23 @@ contains
       if (allocated(held%node)) filled(held%node) = around(held%node)
    end subroutine fill_held
 
-   !> Factors of the edges of a cell from their sums. Equation (Q.7).
-   pure subroutine find_edges(full, whole, rest, share, factor)
+   !> Factors of the edges of a cell from their sums. Less matter than room may be a free surface; more
+   !! matter than room is wrong in any case. Equation (Q.7).
+   ! gate: long kernel because an edge is told by all that takes part in its integral
+   pure subroutine find_edges(full, own, whole, rest, share, factor)
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
+      real(wp), intent(in) :: own                    !! How far its matter is in the scope, 0 to 1
       real(wp), intent(in) :: whole                  !! Integral of the weight of an edge [m3]
       real(wp), intent(in) :: rest                   !! Share of it that nodes carry [1]
       real(wp), intent(in) :: share(:)               !! (edge) What walls leave of it [1]
       real(wp), intent(inout) :: factor(:)           !! (edge) Sums [m3] in, factors [1] out
-      real(wp) :: target
+      real(wp) :: target, ratio
       integer :: e
 
-      if (.not. full > 0.0_wp) then
-         factor = 1.0_wp
-         return
-      end if
       do e = 1, size(factor)
          target = whole*max(share(e) - rest, least)
-         factor(e) = 1.0_wp + full*(target/min(max(factor(e), target/greatest), target/least) &
-            - 1.0_wp)
+         ratio = target/min(max(factor(e), target/greatest), target/least)
+         factor(e) = 1.0_wp + merge(own, full, ratio < 1.0_wp)*(ratio - 1.0_wp)
       end do
    end subroutine find_edges
 
@@ -237,7 +243,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: covered(1, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
-      real(wp) :: whole, cells
+      real(wp) :: whole, cells, own, ratio
       integer :: node, l
 
       associate (grid => simulation%grid, nodes => simulation%nodes)
@@ -245,15 +251,19 @@ contains
          call grid%node_volume(simulation%tiles%coordinate(:, tile), around)
          cells = real(2**grid%dimensions, wp)
          do node = 1, size(around)
-            nodes%normal(4, node, tile) = 0.0_wp
-            if (.not. around(node) > empty_mass) cycle
-            nodes%normal(4, node, tile) = max(0.0_wp, &
-               1.0_wp - cells*(1.0_wp - covered(1, node)/around(node)))
-            whole = (1.0_wp - simulation%mean_alpha)*around(node)
-            do l = 1, 3
-               nodes%normal(l, node, tile) = (1.0_wp - simulation%mean_alpha) &
-                  /min(max(nodes%normal(l, node, tile), whole/greatest), whole/least)
-            end do
+            associate (normal => nodes%normal(:, node, tile))
+               own = normal(5)
+               normal(4) = 0.0_wp
+               normal(5:7) = 0.0_wp
+               if (.not. around(node) > empty_mass) cycle
+               normal(4) = max(0.0_wp, 1.0_wp - cells*(1.0_wp - covered(1, node)/around(node)))
+               whole = (1.0_wp - simulation%mean_alpha)*around(node)
+               do l = 1, 3
+                  ratio = whole/min(max(normal(l), whole/greatest), whole/least)
+                  normal(4 + l) = (1.0_wp - normal(4))*(1.0_wp + own*(min(1.0_wp, ratio) - 1.0_wp))
+                  normal(l) = normal(4)*ratio/around(node)
+               end do
+            end associate
          end do
       end associate
    end subroutine judge_nodes

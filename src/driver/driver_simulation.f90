@@ -66,8 +66,9 @@ module driver_simulation
       real(wp), allocatable :: unit(:, :, :)         !! Patch (3): wrong force of unit stress [m2]
       real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force for that [N]
       !> With normalised sums. Patch (5 or 6): mass, volume, volume times 1 - alpha of three
-      !! directions, volume beyond the scope; patch (1): volume of full cells [m3]; (4): factors of
-      !! the three directions over the volume of the dual gradient [1/m3], how far they hold [1]
+      !! directions, volume beyond the scope; patch (1): volume of full cells [m3]; (7): factors of
+      !! the three directions [1/m3], how far cells around are full [1], and of the three directions
+      !! those of the plain sums [1]
       real(wp), allocatable :: counted(:, :, :), covered(:, :, :), normal(:, :, :)
       real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) The same, of edges [1]
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
