@@ -74,6 +74,7 @@ contains
          end do
       end do
       do l = 1, 3
+         if (.not. grid%active(l)) cycle
          do e = 1, edges
             low = low_end(l, e)
             next = low + ishft(1, lane_bit(l))

@@ -88,7 +88,9 @@ contains
          if (.not. nodes%lean) call keep_sums(nodes, tile, sums)
          if (simulation%repacks) nodes%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
-         call simulation%dual%cell_weights(grid, sums, filled, around, nodes%weight(:, tile))
+         ! with normalised sums they are known
+         if (.not. allocated(simulation%normalises)) call simulation%dual%cell_weights(grid, sums, &
+            filled, around, nodes%weight(:, tile))
          call empty_box(nodes%weighted%box(:, :, tile))
          weighs = nodes%weight(:, tile) > 0.0_wp
          call widen_box(grid, weighs, nodes%weighted%box(:, :, tile))

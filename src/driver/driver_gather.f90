@@ -11,6 +11,7 @@ module driver_gather
    use driver_method, only: method_t, stress_before
    use driver_nodes, only: recall_seen
    use driver_packing, only: excess_fill, repack
+   use driver_relax, only: relax_pressures
    use driver_retire, only: erode_tile, fastest_left, retire_tile
    use driver_scatter, only: find_places, nodes_seen
    use driver_simulation, only: scratch_t, simulation_t
@@ -122,7 +123,8 @@ contains
       integer :: index
 
       if (allocated(simulation%contact)) then
-         if (all(counts(simulation, tile) == 0)) return
+         if (all([(simulation%stores(index)%count(tile) == 0, &
+            index=simulation%first_store, simulation%last_store)])) return
       end if
       call recall_seen(simulation, tile)
       call look(simulation, tile, parts, view)
@@ -154,18 +156,6 @@ contains
          end associate
       end do
    end subroutine gather_tile
-
-   !> Particles of the velocity field at hand in a tile, by store.
-   pure function counts(simulation, tile) result(particles)
-      type(simulation_t), intent(in) :: simulation   !! The run with contact
-      integer, intent(in) :: tile                    !! Which tile
-      integer :: particles(simulation%first_store:simulation%last_store)
-      integer :: index
-
-      do index = simulation%first_store, simulation%last_store
-         particles(index) = simulation%stores(index)%count(tile)
-      end do
-   end function counts
 
    !> Heat of contact to the particles of a tile; matter that carries no internal energy books it.
    subroutine add_rubbed(simulation, scratch, store, tile)
@@ -462,6 +452,8 @@ contains
          end if
          call scratch%laps%update(simulation%materials(index), store%matter, deformation, &
             first, first + n - 1, dt, simulation%grid%spacing)
+         if (relaxes(simulation, index)) call relax_pressures(simulation%grid, store, tile, &
+            deformation%wave_speed, dt)
          fastest = 0.0_wp
          do p = 1, n
             fastest = max(fastest, &
@@ -471,6 +463,15 @@ contains
          call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
       end associate
    end subroutine strain_particles
+
+   !> Are pressures of the particles of a material in a cell brought together?
+   pure logical function relaxes(simulation, index) result(yes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
+
+      yes = allocated(simulation%normalises) .and. allocated(simulation%stores(index)%matter%energy)
+      if (yes) yes = simulation%flows(index)
+   end function relaxes
 
    !> Book what artificial viscosity and plastic flow took.
    subroutine book_losses(ledger, material, matter, deformation, count)

@@ -18,7 +18,7 @@ module driver_normalise
    use driver_walls, only: stand_walls
    use material_type, only: material_t
    use mesh_rigid, only: held_t
-   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
    use transfer_edges, only: add_edge_sums, cell_edges
    use transfer_scatter, only: scatter_values
@@ -50,9 +50,8 @@ contains
       associate (method => simulation%method)
          if (.not. method%dual) return
          if (method%normalise == "none") return
-         allocate (simulation%normalises(size(simulation%materials)), source=method%normalise == "all")
-         if (method%normalise == "fluids") simulation%normalises = &
-            [(flows(simulation%materials(n)), n=1, size(simulation%materials))]
+         simulation%flows = [(flows(simulation%materials(n)), n=1, size(simulation%materials))]
+         simulation%normalises = simulation%flows .or. method%normalise == "all"
          if (.not. any(simulation%normalises)) then
             deallocate (simulation%normalises)
             return
@@ -99,6 +98,7 @@ contains
          end do
          call simulation%timer%stop(simulation%phase%scatter)
          call simulation%timer%start(simulation%phase%grid)
+         call ensure_weights(nodes%weight, simulation%grid%tile_cells, simulation%tiles%all)
          call ensure_patch(nodes%covered, 1, number, simulation%tiles%all)
          call ensure_patch(nodes%normal, rows, number, simulation%tiles%all)
          !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
@@ -189,16 +189,19 @@ contains
          end do
          call clear_patch(nodes%covered(:, :, tile))
          call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
-         if (tile > simulation%tiles%own) return
-         whole = grid%depth*grid%spacing**grid%dimensions/real(2**(grid%dimensions - 1), wp)
-         mean = simulation%mean_alpha
-         do cell = 1, size(full)
-            shares(:, cell) = 1.0_wp
-         end do
+         shares = 1.0_wp
          if (allocated(simulation%rigid)) then
             if (allocated(simulation%rigid%held(tile)%node)) call cut_cells(grid, coordinate, &
                simulation%rigid, tile, simulation%method%quadrature%smooth, shares)
+            ! nodes must not carry more than there is room for
+            do cell = 1, size(full)
+               weight(cell) = min(weight(cell), minval(shares(:, cell)))
+            end do
          end if
+         nodes%weight(:size(weight), tile) = weight
+         if (tile > simulation%tiles%own) return
+         whole = grid%depth*grid%spacing**grid%dimensions/real(2**(grid%dimensions - 1), wp)
+         mean = simulation%mean_alpha
          do cell = 1, size(full)
             call find_edges(full(cell), own(cell), whole, (1.0_wp - mean)*weight(cell), shares(:, cell), &
                nodes%factor(:, cell, tile))

@@ -197,7 +197,8 @@ module driver_simulation
       real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       type(conduction_t), allocatable :: conduction  !! If some material conducts heat
-      logical, allocatable :: normalises(:)          !! (material) If its sums are normalised, are they?
+      !> (material) If sums are normalised, are its own, and is it without strength?
+      logical, allocatable :: normalises(:), flows(:)
       real(wp) :: mean_alpha = 0.0_wp                !! Mean of alpha over a cell, for that [1]
       logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
       logical :: keeps_nodes = .false.               !! Are the fields of all nodes asked for?
