@@ -147,7 +147,7 @@ contains
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt, &
                fastest)
             if (parts%motion) then
-               call move_particles(simulation, scratch, store, tile, view, dt)
+               call move_particles(simulation, scratch, index, tile, view, dt)
                call place_tile(simulation%grid, simulation%boundary, &
                   simulation%tiles%coordinate(:, tile), store, tile)
                call judge_particles(simulation, scratch, index, tile, fastest, steepest)
@@ -341,19 +341,20 @@ contains
    end subroutine repack_particles
 
    !> New velocities and positions of the particles of a tile.
-   subroutine move_particles(simulation, scratch, store, tile, view, dt)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine move_particles(simulation, scratch, index, tile, view, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
 
       associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
-         start => store%cell_start(:, tile), first => store%first(tile))
+         store => simulation%stores(index), start => simulation%stores(index)%cell_start(:, tile), &
+         first => simulation%stores(index)%first(tile))
          call method%basis%gather_motion(grid, start, first, places, view%push, view%carry, &
             method%transfer%keep(), dt, store%velocity, store%position)
-         if (.not. method%transfer%affine() .or. strained(method)) return
+         if (.not. method%transfer%affine() .or. strained(simulation, index)) return
          call find_slopes(simulation, places, start, view%after, view%gradient, &
             scratch%deformation%gradient)
          call keep_affine(store, tile, 1.0_wp, scratch%deformation%gradient)
@@ -361,11 +362,15 @@ contains
    end subroutine move_particles
 
    !> Do linear velocity fields come from the strain of the step? The modified gradient is less
-   !! noisy than that of the cell, and after the step it is that of the new velocities.
-   pure logical function strained(method) result(renewed)
-      type(method_t), intent(in) :: method           !! The method
+   !! noisy than that of the cell, and after the step it is that of the new velocities. With
+   !! normalised sums it is not: there a linear field has no uniform gradient.
+   pure logical function strained(simulation, index) result(renewed)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
 
-      renewed = method%dual .and. method%stress /= stress_before
+      renewed = simulation%method%dual .and. simulation%method%stress /= stress_before
+      if (renewed .and. allocated(simulation%normalises)) &
+         renewed = .not. simulation%normalises(index)
    end function strained
 
    !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
@@ -443,7 +448,7 @@ contains
          call stretch_tile(store, tile, deformation%gradient)
          if (allocated(method%splitting)) call find_opening(method%splitting, &
             simulation%grid%spacing, store, tile, deformation%gradient, dt)
-         if (method%transfer%affine() .and. strained(method)) &
+         if (method%transfer%affine() .and. strained(simulation, index)) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          if (method%stress == stress_before .and. method%leapfrog) then
             call centre_backward(n, deformation%plane, deformation%gradient)
@@ -452,8 +457,7 @@ contains
          end if
          call scratch%laps%update(simulation%materials(index), store%matter, deformation, &
             first, first + n - 1, dt, simulation%grid%spacing)
-         if (relaxes(simulation, index)) call relax_pressures(simulation%grid, store, tile, &
-            deformation%wave_speed, dt)
+         call relax_pressures(simulation, index, tile, deformation%wave_speed, dt)
          fastest = 0.0_wp
          do p = 1, n
             fastest = max(fastest, &
@@ -463,15 +467,6 @@ contains
          call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
       end associate
    end subroutine strain_particles
-
-   !> Are pressures of the particles of a material in a cell brought together?
-   pure logical function relaxes(simulation, index) result(yes)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: index                   !! Which material
-
-      yes = allocated(simulation%normalises) .and. allocated(simulation%stores(index)%matter%energy)
-      if (yes) yes = simulation%flows(index)
-   end function relaxes
 
    !> Book what artificial viscosity and plastic flow took.
    subroutine book_losses(ledger, material, matter, deformation, count)

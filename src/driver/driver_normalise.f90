@@ -31,8 +31,8 @@ module driver_normalise
    !! beyond the scope
    integer, parameter :: mass = 1, volume = 2, rest = 2, foreign = 6
    integer, parameter :: rows = 7                    !! Of what nodes keep
-   real(wp), save :: least = 0.02_wp            !! Of a factor [1]
-   real(wp), save :: greatest = 50.0_wp         !! Of a factor [1]
+   real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
+   real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
    real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign matter borne [1]
 
 contains
@@ -42,11 +42,6 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run with materials and method
       integer :: n
 
-      character(len=32) :: word
-      call get_environment_variable("XG", word)
-      if (word /= "") read (word, *) greatest
-      call get_environment_variable("XL", word)
-      if (word /= "") read (word, *) least
       associate (method => simulation%method)
          if (.not. method%dual) return
          if (method%normalise == "none") return

@@ -9,42 +9,41 @@
 !! Equations (Q.10) and (Q.11) of doc/theory/quadratures.md.
 module driver_relax
    use base_kinds, only: wp
-   use mesh_grid, only: grid_t
-   use particle_store, only: store_t
+   use driver_simulation, only: simulation_t
    implicit none
    private
 
    public :: relax_pressures
 
    real(wp), parameter :: most = 0.05_wp             !! Change of a volume in a step [1]
-   real(wp), save :: pace = -1.0_wp               !! Over the time that a signal needs for a cell
+   !> Share of a difference that goes in the time that a signal needs for a cell [1]
+   real(wp), parameter :: pace = 0.2_wp
 
 contains
 
-   !> Bring the pressures of the particles of a tile nearer to the mean of their cell.
-   subroutine relax_pressures(grid, store, tile, speed, dt)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(inout) :: store          !! Particles of a material that carries energy
+   !> Bring the pressures of the particles of a material in a tile nearer to the mean of their cell,
+   !! if the material is without strength, carries energy and has normalised sums.
+   subroutine relax_pressures(simulation, index, tile, speed, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
-      integer :: cell, first
-      character(len=32) :: word
+      integer :: cell, before, low, high
 
-      if (pace < 0.0_wp) then
-         pace = 0.2_wp
-         call get_environment_variable("XK", word)
-         if (word /= "") read (word, *) pace
-      end if
-      first = store%first(tile)
-      do cell = 0, grid%tile_cells - 1
-         associate (low => store%cell_start(cell, tile) + 1, high => store%cell_start(cell + 1, tile))
+      if (.not. allocated(simulation%flows)) return
+      if (.not. simulation%flows(index)) return
+      associate (store => simulation%stores(index), grid => simulation%grid)
+         if (.not. allocated(store%matter%energy)) return
+         before = store%first(tile) - 1
+         do cell = 0, grid%tile_cells - 1
+            low = store%cell_start(cell, tile) + 1
+            high = store%cell_start(cell + 1, tile)
             if (high <= low) cycle
-            call relax_cell(first + low - 1, first + high - 1, speed(low:high), &
-               pace*dt/grid%spacing, store%matter%mass, store%matter%volume, &
-               store%matter%energy, store%matter%stress)
-         end associate
-      end do
+            call relax_cell(before + low, before + high, speed(low:high), pace*dt/grid%spacing, &
+               store%matter%mass, store%matter%volume, store%matter%energy, store%matter%stress)
+         end do
+      end associate
    end subroutine relax_pressures
 
    !> The particles of one cell.
@@ -61,8 +60,9 @@ contains
       real(wp) :: soft(low:high), excess(low:high), mean, share, change, steepest
       integer :: p
 
-      ! volume over the stiffness against its change
-      soft = volume(low:high)**2/(mass(low:high)*max(speed, tiny(rate)**0.25_wp)**2)
+      ! volume over the stiffness against its change; matter without waves has no pressure either
+      if (.not. minval(speed) > 0.0_wp) return
+      soft = volume(low:high)**2/(mass(low:high)*speed**2)
       excess = -(stress(low:high, 1) + stress(low:high, 2) + stress(low:high, 3))/3.0_wp
       mean = sum(soft*excess)/sum(soft)
       excess = excess - mean
