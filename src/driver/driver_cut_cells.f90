@@ -2,8 +2,8 @@
 !> Cells that rigid regions cut, for normalised sums: what of the weight of each edge lies outside.
 !!
 !! Matter fills what a region leaves of a cell. Across its surface it carries the pressure of the
-!! whole cell, since the node beyond moves with the wall; along the surface there is as much of it as
-!! there is room, which is found where the surface meets the edges that end in it.
+!! whole cell, since the node beyond moves with the wall; along the surface there is as much of it
+!! as there is room, which is found where the surface meets the edges that end in it.
 module driver_cut_cells
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes

@@ -27,8 +27,8 @@ module driver_normalise
 
    public :: choose_normalised, find_factors
 
-   !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of matter
-   !! beyond the scope
+   !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
+   !! matter beyond the scope
    integer, parameter :: mass = 1, volume = 2, rest = 2, foreign = 6
    integer, parameter :: rows = 7                    !! Of what nodes keep
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
@@ -72,8 +72,6 @@ contains
       integer :: tile, part, n, columns
 
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
-         ! places of regions do not depend on how long the forces will act
-         if (allocated(simulation%rigid)) call stand_walls(simulation, 0.0_wp)
          call simulation%timer%start(simulation%phase%scatter)
          columns = merge(foreign - 1, foreign, all(simulation%normalises))
          call ensure_patch(nodes%counted, columns, number, simulation%tiles%own)
@@ -93,6 +91,8 @@ contains
          end do
          call simulation%timer%stop(simulation%phase%scatter)
          call simulation%timer%start(simulation%phase%grid)
+         ! their places do not depend on how long the forces will act; all tiles are known by now
+         if (allocated(simulation%rigid)) call stand_walls(simulation, 0.0_wp)
          call ensure_weights(nodes%weight, simulation%grid%tile_cells, simulation%tiles%all)
          call ensure_patch(nodes%covered, 1, number, simulation%tiles%all)
          call ensure_patch(nodes%normal, rows, number, simulation%tiles%all)
@@ -198,8 +198,8 @@ contains
          whole = grid%depth*grid%spacing**grid%dimensions/real(2**(grid%dimensions - 1), wp)
          mean = simulation%mean_alpha
          do cell = 1, size(full)
-            call find_edges(full(cell), own(cell), whole, (1.0_wp - mean)*weight(cell), shares(:, cell), &
-               nodes%factor(:, cell, tile))
+            call find_edges(full(cell), own(cell), whole, (1.0_wp - mean)*weight(cell), &
+               shares(:, cell), nodes%factor(:, cell, tile))
          end do
       end associate
    end subroutine judge_cells
@@ -215,8 +215,8 @@ contains
       if (allocated(held%node)) filled(held%node) = around(held%node)
    end subroutine fill_held
 
-   !> Factors of the edges of a cell from their sums. Less matter than room may be a free surface; more
-   !! matter than room is wrong in any case. Equation (Q.7).
+   !> Factors of the edges of a cell from their sums. Less matter than room may be a free surface;
+   !! more matter than room is wrong in any case. Equation (Q.7).
    ! gate: long kernel because an edge is told by all that takes part in its integral
    pure subroutine find_edges(full, own, whole, rest, share, factor)
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1

@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Pressure differences that nodes do not see, between the particles of a cell.
 !!
-!! With normalised sums the volumes of a closed box stay right in sum, and each particle is strained
-!! by more or less than the mean of its neighbours, as it lies. Nodes do not see what differs between
-!! particles of a cell, so nothing brings it back. In matter without strength waves would, within the
-!! time that a signal needs for a cell: particles of higher pressure than the mean expand against it,
-!! others give way, with the same sum of volumes and of energies. Entropy can only grow by it.
+!! With normalised sums the volumes of a closed box stay right in sum, and each particle is
+!! strained by more or less than the mean of its neighbours, as it lies. Nodes do not see what
+!! differs between particles of a cell, so nothing brings it back. In matter without strength waves
+!! would, within the time that a signal needs for a cell: particles of higher pressure than the mean
+!! expand against it, others give way, with the same sum of volumes and of energies. Entropy can
+!! only grow by it.
 !! Equations (Q.10) and (Q.11) of doc/theory/quadratures.md.
 module driver_relax
    use base_kinds, only: wp
@@ -52,7 +53,7 @@ contains
       integer, intent(in) :: low                     !! First particle of the cell
       integer, intent(in) :: high                    !! Last one
       real(wp), intent(in) :: speed(low:high)        !! (particle) Of waves [m/s]
-      real(wp), intent(in) :: rate                   !! Share relaxed in a step over that speed [s/m]
+      real(wp), intent(in) :: rate                   !! Share of a step over that speed [s/m]
       real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
       real(wp), contiguous, intent(inout) :: volume(:) !! (particle) [m3]
       real(wp), contiguous, intent(inout) :: energy(:) !! (particle) [J/kg]

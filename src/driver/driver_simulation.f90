@@ -70,7 +70,7 @@ module driver_simulation
       !! the three directions [1/m3], how far cells around are full [1], and of the three directions
       !! those of the plain sums [1]
       real(wp), allocatable :: counted(:, :, :), covered(:, :, :), normal(:, :, :)
-      real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) The same, of edges [1]
+      real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       type(pieces_t) :: share                        !! (1) Volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]

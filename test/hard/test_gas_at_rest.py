@@ -12,9 +12,12 @@ limit 1e-10 of it. The same gas without normalised sums must move by more than 1
 scene shows nothing. Slow piston: 7.5 m/s against 340 m/s, to 40 % of the length: shocks of Mach 0.02 make no entropy
 that counts, so the pressure is that of the adiabat, p V^1.4 constant; target 1 % for the mean over the volume and 2 %
 for the deviation from it, of which 0.5 % is the sound of the start that runs to and fro. In the plane with jittered
-particles a known miss. Explosion: radius of the shock by J. R. Kamm, F. X. Timmes, LA-UR-07-2849 (2007), cylinder,
-gamma = 1.4, which is 0.75 at time 1; the middle of a shock that is spread over two cells is known to half a cell: 1.5 %
-of the radius with 50 cells in the box. Energy everywhere: rounding, 1e-12.
+particles and the default transfer a known miss, held at 10 % and 6 %, a third of what it is without normalised sums.
+The same bits for any ranks and threads and after a restart while the piston is under way. Explosion: radius of the shock by J. R. Kamm, F. X. Timmes, LA-UR-07-2849 (2007), cylinder,
+gamma = 1.4, which is 0.75 at time 1. A shock may be spread over six cells (H-10 in test/hard/README.md), and where the
+density of such a peak is halfway up is at most a quarter of that, 1.5 cells, outside of it. Particles are halved where
+they have become long, so no cell is hollow and their volumes sum up to the box: 1e-3, what strains of 0.3 in a step
+leave in their squares. Energy everywhere: rounding, 1e-12.
 """
 # tiers: smoke, full
 # timeout: 600
@@ -110,15 +113,29 @@ def press(options, sheet, name, dimension, packing, words="", known=None):
         sheet.below(f"{name}: its deviation", spread, 0.02)
 
 
+def layouts(options, sheet):
+    """The same bits for any ranks and threads and after a restart."""
+    size, hi = 0.05, "0.7,0.4,0.4"
+    bodies = gas("0.5,0.4,0.4", "3,1,3", "jitter") + PISTON.format(length=0.5)
+    deck = DECK.format(dimension="plane_strain", hi=hi, size=size, end=1.0, steps="max_steps=80", words="",
+                       density=DENSITY, gamma=GAMMA, bodies=bodies).replace("at_end=.false.", "at_end=.true.")
+    digests = [case.Case(options, f"layout_{ranks}_{threads}", deck, ranks, threads).run("-q").summary["digest"]
+               for ranks, threads in ((1, 1), (1, 2), (3, 1))]
+    again = case.Case(options, "layout_again", deck, 2)
+    again.run("-q", "-s", "time.max_steps=40")
+    again.run("-q", "--restart")
+    sheet.require(len({*digests, again.summary["digest"]}) == 1, f"one digest for any layout: {digests}")
+
+
 def explode(options, sheet, cells):
     """The shock of an explosion in a plane: where the density is halfway up to its greatest."""
-    size, words = 1.2 / cells, "transfer='flip'  flip=0.99"
+    size = 1.2 / cells
     hot, edge = 2.0 * size, "1.2,1,1.2"
     bodies = (gas(f"{hot!r},1,{hot!r}", "2,1,2", "lattice", 0.311357 / 4.0 / hot ** 2, "hot")
               + "&region  name='rest'  shape='difference'  of='cold','hot' /\n"
               + gas(edge, "2,1,2", "lattice", 1.0e-6, "cold", "rest"))
     name = f"explosion_{cells}"
-    box, last = run(options, name, "plane_strain", edge, size, bodies, density=1.0, words=words)
+    box, last = run(options, name, "plane_strain", edge, size, bodies, density=1.0, words="split=.true.")
     mass, volume = last.need("mass", "volume")
     radii = np.hypot(last.points[:, 0], last.points[:, 2])
     places = size * np.arange(cells + 1)
@@ -128,9 +145,8 @@ def explode(options, sheet, cells):
     radius = 0.5 * (places[last_one] + places[last_one + 1]) \
         + size * (density[last_one] - level) / (density[last_one] - density[last_one + 1])
     sheet.below(f"{name}: energy", box.summary["ledger"]["energy_error"], BOOKS)
-    sheet.near(f"{name}: radius of the shock", radius, 0.75, 0.5 * size / 0.75)
-    # hollow cells leave the sum open by what lies in them; it must not run away
-    sheet.below(f"{name}: sum of volumes over the box", volume.sum() / 1.44 - 1.0, 0.25)
+    sheet.near(f"{name}: radius of the shock", radius, 0.75, 1.5 * size / 0.75)
+    sheet.below(f"{name}: sum of volumes over the box", volume.sum() / 1.44 - 1.0, 1.0e-3)
 
 
 def main():
@@ -141,9 +157,11 @@ def main():
     for dimension in SCENES:
         rest(options, sheet, dimension, 10000 if full else 300)
     press(options, sheet, "piston", "1d", "jitter")
+    layouts(options, sheet)
     if full:
         press(options, sheet, "piston_plane", "plane_strain", "lattice", "transfer='flip'  flip=0.99")
-        press(options, sheet, "piston_jitter", "plane_strain", "jitter", "transfer='pic'", known=(2.0, 4.0))
+        press(options, sheet, "piston_jitter", "plane_strain", "jitter", "transfer='pic'")
+        press(options, sheet, "piston_default", "plane_strain", "jitter", known=(10.0, 6.0))
         explode(options, sheet, 50)
     sheet.end()
 
