@@ -26,7 +26,7 @@ contains
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       type(rigid_t), intent(in) :: rigid             !! The regions, nodes in them found
       integer, intent(in) :: tile                    !! Index of the tile
-      logical, intent(in) :: smooth                  !! Do places enter by (M.11)?
+      logical, intent(in) :: smooth                  !! Do places enter smoothly?
       real(wp), intent(inout) :: shares(:, 0:)       !! (edge, cell) [1]
       integer :: owner(grid%tile_nodes), ends(lanes), cell, n
 
@@ -55,7 +55,7 @@ contains
       type(wall_t), intent(in) :: wall(:)            !! The regions
       integer, intent(in) :: node                    !! First node of the cell
       integer, intent(in) :: ends(lanes)             !! (lane) Region that covers the node, 0 = none
-      logical, intent(in) :: smooth                  !! Do places enter by (M.11)?
+      logical, intent(in) :: smooth                  !! Do places enter smoothly?
       real(wp), intent(inout) :: share(:)            !! (edge) [1]
       real(wp) :: outside(lanes, 3), place(3), at
       integer :: lane, next, l, e, k, low

@@ -136,7 +136,7 @@ contains
          call find_volumes(simulation, tile, slot)
          call nodes%motion(2)%assemble(grid, simulation%tiles, nodes%touched, tile, stress)
          if (allocated(nodes%normal)) then
-            call normalise(nodes%volume(1, :, slot), nodes%normal(:, :, tile), stress)
+            call normalise(nodes%volume(:, :, slot), nodes%normal(:, :, tile), stress)
          else
             call divide(nodes%volume(:, :, slot), 1, stress)
          end if
@@ -151,15 +151,15 @@ contains
    !> Divide by the volumes of the nodes, or by the sums of their particles, direction by direction.
    !! Equation (Q.8) of doc/theory/quadratures.md.
    pure subroutine normalise(volume, normal, values)
-      real(wp), contiguous, intent(in) :: volume(:)        !! (node) Of the dual gradient [m3]
+      real(wp), contiguous, intent(in) :: volume(:, :)     !! (1, node) Of the dual gradient [m3]
       real(wp), contiguous, intent(in) :: normal(:, :)     !! (7, node) Over sums; plain share
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (9, node) (k, l) in row k + 3 (l - 1)
       real(wp) :: inverse
       integer :: node, l
 
-      do node = 1, size(volume)
+      do node = 1, size(volume, 2)
          inverse = 0.0_wp
-         if (volume(node) > empty_mass) inverse = 1.0_wp/volume(node)
+         if (volume(1, node) > empty_mass) inverse = 1.0_wp/volume(1, node)
          do l = 1, 3
             values(3*l - 2:3*l, node) = values(3*l - 2:3*l, node) &
                *(normal(4 + l, node)*inverse + normal(l, node))
@@ -227,7 +227,7 @@ contains
          gradient)
       call nodes_seen(simulation, tile, low, high)
       if (allocated(simulation%nodes%normal)) then
-         call normalise(simulation%nodes%volume(1, low:high, simulation%nodes%slot(tile)), &
+         call normalise(simulation%nodes%volume(:, low:high, simulation%nodes%slot(tile)), &
             simulation%nodes%normal(:, low:high, tile), gradient(:, low:high))
       else
          call divide(simulation%nodes%volume(:, low:high, simulation%nodes%slot(tile)), 1, &

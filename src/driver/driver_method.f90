@@ -85,9 +85,9 @@ contains
       call schema%text("method", "quadrature", "where the dual gradient is taken", &
          default="point", owner="run.method = ddmp")
       call schema%words("method", "quadrature", quadrature_names)
-      call schema%text("method", "normalise", "whose sums over particles are divided by the sums "// &
-         "of their weights, so that uniform pressure makes no force: matter without strength, "// &
-         "none, all; default fluids, none where the rule does not allow it", &
+      call schema%text("method", "normalise", "whose sums over particles are divided by the "// &
+         "sums of their weights, so that uniform pressure makes no force: matter without "// &
+         "strength, none, all; default fluids, none where the rule does not allow it", &
          words="fluids none all", owner="run.method = ddmp")
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &

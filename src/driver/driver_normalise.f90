@@ -57,11 +57,11 @@ contains
    end subroutine choose_normalised
 
    !> Is a material without strength? Loose grains have some.
-   pure logical function flows(material)
+   pure logical function flows(material) result(yes)
       type(material_t), intent(in) :: material       !! The material
 
-      flows = .true.
-      if (allocated(material%law)) flows = .not. (material%law%has_shear() .or. &
+      yes = .true.
+      if (allocated(material%law)) yes = .not. (material%law%has_shear() .or. &
          material%law%has_grains() .or. material%law%whole())
    end function flows
 
