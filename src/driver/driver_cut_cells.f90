@@ -93,7 +93,7 @@ contains
    !> Share of the integral of the function of the near end of an edge up to a place along it [1].
    pure real(wp) function near_share(place, smooth) result(share)
       real(wp), intent(in) :: place                  !! 0 to 1
-      logical, intent(in) :: smooth                  !! Does the place enter by (M.11)?
+      logical, intent(in) :: smooth                  !! Does the place enter smoothly?
 
       if (smooth) then
          share = 2.0_wp*(place - place**3 + 0.5_wp*place**4)
