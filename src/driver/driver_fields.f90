@@ -11,6 +11,7 @@ module driver_fields
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
    use driver_method, only: stress_before, stress_remapped
+   use driver_normalise, only: find_factors
    use driver_nodes, only: finish_nodes, move_nodes, remap_nodes, start_nodes, strain_nodes
    use driver_retry, only: judge_nodes
    use driver_scatter, only: scatter_particles
@@ -158,6 +159,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run, perhaps one velocity field of it
 
       if (simulation%method%controlled()) call find_star(simulation)
+      if (allocated(simulation%normalises)) call find_factors(simulation)
       call scatter_particles(simulation)
       if (simulation%method%dual) call dual_fields(simulation)
       if (simulation%method%differing()) call find_difference(simulation)

@@ -11,6 +11,7 @@ module driver_gather
    use driver_method, only: method_t, stress_before
    use driver_nodes, only: recall_seen
    use driver_packing, only: excess_fill, repack
+   use driver_relax, only: relax_pressures
    use driver_retire, only: erode_tile, fastest_left, retire_tile
    use driver_scatter, only: find_places, nodes_seen
    use driver_simulation, only: scratch_t, simulation_t
@@ -122,7 +123,8 @@ contains
       integer :: index
 
       if (allocated(simulation%contact)) then
-         if (all(counts(simulation, tile) == 0)) return
+         if (all([(simulation%stores(index)%count(tile) == 0, &
+            index=simulation%first_store, simulation%last_store)])) return
       end if
       call recall_seen(simulation, tile)
       call look(simulation, tile, parts, view)
@@ -145,7 +147,7 @@ contains
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt, &
                fastest)
             if (parts%motion) then
-               call move_particles(simulation, scratch, store, tile, view, dt)
+               call move_particles(simulation, scratch, index, tile, view, dt)
                call place_tile(simulation%grid, simulation%boundary, &
                   simulation%tiles%coordinate(:, tile), store, tile)
                call judge_particles(simulation, scratch, index, tile, fastest, steepest)
@@ -154,18 +156,6 @@ contains
          end associate
       end do
    end subroutine gather_tile
-
-   !> Particles of the velocity field at hand in a tile, by store.
-   pure function counts(simulation, tile) result(particles)
-      type(simulation_t), intent(in) :: simulation   !! The run with contact
-      integer, intent(in) :: tile                    !! Which tile
-      integer :: particles(simulation%first_store:simulation%last_store)
-      integer :: index
-
-      do index = simulation%first_store, simulation%last_store
-         particles(index) = simulation%stores(index)%count(tile)
-      end do
-   end function counts
 
    !> Heat of contact to the particles of a tile; matter that carries no internal energy books it.
    subroutine add_rubbed(simulation, scratch, store, tile)
@@ -351,19 +341,20 @@ contains
    end subroutine repack_particles
 
    !> New velocities and positions of the particles of a tile.
-   subroutine move_particles(simulation, scratch, store, tile, view, dt)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine move_particles(simulation, scratch, index, tile, view, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
 
       associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
-         start => store%cell_start(:, tile), first => store%first(tile))
+         store => simulation%stores(index), start => simulation%stores(index)%cell_start(:, tile), &
+         first => simulation%stores(index)%first(tile))
          call method%basis%gather_motion(grid, start, first, places, view%push, view%carry, &
             method%transfer%keep(), dt, store%velocity, store%position)
-         if (.not. method%transfer%affine() .or. strained(method)) return
+         if (.not. method%transfer%affine() .or. strained(simulation, index)) return
          call find_slopes(simulation, places, start, view%after, view%gradient, &
             scratch%deformation%gradient)
          call keep_affine(store, tile, 1.0_wp, scratch%deformation%gradient)
@@ -371,11 +362,15 @@ contains
    end subroutine move_particles
 
    !> Do linear velocity fields come from the strain of the step? The modified gradient is less
-   !! noisy than that of the cell, and after the step it is that of the new velocities.
-   pure logical function strained(method) result(renewed)
-      type(method_t), intent(in) :: method           !! The method
+   !! noisy than that of the cell, and after the step it is that of the new velocities. With
+   !! normalised sums it is not: there a linear field has no uniform gradient.
+   pure logical function strained(simulation, index) result(renewed)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
 
-      renewed = method%dual .and. method%stress /= stress_before
+      renewed = simulation%method%dual .and. simulation%method%stress /= stress_before
+      if (renewed .and. allocated(simulation%normalises)) &
+         renewed = .not. simulation%normalises(index)
    end function strained
 
    !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
@@ -453,7 +448,7 @@ contains
          call stretch_tile(store, tile, deformation%gradient)
          if (allocated(method%splitting)) call find_opening(method%splitting, &
             simulation%grid%spacing, store, tile, deformation%gradient, dt)
-         if (method%transfer%affine() .and. strained(method)) &
+         if (method%transfer%affine() .and. strained(simulation, index)) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          if (method%stress == stress_before .and. method%leapfrog) then
             call centre_backward(n, deformation%plane, deformation%gradient)
@@ -462,6 +457,7 @@ contains
          end if
          call scratch%laps%update(simulation%materials(index), store%matter, deformation, &
             first, first + n - 1, dt, simulation%grid%spacing)
+         call relax_pressures(simulation, index, tile, deformation%wave_speed, dt)
          fastest = 0.0_wp
          do p = 1, n
             fastest = max(fastest, &

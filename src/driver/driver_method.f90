@@ -28,6 +28,7 @@ module driver_method
       logical :: dual = .true.                       !! Dual domain gradient, else the plain one
       class(basis_t), allocatable :: basis           !! Node functions
       class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
+      character(len=:), allocatable :: normalise     !! Whose sums are normalised: fluids, none, all
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
@@ -84,6 +85,10 @@ contains
       call schema%text("method", "quadrature", "where the dual gradient is taken", &
          default="point", owner="run.method = ddmp")
       call schema%words("method", "quadrature", quadrature_names)
+      call schema%text("method", "normalise", "whose sums over particles are divided by the "// &
+         "sums of their weights, so that uniform pressure makes no force: matter without "// &
+         "strength, none, all; default fluids, none where the rule does not allow it", &
+         words="fluids none all", owner="run.method = ddmp")
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
          "new velocities; default usl with ddmp, musl with mpm", words="usl usf musl")
@@ -109,6 +114,7 @@ contains
       character(len=:), allocatable :: word, basis, quadrature
 
       call settle_defaults(deck)
+      call settle_normalise(deck)
       group = deck%group("run", 1)
       call group%get("method", word)
       group = deck%group("method", 1)
@@ -180,6 +186,36 @@ contains
          call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
    end subroutine settle_defaults
 
+   !> Settle whose sums are normalised: of fluids where the rule of the dual gradient allows it.
+   subroutine settle_normalise(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      character(len=:), allocatable :: method, dimension, quadrature, surface, word
+      logical :: paper
+      type(group_t) :: run, group
+
+      run = deck%group("run", 1)
+      call run%get("method", method)
+      if (method /= "ddmp") return
+      call run%get("dimension", dimension)
+      group = deck%group("method", 1)
+      call group%get("quadrature", quadrature)
+      call group%get("free_surface", surface)
+      call group%get("paper", paper)
+      if (dimension == "axisymmetric" .or. paper .or. quadrature /= "point" .or. &
+         surface /= "fill") then
+         if (.not. group%given("normalise")) then
+            call deck%settle("method", 1, "normalise", "none")
+            return
+         end if
+         call group%get("normalise", word)
+         if (word /= "none") call deck%complain(group, "normalise = '"//word//"' needs "// &
+            "quadrature = 'point' and free_surface = 'fill', and no dimension = 'axisymmetric' "// &
+            "or paper = .true.; write 'none'", "normalise")
+      else if (.not. group%given("normalise")) then
+         call deck%settle("method", 1, "normalise", "fluids")
+      end if
+   end subroutine settle_normalise
+
    !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.
    subroutine settle_paper(deck, group)
       type(deck_t), intent(inout) :: deck            !! The deck
@@ -230,6 +266,7 @@ contains
       call group%get("blend", word)
       method%quadrature%smooth = word == "smooth"
       call group%get("alpha_0", method%quadrature%alpha_centre)
+      call group%get("normalise", method%normalise)
       call group%get("free_surface", word)
       method%surface = max(position_of(word, surface_names), 1)
       call group%get("paper", paper)

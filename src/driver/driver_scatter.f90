@@ -98,6 +98,7 @@ contains
       associate (method => simulation%method)
          lean = .not. (simulation%keeps_nodes .or. allocated(simulation%contact) .or. &
             allocated(simulation%exact) .or. simulation%repacks .or. &
+            allocated(simulation%normalises) .or. &
             method%transfer%sweeps() > 0 .or. method%controlled() .or. method%differing() .or. &
             method%stress == stress_remapped)
       end associate
@@ -287,6 +288,8 @@ contains
             scratch%places)
          if (simulation%method%dual) call simulation%method%quadrature%locate(simulation%grid, &
             coordinate, store, tile, scratch%places)
+         if (allocated(simulation%normalises)) &
+            scratch%places%factor = simulation%nodes%factor(:, :, tile)
       end associate
    end subroutine find_places
 

@@ -65,6 +65,12 @@ module driver_simulation
       real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress [Pa]
       real(wp), allocatable :: unit(:, :, :)         !! Patch (3): wrong force of unit stress [m2]
       real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force for that [N]
+      !> With normalised sums. Patch (5 or 6): mass, volume, volume times 1 - alpha of three
+      !! directions, volume beyond the scope; patch (1): volume of full cells [m3]; (7): factors of
+      !! the three directions [1/m3], how far cells around are full [1], and of the three directions
+      !! those of the plain sums [1]
+      real(wp), allocatable :: counted(:, :, :), covered(:, :, :), normal(:, :, :)
+      real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       type(pieces_t) :: share                        !! (1) Volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
@@ -191,6 +197,9 @@ module driver_simulation
       real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       type(conduction_t), allocatable :: conduction  !! If some material conducts heat
+      !> (material) If sums are normalised, are its own, and is it without strength?
+      logical, allocatable :: normalises(:), flows(:)
+      real(wp) :: mean_alpha = 0.0_wp                !! Mean of alpha over a cell, for that [1]
       logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
       logical :: keeps_nodes = .false.               !! Are the fields of all nodes asked for?
       type(contact_t), allocatable :: contact        !! If bodies have velocities of their own
@@ -283,6 +292,10 @@ contains
       call move_alloc(self%star, other%star)
       call move_alloc(self%unit, other%unit)
       call move_alloc(self%difference, other%difference)
+      call move_alloc(self%counted, other%counted)
+      call move_alloc(self%covered, other%covered)
+      call move_alloc(self%normal, other%normal)
+      call move_alloc(self%factor, other%factor)
       call move_alloc(self%weight, other%weight)
       call self%share%move_to(other%share)
       call move_alloc(self%volume, other%volume)

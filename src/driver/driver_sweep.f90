@@ -228,7 +228,8 @@ contains
       real(wp), contiguous, intent(inout) :: slopes(:, :) !! (particle of the tile, 9) [1/s]
 
       associate (grid => simulation%grid, method => simulation%method)
-         if (method%dual) then
+         ! with normalised sums the modified gradient of a linear field is not uniform
+         if (method%dual .and. .not. allocated(places%factor)) then
             call method%quadrature%gather_gradient(grid, start, places, velocity, gradient, &
                1.0_wp, slopes)
          else
