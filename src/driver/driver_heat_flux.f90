@@ -9,8 +9,7 @@
 !! gives at most the energy that it has. The particles around a node get what it gains by
 !! their mass and give what it loses by their energy: none gives more than it has. Energy below
 !! zero, as cold matter in tension has, does not flow. Materials do not heat each other, and no flux
-!! crosses surfaces and faces. Equations (M.23) and (M.26) of
-!! doc/theory/method.md.
+!! crosses surfaces and faces. Equation (M.23) of doc/theory/method.md.
 module driver_heat_flux
    use base_kinds, only: wp
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
@@ -177,7 +176,7 @@ contains
       end associate
    end subroutine spread_conductance
 
-   !> The share of the flux that each node of a tile lets pass, so that it gives no more than it may.
+   !> The share of the flux that each node of a tile lets pass: it gives no more than it has.
    subroutine find_passed(simulation, tile, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile

@@ -412,11 +412,10 @@ contains
          group = deck%group("units")
          call group%get("output_units", word)
          header%units%system = max(system_number(word), system_si)
-         allocate (header%body_names(size(bodies)), header%body_materials(size(bodies)), &
-            header%material_names(deck%count("material")))
+         allocate (header%body_names(size(bodies)), header%material_names(deck%count("material")))
+         header%body_materials = bodies%store
          do n = 1, size(bodies)
             header%body_names(n) = bodies(n)%name
-            header%body_materials(n) = bodies(n)%store
          end do
          ! with contact a material has a store for each of its velocity fields
          if (allocated(simulation%contact)) header%body_materials = &

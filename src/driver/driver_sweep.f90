@@ -102,8 +102,8 @@ contains
 
    !> The next term, y - S^+ S y, without what walls hold in this step; it is added to the sum. What
    !! walls take away the particles do not get, so it is booked, with the velocity at the end of the
-   !! step. Equation (L.12) of doc/theory/ledger.md: that needs the same orthogonal projection for all
-   !! terms, so what walls hold does not depend on them.
+   !! step. Equation (L.12) of doc/theory/ledger.md: that needs the same orthogonal projection for
+   !! all terms, so what walls hold does not depend on them.
    subroutine add_term(simulation, scratch, tile, sweep, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger

@@ -7,8 +7,8 @@ together after the wave came back; friction that is not mu times the normal push
 of several bodies at a node that do not add up to zero; light or soft matter beside matter of a million times
 its density or stiffness that blows up; heat of contact that is not booked; bonds that break at another
 stress, in another cell than that which is torn, or form again; a single body that changes because contact is
-on; particles that are halved with the growth of another velocity field or with none; and snapshots that number stores in
-place of materials.
+on; particles that are halved with the growth of another velocity field or with none; and snapshots that number
+stores in place of materials.
 
 Limits. Two elastic discs (cells of 0.025 m): the first force comes at most a tenth of a cell early, as particles count
 as cubes (doc/theory/contact.md), and at most half a cell late, the size of a particle. Energy: target 2 %; kinetic

@@ -2,8 +2,8 @@
 """Ideal gases that fly apart, explode, and collide: Riemann problems beyond that of Sod, and a cold gas on a wall.
 
 Would catch: work or viscosity that fails where the density falls by fifty, where the pressure jumps by 1e5, or
-where gas without pressure stops at a wall; energies that become negative, with a heat flux too; a time step that does not know of
-speed or of viscosity.
+where gas without pressure stops at a wall; energies that become negative, with a heat flux too; a time
+step that does not know of speed or of viscosity.
 
 E. F. Toro, *Riemann solvers and numerical methods for fluid dynamics*, problems 2, 3 and 5, and the shock tube in air
 of the examples of Uintah; solved exactly in test/support/shocks.py. W. F. Noh, J. Comput. Phys. 72 (1987) 78, in the
