@@ -126,10 +126,11 @@ contains
    end function meets_wall
 
    !> Do nodes of a face stop what comes?
-   elemental logical function closed(kind)
+   elemental function closed(kind) result(stops)
       integer, intent(in) :: kind                    !! Of the face
+      logical :: stops
 
-      closed = kind == face_symmetry .or. kind == face_slip .or. kind == face_stick &
+      stops = kind == face_symmetry .or. kind == face_slip .or. kind == face_stick &
          .or. kind == face_friction
    end function closed
 

@@ -304,12 +304,12 @@ contains
    end subroutine rigid_take
 
    !> Does a node not leave a region?
-   pure logical function stays(wall, normal, velocity)
+   pure logical function stays(wall, normal, velocity) result(held)
       real(wp), intent(in) :: wall(3)                !! Velocity of the region [m/s]
       real(wp), intent(in) :: normal(3)              !! Outward
       real(wp), intent(in) :: velocity(3)            !! Of the node [m/s]
       real(wp), parameter :: little = 1.0e-12_wp     ! what is left of a velocity that is taken
 
-      stays = .not. dot_product(velocity - wall, normal) > little*(norm2(velocity) + norm2(wall))
+      held = .not. dot_product(velocity - wall, normal) > little*(norm2(velocity) + norm2(wall))
    end function stays
 end module mesh_rigid
