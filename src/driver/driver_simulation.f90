@@ -104,6 +104,7 @@ module driver_simulation
       type(pair_law_t), allocatable :: law(:, :)     !! (field, field) What holds between two
       logical :: bonded = .false.                    !! Can bonds break?
       integer, allocatable :: field_of_body(:)       !! (body) Its velocity field
+      integer, allocatable :: material(:)            !! (store) Number of its &material
       !> Patch (row, field): outward area of the particles [m2], with bonds the mass of those that
       !! hold [kg]
       real(wp), allocatable :: outward(:, :, :)

@@ -98,6 +98,8 @@ contains
             call simulation%materials(index)%request(store%matter)
             call store%start(store_name(simulation%materials, index), simulation%grid%tile_cells, &
                traits)
+            store%material = index
+            if (allocated(simulation%contact)) store%material = simulation%contact%material(index)
             if (allocated(simulation%exact)) then
                if (allocated(simulation%exact%material(index)%solution)) &
                   allocate (store%reference(0, 3))
