@@ -32,6 +32,7 @@ module driver_method
       integer :: stress = stress_after               !! When the stress is updated
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
+      logical :: smooth_turn = .false.               !! Is the rotation that of the tiles?
       real(wp) :: heat_flux = 0.0_wp                 !! Coefficient of artificial heat flux [1]
       type(splitting_t), allocatable :: splitting    !! When long particles are halved, if they are
       class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
@@ -87,6 +88,10 @@ contains
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
          "new velocities; default usl with ddmp, musl with mpm", words="usl usf musl")
+      call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
+         "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
+         "energy of thin bodies", default="point", words="point tiles", &
+         owner="transfer = rflip")
       call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
          "material in a cell share their mean dilatation and pressure", default="none", &
          words="none bbar")
@@ -102,13 +107,14 @@ contains
    end subroutine declare_method
 
    !> Make the method from the deck.
-   subroutine method_read(self, deck)
+   subroutine method_read(self, deck, carries)
       class(method_t), intent(inout) :: self         !! The method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
+      logical, intent(in) :: carries                 !! Does some matter carry an internal energy?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 
-      call settle_defaults(deck)
+      call settle_defaults(deck, carries)
       group = deck%group("run", 1)
       call group%get("method", word)
       group = deck%group("method", 1)
@@ -129,6 +135,10 @@ contains
       if (self%transfer%affine() .and. .not. (self%transfer%turning() .or. self%dual) .and. &
          basis == "linear") call deck%warn(group, "linear functions with transfer = '"//word// &
          "' gain energy without bound; write basis = 'quadratic'", "transfer")
+      if (self%transfer%turning()) then
+         call group%get("turn_from", word)
+         self%smooth_turn = word == "tiles"
+      end if
       call group%get("antilock", word)
       self%even = word == "bbar"
       call group%get("heat_flux", self%heat_flux)
@@ -152,11 +162,12 @@ contains
 
    !> Settle the defaults that depend on other keys; all are by measurement: see
    !! doc/theory/choice_of_defaults.md.
-   subroutine settle_defaults(deck)
+   subroutine settle_defaults(deck, carries)
       type(deck_t), intent(inout) :: deck            !! The deck
-      character(len=:), allocatable :: method, dimension, alpha
+      logical, intent(in) :: carries                 !! Does some matter carry an internal energy?
+      character(len=:), allocatable :: method, dimension, alpha, solution
       logical :: paper
-      type(group_t) :: run, group
+      type(group_t) :: run, group, exact
 
       run = deck%group("run", 1)
       call run%get("method", method)
@@ -176,9 +187,29 @@ contains
       call group%get("alpha", alpha)
       if (.not. group%given("blend")) call deck%settle("method", 1, "blend", &
          trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
-      if (.not. group%given("stress_update")) &
+      exact = deck%group("exact")
+      call exact%get("solution", solution)
+      if (.not. carries .and. solution == "none") then
+         call settle_without_energy(deck, group)
+      else if (.not. group%given("stress_update")) then
          call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
+      end if
    end subroutine settle_defaults
+
+   !> Settle the defaults of a scene in which no matter carries an internal energy, so that nothing
+   !! takes up what straining and transfers lose.
+   subroutine settle_without_energy(deck, group)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      type(group_t), intent(in) :: group             !! &method
+      character(len=:), allocatable :: word
+
+      if (.not. group%given("stress_update")) &
+         call deck%settle("method", 1, "stress_update", trim(stress_names(stress_remapped)))
+      call group%get("transfer", word)
+      if (word /= "rflip") return
+      if (.not. group%given("flip")) call deck%settle("method", 1, "flip", 1.0_wp)
+      if (.not. group%given("turn_from")) call deck%settle("method", 1, "turn_from", "tiles")
+   end subroutine settle_without_energy
 
    !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.
    subroutine settle_paper(deck, group)

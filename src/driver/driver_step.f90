@@ -12,6 +12,7 @@ module driver_step
    use driver_ledger, only: dissipated
    use driver_method, only: stress_before
    use driver_retire, only: check_retired
+   use driver_rotation, only: smooth_rotation
    use driver_simulation, only: simulation_t
    use particle_migrate, only: migrate
    use particle_split, only: split_store
@@ -33,6 +34,7 @@ contains
       dt = wish
       parts%work = simulation%carries_energy
       if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time
+      if (simulation%method%smooth_turn) call smooth_rotation(simulation)
       associate (method => simulation%method)
          ! time for which positions have moved already with the velocity before the step
          moved = merge(simulation%dt, dt, method%leapfrog)
