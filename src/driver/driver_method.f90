@@ -21,7 +21,10 @@ module driver_method
    integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
    integer, parameter, public :: stress_before = 2   !! usf: before the force
    integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
-   character(len=4), parameter, public :: stress_names(3) = ["usl ", "usf ", "musl"]
+   !> usavg: half a step before the force, half with node velocities mapped anew
+   integer, parameter, public :: stress_both = 4
+   character(len=5), parameter, public :: stress_names(4) = [character(len=5) :: "usl", "usf", &
+      "musl", "usavg"]
 
    !> Choices of the numerical method.
    type :: method_t
@@ -42,6 +45,9 @@ module driver_method
       procedure :: read => method_read               !! Make it from the deck
       procedure :: choose => method_choose           !! Make it from words
       procedure :: controlled => method_controlled   !! Is a mean stress taken out?
+      procedure :: strains_first => method_strains_first !! Is there strain before the force?
+      procedure :: remaps => method_remaps           !! Are new velocities mapped for the strain?
+      procedure :: span => method_span               !! Share of a step that each of them strains
       procedure :: differing => method_differing     !! Is the force of stress differences?
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
@@ -87,7 +93,8 @@ contains
       call schema%words("method", "quadrature", quadrature_names)
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
-         "new velocities; default usl with ddmp, musl with mpm", words="usl usf musl")
+         "new velocities; or half before, half after mapping, which keeps energy best; default "// &
+         "usl with ddmp, musl with mpm", words="usl usf musl usavg")
       call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
          "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
          "energy of thin bodies", default="point", words="point tiles", &
@@ -107,14 +114,13 @@ contains
    end subroutine declare_method
 
    !> Make the method from the deck.
-   subroutine method_read(self, deck, carries)
+   subroutine method_read(self, deck)
       class(method_t), intent(inout) :: self         !! The method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      logical, intent(in) :: carries                 !! Does some matter carry an internal energy?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 
-      call settle_defaults(deck, carries)
+      call settle_defaults(deck)
       group = deck%group("run", 1)
       call group%get("method", word)
       group = deck%group("method", 1)
@@ -162,12 +168,11 @@ contains
 
    !> Settle the defaults that depend on other keys; all are by measurement: see
    !! doc/theory/choice_of_defaults.md.
-   subroutine settle_defaults(deck, carries)
+   subroutine settle_defaults(deck)
       type(deck_t), intent(inout) :: deck            !! The deck
-      logical, intent(in) :: carries                 !! Does some matter carry an internal energy?
-      character(len=:), allocatable :: method, dimension, alpha, solution
+      character(len=:), allocatable :: method, dimension, alpha
       logical :: paper
-      type(group_t) :: run, group, exact
+      type(group_t) :: run, group
 
       run = deck%group("run", 1)
       call run%get("method", method)
@@ -187,29 +192,9 @@ contains
       call group%get("alpha", alpha)
       if (.not. group%given("blend")) call deck%settle("method", 1, "blend", &
          trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
-      exact = deck%group("exact")
-      call exact%get("solution", solution)
-      if (.not. carries .and. solution == "none") then
-         call settle_without_energy(deck, group)
-      else if (.not. group%given("stress_update")) then
-         call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
-      end if
-   end subroutine settle_defaults
-
-   !> Settle the defaults of a scene in which no matter carries an internal energy, so that nothing
-   !! takes up what straining and transfers lose.
-   subroutine settle_without_energy(deck, group)
-      type(deck_t), intent(inout) :: deck            !! The deck
-      type(group_t), intent(in) :: group             !! &method
-      character(len=:), allocatable :: word
-
       if (.not. group%given("stress_update")) &
-         call deck%settle("method", 1, "stress_update", trim(stress_names(stress_remapped)))
-      call group%get("transfer", word)
-      if (word /= "rflip") return
-      if (.not. group%given("flip")) call deck%settle("method", 1, "flip", 1.0_wp)
-      if (.not. group%given("turn_from")) call deck%settle("method", 1, "turn_from", "tiles")
-   end subroutine settle_without_energy
+         call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
+   end subroutine settle_defaults
 
    !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.
    subroutine settle_paper(deck, group)
@@ -318,6 +303,27 @@ contains
       differing = .false.
       if (allocated(self%quadrature)) differing = self%quadrature%differing()
    end function method_differing
+
+   !> Are particles strained before the force acts, with the velocities at their new places?
+   pure logical function method_strains_first(self) result(first)
+      class(method_t), intent(in) :: self            !! The method
+
+      first = self%stress == stress_before .or. self%stress == stress_both
+   end function method_strains_first
+
+   !> Are the new velocities of the particles mapped to the nodes for the strain?
+   pure logical function method_remaps(self) result(remaps)
+      class(method_t), intent(in) :: self            !! The method
+
+      remaps = self%stress == stress_remapped .or. self%stress == stress_both
+   end function method_remaps
+
+   !> Share of a step that the strain before the force takes, and that after it [1].
+   pure real(wp) function method_span(self) result(span)
+      class(method_t), intent(in) :: self            !! The method
+
+      span = merge(0.5_wp, 1.0_wp, self%stress == stress_both)
+   end function method_span
 
    !> Layers of nodes beyond a tile that its particles reach.
    pure integer function method_margin(self) result(margin)

@@ -77,11 +77,12 @@ contains
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(inout) :: sums(columns, corners) !! At the corners [kg/s], [kg]
-      real(wp) :: weight(corners), value(columns)
+      real(wp) :: weight(corners), value(columns), lower(3), inverse(3)
       integer :: p, corner
 
+      call measure_tile(simulation, tile, lower, inverse)
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-         call weigh_corners(simulation, store, tile, p, weight)
+         call weigh_corners(store%position(p, :), lower, inverse, weight)
          value(1:3) = store%matter%mass(p)*store%spin(p, :)
          value(4) = store%matter%mass(p)
          do corner = 1, corners
@@ -95,10 +96,12 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: total(columns, simulation%grid%tile_nodes), turn(3, corners), weight(corners)
+      real(wp) :: lower(3), inverse(3), spin(3)
       integer :: node(corners), corner, index, p
 
       call assemble(simulation%grid, simulation%tiles, simulation%nodes%turn, tile, total)
       call find_corners(simulation, tile, node)
+      call measure_tile(simulation, tile, lower, inverse)
       turn = 0.0_wp
       do corner = 1, corners
          if (total(4, node(corner)) > 0.0_wp) &
@@ -107,8 +110,12 @@ contains
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
             do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-               call weigh_corners(simulation, store, tile, p, weight)
-               store%spin(p, :) = matmul(turn, weight)
+               call weigh_corners(store%position(p, :), lower, inverse, weight)
+               spin = 0.0_wp
+               do corner = 1, corners
+                  spin = spin + weight(corner)*turn(:, corner)
+               end do
+               store%spin(p, :) = spin
             end do
          end associate
       end do
@@ -131,32 +138,34 @@ contains
       end associate
    end subroutine find_corners
 
-   !> Weights of the corners of a tile at a particle: products of linear functions.
-   pure subroutine weigh_corners(simulation, store, tile, p, weight)
+   !> Where a tile lies: its lower corner, and one over its edges; 0 for missing directions.
+   pure subroutine measure_tile(simulation, tile, lower, inverse)
       type(simulation_t), intent(in) :: simulation   !! The run
-      type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile
-      integer, intent(in) :: p                       !! Which particle
-      real(wp), intent(out) :: weight(corners)       !! Their sum is 1; 0 for missing directions
-      real(wp) :: high(3), lower(3)
-      integer :: corner, k, extent(3)
+      real(wp), intent(out) :: lower(3)              !! [m]
+      real(wp), intent(out) :: inverse(3)            !! [1/m]
+      integer :: extent(3)
 
       associate (grid => simulation%grid)
-         extent = extent_of(grid, simulation%tiles, tile)
+         extent = max(1, extent_of(grid, simulation%tiles, tile))
          lower = grid%lower + real(simulation%tiles%coordinate(:, tile)*grid%width, wp)*grid%spacing
-         do k = 1, 3
-            high(k) = 0.0_wp
-            if (grid%active(k)) high(k) = (store%position(p, k) - lower(k)) &
-               /(real(extent(k), wp)*grid%spacing)
-         end do
-         high = min(1.0_wp, max(0.0_wp, high))
-         do corner = 1, corners
-            weight(corner) = 1.0_wp
-            do k = 1, 3
-               weight(corner) = weight(corner) &
-                  *merge(high(k), 1.0_wp - high(k), btest(corner - 1, k - 1))
-            end do
-         end do
+         inverse = merge(1.0_wp/(real(extent, wp)*grid%spacing), 0.0_wp, grid%active)
       end associate
+   end subroutine measure_tile
+
+   !> Weights of the corners of a tile at a place in it: products of linear functions.
+   pure subroutine weigh_corners(place, lower, inverse, weight)
+      real(wp), intent(in) :: place(3)               !! [m]
+      real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
+      real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
+      real(wp), intent(out) :: weight(corners)       !! Their sum is 1; 0 for missing directions
+      real(wp) :: high(3), plane(4)
+
+      high = min(1.0_wp, max(0.0_wp, (place - lower)*inverse))
+      plane(1:2) = [1.0_wp - high(1), high(1)]
+      plane(3:4) = plane(1:2)*high(2)
+      plane(1:2) = plane(1:2) - plane(3:4)
+      weight(5:8) = plane*high(3)
+      weight(1:4) = plane - weight(5:8)
    end subroutine weigh_corners
 end module driver_rotation

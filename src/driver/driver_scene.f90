@@ -50,11 +50,11 @@ contains
       type(traits_t) :: traits
       integer :: n
 
-      call read_materials(deck, simulation)
-      call simulation%method%read(deck, carries=any_carries(simulation%materials))
+      call simulation%method%read(deck)
       call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
       if (present(coarser)) call coarsen(simulation%grid, coarser)
+      call read_materials(deck, simulation)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
       if (deck%sound("material")) then
@@ -204,27 +204,18 @@ contains
       end do
    end subroutine check_volumes
 
-   !> Does some material carry an internal energy?
-   logical function any_carries(materials) result(carries)
-      type(material_t), intent(in) :: materials(:)   !! All materials
-      type(wishes_t) :: wishes
-      integer :: n
-
-      carries = .true.
-      do n = 1, size(materials)
-         wishes = materials(n)%wishes()
-         if (wishes%asked("energy")) return
-      end do
-      carries = .false.
-   end function any_carries
-
    !> An artificial heat flux needs matter that carries an internal energy.
    subroutine check_heat_flux(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
+      type(wishes_t) :: wishes
+      integer :: n
 
       if (.not. simulation%method%heat_flux > 0.0_wp) return
-      if (any_carries(simulation%materials)) return
+      do n = 1, size(simulation%materials)
+         wishes = simulation%materials(n)%wishes()
+         if (wishes%asked("energy")) return
+      end do
       call deck%complain(deck%group("method", 1), "no material carries an internal energy; "// &
          "remove heat_flux", "heat_flux")
    end subroutine check_heat_flux
