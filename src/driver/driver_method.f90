@@ -21,7 +21,7 @@ module driver_method
    integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
    integer, parameter, public :: stress_before = 2   !! usf: before the force
    integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
-   !> usavg: half a step before the force, half with node velocities mapped anew
+   !> Half a step before the force, half with node velocities mapped anew (usavg)
    integer, parameter, public :: stress_both = 4
    character(len=5), parameter, public :: stress_names(4) = [character(len=5) :: "usl", "usf", &
       "musl", "usavg"]

@@ -6,7 +6,7 @@
 !! of a body this work is nothing, as a rotation has no strain. The rotation of single particles
 !! wavers from one to the next; a vibrating ring of five cells loses a third of its energy by it.
 !! Here each particle gets the mean by mass of the rotations around it, with weights that fall
-!! linearly over the edge of a tile. Equation (T.4a) of doc/theory/transfers.md.
+!! linearly over the edge of a tile. Equation (T.13) of doc/theory/transfers.md.
 module driver_rotation
    use base_kinds, only: wp
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
@@ -77,12 +77,13 @@ contains
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(inout) :: sums(columns, corners) !! At the corners [kg/s], [kg]
-      real(wp) :: weight(corners), value(columns), lower(3), inverse(3)
+      real(wp) :: weight(corners), value(columns), lower(3), inverse(3), place(3)
       integer :: p, corner
 
       call measure_tile(simulation, tile, lower, inverse)
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-         call weigh_corners(store%position(p, :), lower, inverse, weight)
+         place = store%position(p, :)
+         call weigh_corners(place, lower, inverse, weight)
          value(1:3) = store%matter%mass(p)*store%spin(p, :)
          value(4) = store%matter%mass(p)
          do corner = 1, corners
@@ -96,7 +97,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: total(columns, simulation%grid%tile_nodes), turn(3, corners), weight(corners)
-      real(wp) :: lower(3), inverse(3), spin(3)
+      real(wp) :: lower(3), inverse(3), place(3), spin(3)
       integer :: node(corners), corner, index, p
 
       call assemble(simulation%grid, simulation%tiles, simulation%nodes%turn, tile, total)
@@ -110,7 +111,8 @@ contains
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
             do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-               call weigh_corners(store%position(p, :), lower, inverse, weight)
+               place = store%position(p, :)
+               call weigh_corners(place, lower, inverse, weight)
                spin = 0.0_wp
                do corner = 1, corners
                   spin = spin + weight(corner)*turn(:, corner)

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bodies without internal energy keep what they have: rings and blocks that collide, a ring, a disc and a ball that vibrate.
+"""Bodies without internal energy keep what they have: rings and blocks collide; a ring, a disc and a ball vibrate.
 
 With `stress_update = 'usavg'`, `turn_from = 'tiles'` and `flip = 1`. Would catch: straining with velocities that the
 particles do not take up, halves of the strain with each other's velocity or for a wrong time, rotations of single
-particles that bring work to the nodes and take it from nobody, rotations that are not smoothed or smoothed at the wrong
-places (bits that depend on ranks or a restart), angular momentum that is given for the energy, a loss without a warning.
+particles that bring work to the nodes and take it from nobody, rotations that are not smoothed or smoothed at the
+wrong places (bits that depend on ranks or a restart), angular momentum that is given for the energy, a loss without a
+warning.
 
 A neo-Hookean body loses nothing, so all that is lost is an error. Targets: two rings of five cells 2 %, soft blocks
 3 %, free vibration of ten cells 1 % in nine periods, angular momentum 1e-4 a turn. The controls are the rotation of the
@@ -104,12 +105,13 @@ def vibrations(options, sheet):
     trials = {"ring": (np.hstack([place, speed]), 2, 0.06, 18 * np.pi / omega)}
     for name, dimensions, factor in (("disc", 2, 2.2), ("ball", 3, 2.8)):
         place = lattice(0.024, dx, dimensions)
-        place = place[np.linalg.norm(place, axis=1) < 0.01 if dimensions == 3 else np.linalg.norm(place, axis=1) < 0.02]
         size = 0.01 if dimensions == 3 else 0.02
+        place = place[np.linalg.norm(place, axis=1) < size]
         trials[name] = (np.hstack([place, 0.02 * SOUND * place / size]), dimensions, 2 * size,
                         18 * np.pi * size / (factor * SOUND))
     for name, (points, dimensions, half, end) in trials.items():
-        good = run(options, f"vibrating_{name}", POINTS.format(volume=(dx / 2)**2 * dx if dimensions == 2 else (dx / 2)**3),
+        volume = (dx / 2)**3 if dimensions == 3 else (dx / 2)**2 * dx
+        good = run(options, f"vibrating_{name}", POINTS.format(volume=volume),
                    (half, half if dimensions == 3 else dx / 2, half), dx, end,
                    dimension="plane_strain" if dimensions == 2 else "3d", points=points)
         sheet.below(f"vibrating {name}: energy in nine periods", abs(good.summary["ledger"]["energy_error"]), 0.01)
