@@ -21,7 +21,10 @@ module driver_method
    integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
    integer, parameter, public :: stress_before = 2   !! usf: before the force
    integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
-   character(len=4), parameter, public :: stress_names(3) = ["usl ", "usf ", "musl"]
+   !> Half a step before the force, half with node velocities mapped anew (usavg)
+   integer, parameter, public :: stress_both = 4
+   character(len=5), parameter, public :: stress_names(4) = [character(len=5) :: "usl", "usf", &
+      "musl", "usavg"]
 
    !> Choices of the numerical method.
    type :: method_t
@@ -33,6 +36,7 @@ module driver_method
       integer :: stress = stress_after               !! When the stress is updated
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
+      logical :: smooth_turn = .false.               !! Is the rotation that of the tiles?
       real(wp) :: heat_flux = 0.0_wp                 !! Coefficient of artificial heat flux [1]
       type(splitting_t), allocatable :: splitting    !! When long particles are halved, if they are
       class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
@@ -42,6 +46,9 @@ module driver_method
       procedure :: read => method_read               !! Make it from the deck
       procedure :: choose => method_choose           !! Make it from words
       procedure :: controlled => method_controlled   !! Is a mean stress taken out?
+      procedure :: strains_first => method_strains_first !! Is there strain before the force?
+      procedure :: remaps => method_remaps           !! Are new velocities mapped for the strain?
+      procedure :: span => method_span               !! Share of a step that each of them strains
       procedure :: differing => method_differing     !! Is the force of stress differences?
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
@@ -91,7 +98,12 @@ contains
          words="fluids none all", owner="run.method = ddmp")
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
-         "new velocities; default usl with ddmp, musl with mpm", words="usl usf musl")
+         "new velocities; or half before, half after mapping, which keeps energy best; default "// &
+         "usl with ddmp, musl with mpm", words="usl usf musl usavg")
+      call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
+         "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
+         "energy of thin bodies", default="point", words="point tiles", &
+         owner="transfer = rflip")
       call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
          "material in a cell share their mean dilatation and pressure", default="none", &
          words="none bbar")
@@ -135,6 +147,10 @@ contains
       if (self%transfer%affine() .and. .not. (self%transfer%turning() .or. self%dual) .and. &
          basis == "linear") call deck%warn(group, "linear functions with transfer = '"//word// &
          "' gain energy without bound; write basis = 'quadratic'", "transfer")
+      if (self%transfer%turning()) then
+         call group%get("turn_from", word)
+         self%smooth_turn = word == "tiles"
+      end if
       call group%get("antilock", word)
       self%even = word == "bbar"
       call group%get("heat_flux", self%heat_flux)
@@ -324,6 +340,27 @@ contains
       differing = .false.
       if (allocated(self%quadrature)) differing = self%quadrature%differing()
    end function method_differing
+
+   !> Are particles strained before the force acts, with the velocities at their new places?
+   pure logical function method_strains_first(self) result(first)
+      class(method_t), intent(in) :: self            !! The method
+
+      first = self%stress == stress_before .or. self%stress == stress_both
+   end function method_strains_first
+
+   !> Are the new velocities of the particles mapped to the nodes for the strain?
+   pure logical function method_remaps(self) result(remaps)
+      class(method_t), intent(in) :: self            !! The method
+
+      remaps = self%stress == stress_remapped .or. self%stress == stress_both
+   end function method_remaps
+
+   !> Share of a step that the strain before the force takes, and that after it [1].
+   pure real(wp) function method_span(self) result(span)
+      class(method_t), intent(in) :: self            !! The method
+
+      span = merge(0.5_wp, 1.0_wp, self%stress == stress_both)
+   end function method_span
 
    !> Layers of nodes beyond a tile that its particles reach.
    pure integer function method_margin(self) result(margin)

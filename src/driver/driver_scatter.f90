@@ -4,7 +4,6 @@ module driver_scatter
    use base_kinds, only: int64, wp
    use driver_cost, only: book_cost, cost_clock
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_motion
-   use driver_method, only: stress_remapped
    use driver_simulation, only: scratch_t, simulation_t
    use mesh_grid, only: grid_t
    use mesh_patch, only: clear_patch, empty_box, widen_box
@@ -100,7 +99,7 @@ contains
             allocated(simulation%exact) .or. simulation%repacks .or. &
             allocated(simulation%normalises) .or. &
             method%transfer%sweeps() > 0 .or. method%controlled() .or. method%differing() .or. &
-            method%stress == stress_remapped)
+            method%remaps())
       end associate
    end function may_be_lean
 

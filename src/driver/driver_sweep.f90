@@ -14,6 +14,7 @@ module driver_sweep
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use transfer_affine, only: turn_only
+   use transfer_basis, only: expand_spin
    use transfer_places, only: places_t
    implicit none
    private
@@ -205,10 +206,15 @@ contains
             call keep_velocity(store, tile, simulation%method%transfer%keep(), places%vector)
             if (simulation%method%transfer%affine()) then
                call scratch%deformation%reserve(store%count(tile))
-               call find_slopes(simulation, places, start, after, gradient, &
-                  scratch%deformation%gradient)
-               if (simulation%method%transfer%turning()) &
-                  call turn_only(store%count(tile), scratch%deformation%gradient)
+               if (simulation%method%smooth_turn) then
+                  call expand_spin(store%first(tile), store%count(tile), store%spin, &
+                     scratch%deformation%gradient)
+               else
+                  call find_slopes(simulation, places, start, after, gradient, &
+                     scratch%deformation%gradient)
+                  if (simulation%method%transfer%turning()) &
+                     call turn_only(store%count(tile), scratch%deformation%gradient)
+               end if
                call spread_fields(simulation, scratch, store, tile, patch)
             else
                call basis%scatter_product(grid, start, store%first(tile), places, &
