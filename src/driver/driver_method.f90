@@ -94,8 +94,8 @@ contains
       call schema%words("method", "quadrature", quadrature_names)
       call schema%text("method", "normalise", "whose sums over particles are divided by the "// &
          "sums of their weights, so that uniform pressure makes no force: matter without "// &
-         "strength, none, all; default fluids, none where the rule does not allow it", &
-         words="fluids none all", owner="run.method = ddmp")
+         "strength, none, all", &
+         words="fluids none all", default="none", owner="run.method = ddmp")
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
          "new velocities; or half before, half after mapping, which keeps energy best; default "// &
@@ -126,7 +126,7 @@ contains
       character(len=:), allocatable :: word, basis, quadrature
 
       call settle_defaults(deck)
-      call settle_normalise(deck)
+      call check_normalise(deck)
       group = deck%group("run", 1)
       call group%get("method", word)
       group = deck%group("method", 1)
@@ -202,9 +202,9 @@ contains
          call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
    end subroutine settle_defaults
 
-   !> Settle whose sums are normalised: of fluids where the rule of the dual gradient allows it.
-   subroutine settle_normalise(deck)
-      type(deck_t), intent(inout) :: deck            !! The deck
+   !> Refuse normalised sums where the rule of the dual gradient does not allow them.
+   subroutine check_normalise(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       character(len=:), allocatable :: method, dimension, quadrature, surface, word
       logical :: paper
       type(group_t) :: run, group
@@ -214,23 +214,16 @@ contains
       if (method /= "ddmp") return
       call run%get("dimension", dimension)
       group = deck%group("method", 1)
+      call group%get("normalise", word)
+      if (word == "none") return
       call group%get("quadrature", quadrature)
       call group%get("free_surface", surface)
       call group%get("paper", paper)
       if (dimension == "axisymmetric" .or. paper .or. quadrature /= "point" .or. &
-         surface /= "fill") then
-         if (.not. group%given("normalise")) then
-            call deck%settle("method", 1, "normalise", "none")
-            return
-         end if
-         call group%get("normalise", word)
-         if (word /= "none") call deck%complain(group, "normalise = '"//word//"' needs "// &
-            "quadrature = 'point' and free_surface = 'fill', and no dimension = 'axisymmetric' "// &
-            "or paper = .true.; write 'none'", "normalise")
-      else if (.not. group%given("normalise")) then
-         call deck%settle("method", 1, "normalise", "fluids")
-      end if
-   end subroutine settle_normalise
+         surface /= "fill") call deck%complain(group, "normalise = '"//word//"' needs "// &
+         "quadrature = 'point' and free_surface = 'fill', and no dimension = 'axisymmetric' "// &
+         "or paper = .true.; write 'none'", "normalise")
+   end subroutine check_normalise
 
    !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.
    subroutine settle_paper(deck, group)

@@ -332,7 +332,7 @@ contains
       type(trust_t), intent(in) :: trust             !! What is known at the end
       type(log_t), intent(inout) :: log              !! Gets the warning
       character(len=:), allocatable :: remedy
-      character(len=8) :: share
+      character(len=16) :: share
 
       if (trust%failed .or. .not. now%energy_error < 0.0_wp) return
       if (verdict_of(trust_energy, trust%worst(trust_energy)) == trust_ok) return
@@ -347,7 +347,11 @@ contains
       else
          remedy = "write"//remedy(:len(remedy) - 1)//" in &method"
       end if
-      write (share, "(f0.1)") -100.0_wp*now%energy_error
+      if (now%energy_error > -1.0e6_wp) then
+         write (share, "(f0.1)") -100.0_wp*now%energy_error
+      else
+         write (share, "(es8.1)") -100.0_wp*now%energy_error
+      end if
       call log%warn("warning: "//trim(share)//" % of the energy is lost: where matter carries "// &
          "no internal energy nothing takes up what straining and transfers filter; "//remedy)
    end subroutine warn_of_energy

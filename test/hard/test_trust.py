@@ -27,7 +27,6 @@ GAS = """
 &grid  lo=0,0,0  hi=1,1,0.5  dx=0.05 /
 &time  t_end=0.02 /
 &effects  strength=.false.  eos=.true.  artificial_viscosity=.false. /
-&method  normalise='none' /
 &material  name='gas'  density=100  eos_model='ideal_gas'  ig_gamma=1.4 /
 &region  name='box'  shape='box'  lo=0,0,0  hi=1,1,0.5 /
 &body  name='gas'  region='box'  material='gas'  specific_energy=2.0e5  packing='{packing}' /
