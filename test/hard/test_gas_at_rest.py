@@ -119,8 +119,8 @@ def layouts(options, sheet):
     """The same bits for any ranks and threads and after a restart."""
     size, hi = 0.05, "0.7,0.4,0.4"
     bodies = gas("0.5,0.4,0.4", "3,1,3", "jitter") + PISTON.format(length=0.5)
-    deck = DECK.format(dimension="plane_strain", hi=hi, size=size, end=1.0, steps="max_steps=80", words="normalise='fluids'",
-                       density=DENSITY, gamma=GAMMA, bodies=bodies).replace("at_end=.false.", "at_end=.true.")
+    deck = DECK.format(dimension="plane_strain", hi=hi, size=size, end=1.0, steps="max_steps=80",
+                       words="normalise='fluids'", density=DENSITY, gamma=GAMMA, bodies=bodies).replace("at_end=.false.", "at_end=.true.")
     digests = [case.Case(options, f"layout_{ranks}_{threads}", deck, ranks, threads).run("-q").summary["digest"]
                for ranks, threads in ((1, 1), (1, 2), (3, 1))]
     again = case.Case(options, "layout_again", deck, 2)
@@ -137,7 +137,8 @@ def explode(options, sheet, cells):
               + "&region  name='rest'  shape='difference'  of='cold','hot' /\n"
               + gas(edge, "2,1,2", "lattice", 1.0e-6, "cold", "rest"))
     name = f"explosion_{cells}"
-    box, last = run(options, name, "plane_strain", edge, size, bodies, density=1.0, words="normalise='fluids'  split=.true.")
+    box, last = run(options, name, "plane_strain", edge, size, bodies, density=1.0,
+                    words="normalise='fluids'  split=.true.")
     mass, volume = last.need("mass", "volume")
     radii = np.hypot(last.points[:, 0], last.points[:, 2])
     places = size * np.arange(cells + 1)
