@@ -6,12 +6,12 @@
 # lower layers are compiled beside the upper ones. A test that needs an upper layer says so in a line
 # `! layer: io`.
 
-# Tests are compiled once and run once: code that is optimised less is compiled in half the time.
+# Tests are compiled once and run once: code that is not optimised is compiled in half the time.
 add_library(scree_unit_options INTERFACE)
 target_compile_options(scree_unit_options INTERFACE
    ${scree_language_flags}
    ${scree_warning_flags}
-   "$<$<CONFIG:Release>:-O1>"
+   "$<$<CONFIG:Release>:-O0>"
    "$<$<CONFIG:Debug>:${scree_debug_flags}>"
    "$<$<CONFIG:Sanitize>:${scree_sanitize_flags}>")
 target_link_options(scree_unit_options INTERFACE

@@ -95,6 +95,16 @@ GUM = """&run dimension = '1d' /
 &boundary face = 'xlo'  type = 'stick' /
 &boundary region = 'grip'  type = 'stick'  velocity = 0.1 0 0 /
 """
+SOFT = """&run dimension = 'plane_strain' /
+&grid lo = -0.1 0 -0.05  hi = 0.1 1 0.05  dx = 0.005 /
+&time t_end = 4e-3 /
+&effects eos = .false.  artificial_viscosity = .false. /
+&material name = 'rubber'  density = 1010  young = 1e8  poisson = 0.3  strength_model = 'neo_hookean' /
+&region name = 'left'  shape = 'box'  lo = -0.06 0 -0.03  hi = -0.01 1 0.03 /
+&region name = 'right'  shape = 'box'  lo = 0.01 0 -0.03  hi = 0.06 1 0.03 /
+&body name = 'left'  region = 'left'  material = 'rubber'  velocity = 10 0 0 /
+&body name = 'right'  region = 'right'  material = 'rubber'  velocity = -10 0 0 /
+"""
 LOCKED = """&run dimension = 'plane_strain'  method = 'mpm' /
 &grid lo = 0 0 0  hi = 20 1 10  dx = 1 /
 &time t_end = 3 /
@@ -267,6 +277,11 @@ SITUATIONS = {
         "files": {"scene.nml": LOCKED}, "text": "A whole deck, of nearly incompressible rubber that hits a wall:",
         "shows": LOCKED, "commands": [RUN], "right": "poisson = 0.3",
         "right_files": {"scene.nml": LOCKED.replace("0.49", "0.3")}, "see": ["output.md#trust"]},
+    "of-the-energy-is-lost": {
+        "files": {"scene.nml": SOFT}, "text": "A whole deck, of two blocks of rubber that collide:", "shows": SOFT,
+        "commands": [RUN], "then": ["scree -q scene.nml --set \"method.stress_update='usavg'\" "
+                                    "--set \"method.turn_from='tiles'\" --set method.flip=1"],
+        "see": ["output.md#trust"]},
     "wall-limit-reached": {
         "files": {"scene.nml": BAR}, "commands": ["scree scene.nml --set \"time.wall_limit='00:00:00'\""], "last": 1,
         "then": [AGAIN], "see": ["running.md#checkpoints-and-restart"]},

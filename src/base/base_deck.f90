@@ -7,6 +7,7 @@ module base_deck
    use base_deck_echo, only: echo
    use base_deck_fill, only: fill_defaults, fill_groups, start_group
    use base_deck_group, only: group_t, unset_whole
+   use base_deck_index, only: deck_index_t
    use base_deck_override, only: override, take_apart
    use base_deck_preset, only: apply_presets
    use base_deck_problems, only: problems_t
@@ -29,6 +30,7 @@ module base_deck
       type(schema_t), private :: schema                  !! What is allowed
       type(problems_t) :: problems                       !! What is wrong
       type(group_t), allocatable, private :: groups(:)   !! All groups
+      type(deck_index_t), private :: index               !! Where they are
       type(text_t), allocatable, private :: files(:)     !! Its files in the order of reading
       integer, private :: written = 0                    !! Number of groups in the text
    contains
@@ -90,8 +92,9 @@ contains
          call groups(i)%get("name", groups(i)%title)
       end do
       self%groups = groups(:filled)
-      call apply_presets(schema, self%problems, self%groups)
-      call check_groups(schema, self%groups, file, self%problems)
+      call self%index%build(schema, self%groups)
+      call apply_presets(schema, self%index, self%problems, self%groups)
+      call check_groups(schema, self%groups, self%index, file, self%problems)
    end subroutine deck_read
 
    !> The system of units that the deck or the command line names; SI if that has a fault.
@@ -143,12 +146,8 @@ contains
    pure integer function deck_count(self, name) result(count)
       class(deck_t), intent(in) :: self                  !! The deck
       character(len=*), intent(in) :: name               !! The kind, without &
-      integer :: i
 
-      count = 0
-      do i = 1, size(self%groups)
-         if (self%groups(i)%group == name) count = count + 1
-      end do
+      count = self%index%count(self%schema%find(name))
    end function deck_count
 
    !> Index of a group in the list, 0 if there is none.
@@ -156,15 +155,8 @@ contains
       class(deck_t), intent(in) :: self                  !! The deck
       character(len=*), intent(in) :: name               !! The kind, without &
       integer, intent(in) :: place                       !! Number among those of its kind
-      integer :: seen
 
-      seen = 0
-      do index = 1, size(self%groups)
-         if (self%groups(index)%group /= name) cycle
-         seen = seen + 1
-         if (seen == place) return
-      end do
-      index = 0
+      index = self%index%at(self%schema%find(name), place)
    end function deck_locate
 
    !> One group. If there is none, it is one without values.
@@ -193,15 +185,11 @@ contains
       class(deck_t), intent(in) :: self                  !! The deck
       character(len=*), intent(in) :: name               !! The kind, without &
       character(len=*), intent(in) :: title              !! Value of its key `name`
-      integer :: i
+      integer :: which
 
       place = 0
-      do i = 1, size(self%groups)
-         if (self%groups(i)%group /= name) cycle
-         place = place + 1
-         if (self%groups(i)%title == title) return
-      end do
-      place = 0
+      which = self%index%named(self%groups, name, title)
+      if (which > 0) place = self%groups(which)%place
    end function deck_named
 
    !> Note an error about a group.
@@ -259,27 +247,22 @@ contains
       class(deck_t), intent(in) :: self                  !! The deck
       character(len=*), intent(in) :: name               !! The kind, without &
       integer, intent(in), optional :: place             !! Number among those of its kind, or all
-      integer :: i, other, last, seen
+      integer :: first, last, seen, which
 
       sound = .not. self%problems%about("&"//name)
-      seen = 0
-      do i = 1, size(self%groups)
-         if (self%groups(i)%group /= name) cycle
-         seen = seen + 1
-         if (present(place)) then
-            if (seen /= place) cycle
-         end if
-         if (self%groups(i)%first_line == 0) cycle
-         last = huge(last)
-         do other = 1, size(self%groups)
-            if (self%groups(other)%first_line > self%groups(i)%first_line .and. &
-               self%groups(other)%path == self%groups(i)%path) &
-               last = min(last, self%groups(other)%first_line - 1)
-         end do
-         ! groups may share a line
-         last = max(last, self%groups(i)%first_line)
-         if (self%problems%within(self%groups(i)%path, self%groups(i)%first_line, last)) &
-            sound = .false.
+      first = 1
+      last = self%count(name)
+      if (present(place)) then
+         first = place
+         last = min(place, last)
+      end if
+      do seen = first, last
+         which = self%locate(name, seen)
+         associate (group => self%groups(which))
+            if (group%first_line == 0) cycle
+            if (self%problems%within(group%path, group%first_line, &
+               max(self%index%last_line(which), group%first_line))) sound = .false.
+         end associate
       end do
    end function deck_sound
 
@@ -324,7 +307,7 @@ contains
       class(deck_t), intent(in) :: self                  !! The deck
       character(len=:), allocatable :: text
 
-      text = echo(self%schema, self%groups)
+      text = echo(self%schema, self%groups, self%index)
       text = "! Written in SI ("//trim(system_names(system_si))//"); the deck was in "// &
          trim(system_names(self%system))//"."//new_line("a")//text
    end function deck_echo

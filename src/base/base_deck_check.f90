@@ -2,6 +2,7 @@
 !> Checks that the schema alone asks for: owners, required keys, names, references.
 module base_deck_check
    use base_deck_group, only: group_t
+   use base_deck_index, only: deck_index_t
    use base_deck_problems, only: problems_t
    use base_deck_value, only: read_default, value_t
    use base_error, only: error_t, exit_internal, fail
@@ -91,9 +92,10 @@ contains
    end function takes
 
    !> Check all groups. Keys with an error of their own are taken as they were meant.
-   subroutine check_groups(schema, groups, deck_file, problems)
+   subroutine check_groups(schema, groups, index, deck_file, problems)
       type(schema_t), intent(in) :: schema               !! What is allowed
       type(group_t), intent(in) :: groups(:)             !! All groups
+      type(deck_index_t), intent(in) :: index            !! Where they are
       character(len=*), intent(in) :: deck_file          !! Name of the deck
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       integer :: i, k, rule
@@ -105,9 +107,9 @@ contains
             cycle
          end if
          do k = 1, size(schema%groups(rule)%keys)
-            call check_key(schema, schema%groups(rule)%keys(k), k, groups, i, problems)
+            call check_key(schema, schema%groups(rule)%keys(k), k, groups, index, i, problems)
          end do
-         if (schema%groups(rule)%find("name") > 0) call check_name(groups, i, problems)
+         if (schema%groups(rule)%find("name") > 0) call check_name(groups, index, i, problems)
       end do
    end subroutine check_groups
 
@@ -129,11 +131,12 @@ contains
    end subroutine check_absent
 
    !> Check one key of one group: does it apply, must it be given, is the name known?
-   subroutine check_key(schema, key, place, groups, which, problems)
+   subroutine check_key(schema, key, place, groups, index, which, problems)
       type(schema_t), intent(in) :: schema               !! What is allowed
       type(key_t), intent(in) :: key                     !! The key
       integer, intent(in) :: place                       !! Its index
       type(group_t), intent(in) :: groups(:)             !! All groups
+      type(deck_index_t), intent(in) :: index            !! Where they are
       integer, intent(in) :: which                       !! Index of the group
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       character(len=:), allocatable :: reason
@@ -141,7 +144,7 @@ contains
 
       associate (group => groups(which), value => groups(which)%values(place))
          if (.not. value%valid) return
-         call weigh(schema, key, groups, which, reason, sure)
+         call weigh(schema, key, groups, index, which, reason, sure)
          if (.not. sure) return
          if (value%given .and. reason /= "") then
             call problems%error(value%file, value%line, label_of(group)//": "//key%name//" "// &
@@ -150,29 +153,31 @@ contains
             if (.not. group%broken) call problems%error(group%path, group%first_line, &
                label_of(group)//": "//key%name//" must be given ("//key%doc//")")
          else if (key%target /= "" .and. value%given .and. reason == "") then
-            call check_references(key, groups, which, value, problems)
+            call check_references(schema, key, groups, index, which, value, problems)
          end if
       end associate
    end subroutine check_key
 
    !> True if a key means something in its group.
-   logical function applies(schema, key, groups, which) result(holds)
+   logical function applies(schema, key, groups, index, which) result(holds)
       type(schema_t), intent(in) :: schema               !! What is allowed
       type(key_t), intent(in) :: key                     !! The key
       type(group_t), intent(in) :: groups(:)             !! All groups
+      type(deck_index_t), intent(in) :: index            !! Where they are
       integer, intent(in) :: which                       !! Index of the group
       character(len=:), allocatable :: reason
       logical :: sure
 
-      call weigh(schema, key, groups, which, reason, sure)
+      call weigh(schema, key, groups, index, which, reason, sure)
       holds = reason == ""
    end function applies
 
    !> Why a key means nothing in its group; empty if it does.
-   subroutine weigh(schema, key, groups, which, reason, sure)
+   subroutine weigh(schema, key, groups, index, which, reason, sure)
       type(schema_t), intent(in) :: schema               !! What is allowed
       type(key_t), intent(in) :: key                     !! The key
       type(group_t), intent(in) :: groups(:)             !! All groups
+      type(deck_index_t), intent(in) :: index            !! Where they are
       integer, intent(in) :: which                       !! Index of the group
       character(len=:), allocatable, intent(out) :: reason !! Follows the name of the key
       logical, intent(out) :: sure                       !! False: a fault in another key hides it
@@ -183,13 +188,9 @@ contains
       do i = 1, size(key%owners)
          associate (condition => key%owners(i))
             other = which
-            if (condition%group /= key%group) then
-               do other = 1, size(groups)
-                  if (groups(other)%group == condition%group) exit
-               end do
-               if (other > size(groups)) cycle
-            end if
             rule = schema%find(condition%group)
+            if (condition%group /= key%group) other = index%at(rule, 1)
+            if (other == 0) cycle
             owner = schema%groups(rule)%find(condition%key)
             sure = sure .and. groups(other)%values(owner)%valid
             call compare(schema%groups(rule)%keys(owner), condition, groups(other)%values(owner), &
@@ -234,58 +235,56 @@ contains
    end subroutine compare
 
    !> Names must not be used twice.
-   subroutine check_name(groups, which, problems)
+   subroutine check_name(groups, index, which, problems)
       type(group_t), intent(in) :: groups(:)             !! All groups
+      type(deck_index_t), intent(in) :: index            !! Where they are
       integer, intent(in) :: which                       !! Index of the group
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
-      integer :: i
+      integer :: first
 
       associate (group => groups(which))
          if (group%title == "") return
-         do i = 1, which - 1
-            if (groups(i)%title /= group%title) cycle
-            if (groups(i)%group /= group%group) cycle
-            call problems%error(group%file("name"), group%line("name"), label_of(group)// &
-               ": the name is taken by the &"//group%group//" of "//groups(i)%path//":"// &
-               number(groups(i)%first_line))
-            return
-         end do
+         first = index%named(groups, group%group, group%title)
+         if (first == which) return
+         call problems%error(group%file("name"), group%line("name"), label_of(group)// &
+            ": the name is taken by the &"//group%group//" of "//groups(first)%path//":"// &
+            number(groups(first)%first_line))
       end associate
    end subroutine check_name
 
    !> Each name must be that of a group of the right kind, or the default. Nothing is said if one of
    !! those groups has a fault in its name.
-   subroutine check_references(key, groups, which, value, problems)
+   subroutine check_references(schema, key, groups, index, which, value, problems)
+      type(schema_t), intent(in) :: schema               !! What is allowed
       type(key_t), intent(in) :: key                     !! The key
       type(group_t), intent(in) :: groups(:)             !! All groups
+      type(deck_index_t), intent(in) :: index            !! Where they are
       integer, intent(in) :: which                       !! Index of the group
       type(value_t), intent(in) :: value                 !! The names
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       type(text_t), allocatable :: names(:)
       character(len=:), allocatable :: near
-      integer :: i, k
+      integer :: i, k, kind
 
-      allocate (names(0))
-      do i = 1, size(groups)
-         if (groups(i)%group /= key%target) cycle
-         if (groups(i)%title == "") return
-         call append(names, groups(i)%title)
-      end do
+      kind = schema%find(key%target)
+      if (.not. index%all_named(kind)) return
       do k = 1, value%count()
          associate (name => value%texts(k)%text)
             if (allocated(key%default)) then
                if (name == key%default) cycle
             end if
+            if (index%named(groups, key%target, name) > 0) cycle
+            allocate (names(index%count(kind)))
             do i = 1, size(names)
-               if (names(i)%text == name) exit
+               names(i)%text = groups(index%at(kind, i))%title
             end do
-            if (i <= size(names)) cycle
             near = closest(name, names)
             if (near /= "") near = "; did you mean '"//near//"'?"
             if (size(names) == 0) near = "; there is no &"//key%target
             if (size(names) > 0) near = "; defined: "//join(names, ", ")//near
             call problems%error(value%file, value%line, label_of(groups(which))//": no "// &
                key%target//" '"//name//"'"//near)
+            deallocate (names)
          end associate
       end do
    end subroutine check_references

@@ -3,6 +3,7 @@
 module base_deck_echo
    use base_deck_check, only: applies
    use base_deck_group, only: group_t
+   use base_deck_index, only: deck_index_t
    use base_deck_value, only: value_t
    use base_schema, only: key_t, kind_integer, kind_logical, kind_real, schema_t
    use base_text, only: buffer_t, number
@@ -17,28 +18,29 @@ module base_deck_echo
 contains
 
    !> The groups as a deck.
-   function echo(schema, groups) result(text)
+   function echo(schema, groups, index) result(text)
       type(schema_t), intent(in) :: schema               !! What is allowed
       type(group_t), intent(in) :: groups(:)             !! All groups
+      type(deck_index_t), intent(in) :: index            !! Where they are
       character(len=:), allocatable :: text
       type(buffer_t) :: buffer
       integer :: i, rule
 
       do rule = 1, size(schema%groups)
          if (size(schema%groups(rule)%keys) == 0) cycle
-         do i = 1, size(groups)
-            if (groups(i)%group == schema%groups(rule)%name) &
-               call echo_group(schema, rule, groups, i, buffer)
+         do i = 1, index%count(rule)
+            call echo_group(schema, rule, groups, index, index%at(rule, i), buffer)
          end do
       end do
       text = buffer%content()
    end function echo
 
    !> One group.
-   subroutine echo_group(schema, rule, groups, which, buffer)
+   subroutine echo_group(schema, rule, groups, index, which, buffer)
       type(schema_t), intent(in) :: schema               !! What is allowed
       integer, intent(in) :: rule                        !! Index of its rule
       type(group_t), intent(in) :: groups(:)             !! All groups
+      type(deck_index_t), intent(in) :: index            !! Where they are
       integer, intent(in) :: which                       !! Index of the group
       type(buffer_t), intent(inout) :: buffer            !! Gets the text
       integer :: k
@@ -49,7 +51,7 @@ contains
             if (key%group == "units" .and. key%name == "system") then
                call buffer%line("   system = 'si'")
             else if (value%count() > 0) then
-               if (applies(schema, key, groups, which)) call echo_key(key, value, buffer)
+               if (applies(schema, key, groups, index, which)) call echo_key(key, value, buffer)
             end if
          end associate
       end do

@@ -103,13 +103,13 @@ contains
 
       which = 0
       total = 0
-      allocate (names(0))
+      allocate (names(filled))
       do i = 1, filled
          if (groups(i)%group /= rule%name) cycle
          total = total + 1
          call groups(i)%get("name", name)
          if (name == "") name = number(total)
-         call append(names, name)
+         names(total)%text = name
          if (choice == "" .or. choice == name .or. choice == number(total)) which = i
          if (choice /= "" .and. choice == name) exit
       end do
@@ -117,10 +117,10 @@ contains
          which = 0
          call problems%error(command_line, 0, "&"//rule%name// &
             ": write which one is meant, such as "// &
-            rule%name//"["//names(1)%text//"]; there are: "//join(names, ", "))
+            rule%name//"["//names(1)%text//"]; there are: "//join(names(:total), ", "))
       else if (which == 0 .and. rule%many) then
          call problems%error(command_line, 0, "no &"//rule%name//" '"//choice//"'; there are: "// &
-            join(names, ", "))
+            join(names(:total), ", "))
       else if (which == 0) then
          filled = filled + 1
          which = filled

@@ -3,6 +3,7 @@
 module base_deck_preset
    use base_deck_check, only: applies
    use base_deck_group, only: group_t
+   use base_deck_index, only: deck_index_t
    use base_deck_problems, only: problems_t
    use base_deck_value, only: read_default, value_t
    use base_preset, only: preset_entry_t
@@ -16,8 +17,9 @@ contains
 
    !> Apply the presets that the groups ask for. Words that choose models stand first in a preset,
    !! so that what belongs to them applies.
-   subroutine apply_presets(schema, problems, groups)
+   subroutine apply_presets(schema, index, problems, groups)
       type(schema_t), intent(in) :: schema               !! What is allowed
+      type(deck_index_t), intent(in) :: index            !! Where the groups are
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       type(group_t), intent(inout) :: groups(:)          !! All groups, with their defaults
       character(len=:), allocatable :: name
@@ -31,15 +33,16 @@ contains
             if (schema%presets(p)%name /= name) cycle
             if (schema%presets(p)%group /= groups(i)%group) cycle
             do e = 1, size(schema%presets(p)%entries)
-               call apply(schema, schema%presets(p)%entries(e), i, problems, groups)
+               call apply(schema, index, schema%presets(p)%entries(e), i, problems, groups)
             end do
          end do
       end do
    end subroutine apply_presets
 
    !> Apply one value, unless the deck knows better.
-   subroutine apply(schema, entry, which, problems, groups)
+   subroutine apply(schema, index, entry, which, problems, groups)
       type(schema_t), intent(in) :: schema               !! What is allowed
+      type(deck_index_t), intent(in) :: index            !! Where the groups are
       type(preset_entry_t), intent(in) :: entry          !! The value
       integer, intent(in) :: which                       !! Index of the group
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
@@ -61,9 +64,9 @@ contains
       do i = 1, size(entry%unless)
          if (groups(which)%given(entry%unless(i)%text)) return
       end do
-      if (.not. switched_on(entry%switch, groups)) return
+      if (.not. switched_on(schema, index, entry%switch, groups)) return
       key = schema%groups(rule)%keys(place)
-      if (.not. applies(schema, key, groups, which)) return
+      if (.not. applies(schema, key, groups, index, which)) return
       key%default = entry%value
       call read_default(key, value, complaint)
       reason = entry%key//" = "//entry%value
@@ -76,16 +79,20 @@ contains
    end subroutine apply
 
    !> True if GROUP.KEY is .true., or nothing is asked for.
-   logical function switched_on(switch, groups) result(on)
+   logical function switched_on(schema, places, switch, groups) result(on)
+      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(deck_index_t), intent(in) :: places           !! Where the groups are
       character(len=*), intent(in) :: switch             !! GROUP.KEY or empty
       type(group_t), intent(in) :: groups(:)             !! All groups
-      integer :: i, dot
+      integer :: i, kind, dot
 
       on = switch == ""
       dot = index(switch, ".")
-      do i = 1, size(groups)
-         if (on .or. dot == 0) return
-         if (groups(i)%group == switch(:dot - 1)) call groups(i)%get(switch(dot + 1:), on)
+      if (on .or. dot == 0) return
+      kind = schema%find(switch(:dot - 1))
+      do i = 1, places%count(kind)
+         if (on) return
+         call groups(places%at(kind, i))%get(switch(dot + 1:), on)
       end do
    end function switched_on
 end module base_deck_preset

@@ -9,7 +9,7 @@ module ddmp_alpha
    implicit none
    private
 
-   public :: find_alpha, find_blend
+   public :: find_alpha, find_blend, mean_alpha
 
    integer, parameter, public :: alpha_split = 1     !! One bubble a direction, for its derivative
    integer, parameter, public :: alpha_product = 2   !! Product of the bubbles, for all derivatives
@@ -64,6 +64,24 @@ contains
          end do
       end do
    end subroutine find_alpha
+
+   !> Mean of alpha over a cell [1]. As alpha is even about the centre of the cell along each
+   !! direction, and the functions of the nodes add up to one, the integral of its product with the
+   !! function of any corner or edge is the mean times the integral of that function.
+   pure real(wp) function mean_alpha(kind, centre, dimensions) result(mean)
+      integer, intent(in) :: kind                    !! One of the kinds above
+      real(wp), intent(in) :: centre                 !! Value at the centre of the cell
+      integer, intent(in) :: dimensions              !! Of the scene
+
+      select case (kind)
+      case (alpha_product)
+         mean = centre*(2.0_wp/3.0_wp)**dimensions
+      case (alpha_squared)
+         mean = centre*(8.0_wp/15.0_wp)**dimensions
+      case default
+         mean = centre*2.0_wp/3.0_wp
+      end select
+   end function mean_alpha
 
    !> Place along each direction by which the stress is handed to the nodes and their gradient taken
    !! from them: 3 x**2 - 2 x**3 instead of x.

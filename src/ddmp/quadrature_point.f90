@@ -7,6 +7,7 @@ module quadrature_point
    use ddmp_quadrature, only: quadrature_t
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
+   use transfer_edges, only: gather_edge_gradient
    use transfer_gather, only: gather_dual_gradient
    use transfer_places, only: places_t
    use transfer_scatter, only: scatter_dual_force
@@ -54,7 +55,9 @@ contains
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call scatter_dual_force(grid, start, first, places%blend, places%alpha, volume, stress, patch)
+      ! without factors there is no argument
+      call scatter_dual_force(grid, start, first, places%blend, places%alpha, volume, stress, &
+         patch, places%factor)
    end subroutine point_scatter_force
 
    !> Velocity gradient: that of the cell, blended with that of the nodes.
@@ -69,6 +72,11 @@ contains
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
 
+      if (allocated(places%factor)) then
+         call gather_edge_gradient(grid, start, places%blend, places%alpha, places%factor, nodes, &
+            node_gradient, scale, gradient)
+         return
+      end if
       call gather_dual_gradient(grid, start, places%blend, places%alpha, nodes, node_gradient, &
          scale, gradient)
    end subroutine point_gather_gradient

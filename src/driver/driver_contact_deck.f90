@@ -119,6 +119,7 @@ contains
          contact%field(field)%last = stores
       end do
       materials = materials(kind(:stores))
+      contact%material = kind(:stores)
    end subroutine share_out
 
    !> Laws between bodies; what is said of named ones wins over '*'.

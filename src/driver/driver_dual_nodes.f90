@@ -8,7 +8,7 @@ module driver_dual_nodes
    use driver_method, only: stress_after
    use driver_node_sums, only: divide, ensure_sums, keep_sums, slots
    use driver_scatter, only: nodes_seen, tensor_rows, vector_rows
-   use driver_simulation, only: simulation_t
+   use driver_simulation, only: empty_mass, simulation_t
    use mesh_patch, only: clear_patch, empty_box, ensure_patch, ensure_weights, widen_box
    use mesh_pieces, only: pieces_t
    implicit none
@@ -88,7 +88,9 @@ contains
          if (.not. nodes%lean) call keep_sums(nodes, tile, sums)
          if (simulation%repacks) nodes%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
-         call simulation%dual%cell_weights(grid, sums, filled, around, nodes%weight(:, tile))
+         ! with normalised sums they are known
+         if (.not. allocated(simulation%normalises)) call simulation%dual%cell_weights(grid, sums, &
+            filled, around, nodes%weight(:, tile))
          call empty_box(nodes%weighted%box(:, :, tile))
          weighs = nodes%weight(:, tile) > 0.0_wp
          call widen_box(grid, weighs, nodes%weighted%box(:, :, tile))
@@ -133,7 +135,11 @@ contains
          slot = nodes%slot(tile)
          call find_volumes(simulation, tile, slot)
          call nodes%motion(2)%assemble(grid, simulation%tiles, nodes%touched, tile, stress)
-         call divide(nodes%volume(:, :, slot), 1, stress)
+         if (allocated(nodes%normal)) then
+            call normalise(nodes%volume(:, :, slot), nodes%normal(:, :, tile), stress)
+         else
+            call divide(nodes%volume(:, :, slot), 1, stress)
+         end if
          if (simulation%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
          call simulation%boundary%mirror(grid, coordinate, stress)
          call clear_patch(force)
@@ -141,6 +147,25 @@ contains
          call nodes%force%put(grid, nodes%weighted, tile, 1, force)
       end associate
    end subroutine force_tile
+
+   !> Divide by the volumes of the nodes, or by the sums of their particles, direction by direction.
+   !! Equation (Q.8) of doc/theory/quadratures.md.
+   pure subroutine normalise(volume, normal, values)
+      real(wp), contiguous, intent(in) :: volume(:, :)     !! (1, node) Of the dual gradient [m3]
+      real(wp), contiguous, intent(in) :: normal(:, :)     !! (7, node) Over sums; plain share
+      real(wp), contiguous, intent(inout) :: values(:, :)  !! (9, node) (k, l) in row k + 3 (l - 1)
+      real(wp) :: inverse
+      integer :: node, l
+
+      do node = 1, size(volume, 2)
+         inverse = 0.0_wp
+         if (volume(1, node) > empty_mass) inverse = 1.0_wp/volume(1, node)
+         do l = 1, 3
+            values(3*l - 2:3*l, node) = values(3*l - 2:3*l, node) &
+               *(normal(4 + l, node)*inverse + normal(l, node))
+         end do
+      end do
+   end subroutine normalise
 
    !> Give back on the nodes the mean stress that was taken out of the particles.
    pure subroutine add_star(star, stress)
@@ -201,8 +226,13 @@ contains
       call pieces%assemble(simulation%grid, simulation%tiles, simulation%nodes%weighted, tile, &
          gradient)
       call nodes_seen(simulation, tile, low, high)
-      call divide(simulation%nodes%volume(:, low:high, simulation%nodes%slot(tile)), 1, &
-         gradient(:, low:high))
+      if (allocated(simulation%nodes%normal)) then
+         call normalise(simulation%nodes%volume(:, low:high, simulation%nodes%slot(tile)), &
+            simulation%nodes%normal(:, low:high, tile), gradient(:, low:high))
+      else
+         call divide(simulation%nodes%volume(:, low:high, simulation%nodes%slot(tile)), 1, &
+            gradient(:, low:high))
+      end if
       call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
          gradient)
    end subroutine node_gradient

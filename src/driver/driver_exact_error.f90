@@ -5,7 +5,6 @@ module driver_exact_error
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: wp
    use driver_exact, only: exact_t
-   use driver_method, only: stress_before
    use driver_simulation, only: simulation_t
    use io_state, only: state_t
    use mesh_grid, only: grid_t
@@ -37,7 +36,8 @@ contains
          if (case%seen == simulation%step) return
          times = simulation%time
          times(2) = simulation%time - simulation%method%lag(simulation%dt)
-         if (simulation%method%stress == stress_before) times(3) = simulation%time - simulation%dt
+         if (simulation%method%strains_first()) &
+            times(3) = simulation%time - simulation%method%span()*simulation%dt
          farthest = 0.0_wp
          do index = 1, size(simulation%stores)
             if (.not. allocated(case%material(index)%solution)) cycle

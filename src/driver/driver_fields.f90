@@ -10,7 +10,7 @@ module driver_fields
    use driver_dual_nodes, only: dual_fields
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
-   use driver_method, only: stress_before, stress_remapped
+   use driver_normalise, only: find_factors
    use driver_nodes, only: finish_nodes, move_nodes, remap_nodes, start_nodes, strain_nodes
    use driver_retry, only: judge_nodes
    use driver_scatter, only: scatter_particles
@@ -71,7 +71,7 @@ contains
          call move_nodes(simulation, simulation%kick, dt)
          if (simulation%method%transfer%sweeps() > 0) &
             call filter_nodes(simulation, simulation%kick)
-         if (simulation%method%stress == stress_remapped) call map_again(simulation)
+         if (simulation%method%remaps()) call map_again(simulation)
          call judge_nodes(simulation, dt, again, error)
          if (allocated(error)) return
          if (.not. again) exit
@@ -89,7 +89,7 @@ contains
       call touch_bodies(simulation, dt)
       if (simulation%contact%bonded) call break_bonds(simulation)
       call finish_velocities(simulation, dt)
-      if (simulation%method%stress /= stress_remapped) return
+      if (.not. simulation%method%remaps()) return
       do field = 1, size(simulation%contact%field)
          call simulation%take_field(field)
          call map_again(simulation)
@@ -158,6 +158,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run, perhaps one velocity field of it
 
       if (simulation%method%controlled()) call find_star(simulation)
+      if (allocated(simulation%normalises)) call find_factors(simulation)
       call scatter_particles(simulation)
       if (simulation%method%dual) call dual_fields(simulation)
       if (simulation%method%differing()) call find_difference(simulation)

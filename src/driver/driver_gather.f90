@@ -7,17 +7,17 @@ module driver_gather
    use driver_cost, only: book_cost, cost_clock
    use driver_culprit, only: tile_bounds
    use driver_dual_nodes, only: node_gradient
-   use driver_ledger, only: dissipated, ledger_t, plastic, viscous
+   use driver_ledger, only: dissipated
+   use driver_losses, only: book_losses
    use driver_method, only: method_t, stress_before
    use driver_nodes, only: recall_seen
    use driver_packing, only: excess_fill, repack
+   use driver_relax, only: relax_pressures
    use driver_retire, only: erode_tile, fastest_left, retire_tile
    use driver_scatter, only: find_places, nodes_seen
    use driver_simulation, only: scratch_t, simulation_t
    use driver_sweep, only: find_filtered, find_slopes
    use material_kinematics, only: centre_backward, centre_gradient
-   use material_matter, only: deformation_t, matter_t
-   use material_type, only: material_t
    use mesh_patch, only: combine
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
@@ -36,6 +36,7 @@ module driver_gather
    type :: gather_parts_t
       logical :: work = .false.                      !! Work of the stress of the force
       logical :: strain = .false.                    !! Strain and stress
+      real(wp) :: span = 1.0_wp                      !! Share of the step that strains [1]
       logical :: motion = .false.                    !! Particle velocities, positions and cells
    end type gather_parts_t
 
@@ -122,7 +123,8 @@ contains
       integer :: index
 
       if (allocated(simulation%contact)) then
-         if (all(counts(simulation, tile) == 0)) return
+         if (all([(simulation%stores(index)%count(tile) == 0, &
+            index=simulation%first_store, simulation%last_store)])) return
       end if
       call recall_seen(simulation, tile)
       call look(simulation, tile, parts, view)
@@ -142,10 +144,10 @@ contains
                call add_rubbed(simulation, scratch, store, tile)
             fastest = 0.0_wp
             steepest = scratch%steepest
-            if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, dt, &
-               fastest)
+            if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, &
+               parts%span*dt, .not. parts%motion, fastest)
             if (parts%motion) then
-               call move_particles(simulation, scratch, store, tile, view, dt)
+               call move_particles(simulation, scratch, index, tile, view, dt)
                call place_tile(simulation%grid, simulation%boundary, &
                   simulation%tiles%coordinate(:, tile), store, tile)
                call judge_particles(simulation, scratch, index, tile, fastest, steepest)
@@ -154,18 +156,6 @@ contains
          end associate
       end do
    end subroutine gather_tile
-
-   !> Particles of the velocity field at hand in a tile, by store.
-   pure function counts(simulation, tile) result(particles)
-      type(simulation_t), intent(in) :: simulation   !! The run with contact
-      integer, intent(in) :: tile                    !! Which tile
-      integer :: particles(simulation%first_store:simulation%last_store)
-      integer :: index
-
-      do index = simulation%first_store, simulation%last_store
-         particles(index) = simulation%stores(index)%count(tile)
-      end do
-   end function counts
 
    !> Heat of contact to the particles of a tile; matter that carries no internal energy books it.
    subroutine add_rubbed(simulation, scratch, store, tile)
@@ -351,19 +341,20 @@ contains
    end subroutine repack_particles
 
    !> New velocities and positions of the particles of a tile.
-   subroutine move_particles(simulation, scratch, store, tile, view, dt)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine move_particles(simulation, scratch, index, tile, view, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
 
       associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
-         start => store%cell_start(:, tile), first => store%first(tile))
+         store => simulation%stores(index), start => simulation%stores(index)%cell_start(:, tile), &
+         first => simulation%stores(index)%first(tile))
          call method%basis%gather_motion(grid, start, first, places, view%push, view%carry, &
             method%transfer%keep(), dt, store%velocity, store%position)
-         if (.not. method%transfer%affine() .or. strained(method)) return
+         if (.not. method%transfer%affine() .or. strained(simulation, index)) return
          call find_slopes(simulation, places, start, view%after, view%gradient, &
             scratch%deformation%gradient)
          call keep_affine(store, tile, 1.0_wp, scratch%deformation%gradient)
@@ -371,11 +362,15 @@ contains
    end subroutine move_particles
 
    !> Do linear velocity fields come from the strain of the step? The modified gradient is less
-   !! noisy than that of the cell, and after the step it is that of the new velocities.
-   pure logical function strained(method) result(renewed)
-      type(method_t), intent(in) :: method           !! The method
+   !! noisy than that of the cell, and after the step it is that of the new velocities. With
+   !! normalised sums it is not: there a linear field has no uniform gradient.
+   pure logical function strained(simulation, index) result(renewed)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
 
-      renewed = method%dual .and. method%stress /= stress_before
+      renewed = simulation%method%dual .and. simulation%method%stress /= stress_before
+      if (renewed .and. allocated(simulation%normalises)) &
+         renewed = .not. simulation%normalises(index)
    end function strained
 
    !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
@@ -430,20 +425,21 @@ contains
    end subroutine find_gradient
 
    !> Strain the particles of a tile and let their material answer.
-   subroutine strain_particles(simulation, scratch, index, tile, view, dt, fastest)
+   subroutine strain_particles(simulation, scratch, index, tile, view, dt, over, fastest)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
-      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: dt                     !! Time of the strain [s]
+      logical, intent(in) :: over                    !! Have the particles moved already?
       real(wp), intent(out) :: fastest               !! Fastest signal and motion [m/s]
       integer :: p, first, n
 
+      first = simulation%stores(index)%first(tile)
+      n = simulation%stores(index)%count(tile)
       associate (store => simulation%stores(index), deformation => scratch%deformation, &
          method => simulation%method)
-         first = store%first(tile)
-         n = store%count(tile)
          deformation%plane = simulation%grid%dimensions < 3
          call find_gradient(simulation, scratch, store, tile, &
             simulation%nodes%strain(:, :, view%slot), view%gradient, dt)
@@ -453,15 +449,16 @@ contains
          call stretch_tile(store, tile, deformation%gradient)
          if (allocated(method%splitting)) call find_opening(method%splitting, &
             simulation%grid%spacing, store, tile, deformation%gradient, dt)
-         if (method%transfer%affine() .and. strained(method)) &
+         if (method%transfer%affine() .and. strained(simulation, index) .and. .not. over) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
-         if (method%stress == stress_before .and. method%leapfrog) then
+         if (over .and. method%leapfrog) then
             call centre_backward(n, deformation%plane, deformation%gradient)
          else
             call centre_gradient(n, deformation%plane, deformation%gradient)
          end if
          call scratch%laps%update(simulation%materials(index), store%matter, deformation, &
             first, first + n - 1, dt, simulation%grid%spacing)
+         call relax_pressures(simulation, index, tile, deformation%wave_speed, dt)
          fastest = 0.0_wp
          do p = 1, n
             fastest = max(fastest, &
@@ -471,29 +468,4 @@ contains
          call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
       end associate
    end subroutine strain_particles
-
-   !> Book what artificial viscosity and plastic flow took.
-   subroutine book_losses(ledger, material, matter, deformation, count)
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
-      type(material_t), intent(in) :: material       !! What can lose at all
-      type(matter_t), intent(in) :: matter           !! Which fields there are
-      type(deformation_t), intent(in) :: deformation !! The step of the particles
-      integer, intent(in) :: count                   !! Particles
-      real(wp) :: losses(2)
-      logical :: flows
-
-      losses = 0.0_wp
-      flows = allocated(material%fracture)
-      if (allocated(material%law)) flows = flows .or. material%law%plastic()
-      if (allocated(material%viscosity)) then
-         losses(1) = sum(deformation%viscous_work(:count))
-         call ledger%sums(viscous)%add(losses(1))
-      end if
-      if (flows) then
-         losses(2) = sum(deformation%plastic_work(:count))
-         call ledger%sums(plastic)%add(losses(2))
-      end if
-      ! with an internal energy these are a part of it
-      if (.not. allocated(matter%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
-   end subroutine book_losses
 end module driver_gather

@@ -4,26 +4,28 @@
 !! artificial viscosity. As q is rho h D (q2 h D + q1 c) this is the flux of Noh with the speed of
 !! the viscosity, sqrt(q/rho), in place of a linear and a quadratic one, and none in expansion.
 !!
-!! Energies of a material go to the nodes weighted with mass. What the flux takes from a node it
-!! gives to others, and particles get the changes of their nodes, so the sum is kept to round-off.
-!! Materials do not heat each other, and no flux crosses surfaces and faces. Equation (M.23) of
-!! doc/theory/method.md.
+!! Energies of a material go to the nodes weighted with mass, and flow along the edges of the cells
+!! from node to node, so the sum is kept to round-off. Conductances of edges are positive and a node
+!! gives at most the energy that it has. The particles around a node get what it gains by
+!! their mass and give what it loses by their energy: none gives more than it has. Energy below
+!! zero, as cold matter in tension has, does not flow. Materials do not heat each other, and no flux
+!! crosses surfaces and faces. Equation (M.23) of doc/theory/method.md.
 module driver_heat_flux
    use base_kinds, only: wp
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_node_sums, only: divide
    use driver_scatter, only: find_places
-   use driver_simulation, only: scratch_t, simulation_t
+   use driver_simulation, only: empty_mass, scratch_t, simulation_t
+   use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
-   use transfer_scatter, only: motion_columns
    implicit none
    private
 
    public :: smear_heat
 
    integer, parameter :: mass = 1, content = 2       !! Rows: [kg], internal energy [J]
-   integer, parameter :: pushed = 5                  !! Row of a force along x
+   integer, parameter :: passed = 3                  !! Row: share of its flux that a node lets pass
 
 contains
 
@@ -37,15 +39,20 @@ contains
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
          call ensure_patch(nodes%heat, content, number, simulation%tiles%own)
          call ensure_patch(nodes%flux, 1, number, simulation%tiles%own)
-         call ensure_patch(nodes%warmth, content, number, simulation%tiles%all)
+         call ensure_patch(nodes%warmth, passed, number, simulation%tiles%own)
       end associate
       do index = 1, size(simulation%stores)
          if (.not. flows(simulation, index)) cycle
          call each_own(simulation, index, dt, spread_energy, simulation%nodes%heat)
          !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%all
-            call assemble(simulation%grid, simulation%tiles, simulation%nodes%heat, tile, &
-               simulation%nodes%warmth(:, :, tile))
+         do tile = 1, simulation%tiles%own
+            call find_energy(simulation, tile)
+         end do
+         !$omp end parallel do
+         call each_own(simulation, index, dt, spread_conductance, simulation%nodes%flux)
+         !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%own
+            call find_passed(simulation, tile, dt)
          end do
          !$omp end parallel do
          call each_own(simulation, index, dt, spread_flux, simulation%nodes%flux)
@@ -105,7 +112,7 @@ contains
       end do
    end subroutine each_own
 
-   !> Mass and energy of the particles of a tile.
+   !> Mass, and energy above zero, of the particles of a tile.
    subroutine spread_energy(simulation, scratch, index, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -120,15 +127,74 @@ contains
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             places%values(p, mass) = store%matter%mass(q)
-            places%values(p, content) = store%matter%mass(q)*store%matter%energy(q)
+            places%values(p, content) = store%matter%mass(q)*max(store%matter%energy(q), 0.0_wp)
          end do
          call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), places, &
             content, places%values, 0, patch)
       end associate
    end subroutine spread_energy
 
-   !> Energy that flows to the nodes [W], as the force of a stress whose first line is the flux. A
-   !! step does not take more than it can take and stay stable.
+   !> Mass and energy of the nodes of a tile.
+   subroutine find_energy(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: sums(content, simulation%grid%tile_nodes)
+
+      call assemble(simulation%grid, simulation%tiles, simulation%nodes%heat, tile, sums)
+      simulation%nodes%warmth(:content, :, tile) = sums
+   end subroutine find_energy
+
+   !> Conductance of all edges of the cells that end in a node [W kg/J].
+   subroutine spread_conductance(simulation, scratch, index, tile, dt, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
+      real(wp) :: weight(4), place(3), conductance
+      integer :: low(4), p, cell, direction, edges, edge, high
+
+      associate (store => simulation%stores(index), grid => simulation%grid)
+         call find_places(simulation, scratch, store, tile)
+         do cell = 0, grid%tile_cells - 1
+            do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
+               conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
+               if (.not. conductance > 0.0_wp) cycle
+               place = scratch%places%local(p, :)
+               do direction = 1, 3
+                  if (.not. grid%active(direction)) cycle
+                  call find_edges(grid, cell, direction, place, edges, low, weight)
+                  do edge = 1, edges
+                     high = low(edge) + grid%stride(direction)
+                     patch(1, low(edge)) = patch(1, low(edge)) + conductance*weight(edge)
+                     patch(1, high) = patch(1, high) + conductance*weight(edge)
+                  end do
+               end do
+            end do
+         end do
+      end associate
+   end subroutine spread_conductance
+
+   !> The share of the flux that each node of a tile lets pass: it gives no more than it has.
+   subroutine find_passed(simulation, tile, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: given(1, simulation%grid%tile_nodes)
+      integer :: node
+
+      call assemble(simulation%grid, simulation%tiles, simulation%nodes%flux, tile, given)
+      associate (warmth => simulation%nodes%warmth(:, :, tile))
+         do node = 1, size(given, 2)
+            warmth(passed, node) = merge(1.0_wp, 0.0_wp, warmth(mass, node) > empty_mass)
+            if (dt*given(1, node) > warmth(mass, node)) &
+               warmth(passed, node) = warmth(mass, node)/(dt*given(1, node))
+         end do
+      end associate
+   end subroutine find_passed
+
+   !> Energy that flows to the nodes [W].
    subroutine spread_flux(simulation, scratch, index, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -136,49 +202,75 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
-      integer, parameter :: first_line(3) = [1, 4, 6], full_line(3) = [1, 4, 7]
-      real(wp) :: energy(3, size(patch, 2)), wide(motion_columns, size(patch, 2))
-      real(wp) :: volume(simulation%stores(index)%count(tile))
-      real(wp) :: flux(simulation%stores(index)%count(tile), 6), density, conductivity, most
-      integer :: p, q, k
+      real(wp) :: energy(1, size(patch, 2)), weight(4), place(3), conductance, flow
+      integer :: low(4), p, cell, direction, edges, edge, high
 
-      call node_energy(simulation, tile, energy)
-      call scratch%deformation%reserve(size(volume))
-      associate (store => simulation%stores(index), places => scratch%places, &
-         grid => simulation%grid, method => simulation%method, &
-         gradient => scratch%deformation%gradient)
-         call find_places(simulation, scratch, store, tile)
-         call method%basis%collect_gradient(grid, store%cell_start(:, tile), places, energy, &
-            1.0_wp, gradient)
-         most = grid%spacing**2/(4.0_wp*real(grid%dimensions, wp)*dt)
-         flux = 0.0_wp
-         do p = 1, store%count(tile)
-            q = store%first(tile) + p - 1
-            volume(p) = store%matter%volume(q)
-            density = store%matter%mass(q)/volume(p)
-            conductivity = min(most*density, method%heat_flux*grid%spacing &
-               *sqrt(density*max(store%matter%viscous_pressure(q), 0.0_wp)))
-            do k = 1, 3
-               flux(p, first_line(k)) = conductivity*gradient(p, full_line(k))
-            end do
-         end do
-         wide = 0.0_wp
-         call method%basis%spread_stress(grid, store%cell_start(:, tile), 1, places, volume, flux, &
-            wide)
-      end associate
-      patch(1, :) = wide(pushed, :)
-   end subroutine spread_flux
-
-   !> Energy of the nodes of a tile as the first component of a vector.
-   subroutine node_energy(simulation, tile, energy)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp), intent(out) :: energy(:, :)          !! (3, node) In row 1 [J/kg]
-
-      energy = 0.0_wp
       energy(1, :) = simulation%nodes%warmth(content, :, tile)
       call divide(simulation%nodes%warmth(:, :, tile), mass, energy)
-   end subroutine node_energy
+      associate (store => simulation%stores(index), grid => simulation%grid, &
+         share => simulation%nodes%warmth(passed, :, tile))
+         call find_places(simulation, scratch, store, tile)
+         do cell = 0, grid%tile_cells - 1
+            do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
+               conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
+               if (.not. conductance > 0.0_wp) cycle
+               place = scratch%places%local(p, :)
+               do direction = 1, 3
+                  if (.not. grid%active(direction)) cycle
+                  call find_edges(grid, cell, direction, place, edges, low, weight)
+                  do edge = 1, edges
+                     high = low(edge) + grid%stride(direction)
+                     flow = conductance*weight(edge)*min(share(low(edge)), share(high)) &
+                        *(energy(1, high) - energy(1, low(edge)))
+                     patch(1, low(edge)) = patch(1, low(edge)) + flow
+                     patch(1, high) = patch(1, high) - flow
+                  end do
+               end do
+            end do
+         end do
+      end associate
+   end subroutine spread_flux
+
+   !> Conductance that a particle gives the edges around it along each direction [W kg/J]. The bound
+   !! keeps an explicit step in full cells stable.
+   pure real(wp) function conductance_of(simulation, index, q, dt) result(conductance)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: q                       !! The particle
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      associate (matter => simulation%stores(index)%matter, grid => simulation%grid)
+         conductance = min(matter%mass(q)/(4.0_wp*real(grid%dimensions, wp)*dt), &
+            simulation%method%heat_flux/grid%spacing*sqrt(matter%mass(q)*matter%volume(q) &
+            *max(matter%viscous_pressure(q), 0.0_wp)))
+      end associate
+   end function conductance_of
+
+   !> Edges of a cell along a direction, and the linear functions of the other directions, which sum
+   !! to one: sum of weight ((e_high - e_low)/h)**2 is the square of a gradient.
+   pure subroutine find_edges(grid, cell, direction, local, edges, low, weight)
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: cell                    !! Which cell of a tile, from 0
+      integer, intent(in) :: direction               !! Of the edges
+      real(wp), intent(in) :: local(3)               !! Place in the cell, 0 to 1
+      integer, intent(out) :: edges                  !! How many: 1, 2 or 4
+      integer, intent(out) :: low(4)                 !! Node at their lower end
+      real(wp), intent(out) :: weight(4)             !! At the place
+      integer :: across, edge
+
+      edges = 1
+      low(1) = grid%first_node(cell)
+      weight(1) = 1.0_wp
+      do across = 1, 3
+         if (across == direction .or. .not. grid%active(across)) cycle
+         do edge = 1, edges
+            low(edges + edge) = low(edge) + grid%stride(across)
+            weight(edges + edge) = weight(edge)*local(across)
+            weight(edge) = weight(edge)*(1.0_wp - local(across))
+         end do
+         edges = 2*edges
+      end do
+   end subroutine find_edges
 
    !> New energies of the particles of a tile.
    subroutine give_energy(simulation, scratch, index, tile, dt)
@@ -187,22 +279,31 @@ contains
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: change(1, simulation%grid%tile_nodes)
-      integer :: p, q
+      real(wp) :: flow(1, simulation%grid%tile_nodes), change(2, simulation%grid%tile_nodes), given
+      integer :: node, p, q
 
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%flux, tile, change)
-      change = dt*change
-      call divide(simulation%nodes%warmth(:, :, tile), mass, change)
+      call assemble(simulation%grid, simulation%tiles, simulation%nodes%flux, tile, flow)
+      change = 0.0_wp
+      associate (warmth => simulation%nodes%warmth(:, :, tile))
+         do node = 1, size(change, 2)
+            ! by mass what is gained, by energy what is lost
+            if (flow(1, node) > 0.0_wp) then
+               change(1, node) = dt*flow(1, node)/warmth(mass, node)
+            else if (flow(1, node) < 0.0_wp) then
+               change(2, node) = dt*flow(1, node)/warmth(content, node)
+            end if
+         end do
+      end associate
       associate (store => simulation%stores(index), places => scratch%places)
          call find_places(simulation, scratch, store, tile)
          call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), places, &
             change, places%values)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
-            store%matter%energy(q) = store%matter%energy(q) + places%values(p, 1)
+            given = places%values(p, 1) + places%values(p, 2)*max(store%matter%energy(q), 0.0_wp)
+            store%matter%energy(q) = store%matter%energy(q) + given
             if (allocated(simulation%materials(index)%heat)) store%matter%temperature(q) = &
-               store%matter%temperature(q) + places%values(p, 1) &
-               /simulation%materials(index)%heat%specific_heat
+               store%matter%temperature(q) + given/simulation%materials(index)%heat%specific_heat
          end do
       end associate
    end subroutine give_energy

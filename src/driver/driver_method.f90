@@ -21,17 +21,22 @@ module driver_method
    integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
    integer, parameter, public :: stress_before = 2   !! usf: before the force
    integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
-   character(len=4), parameter, public :: stress_names(3) = ["usl ", "usf ", "musl"]
+   !> Half a step before the force, half with node velocities mapped anew (usavg)
+   integer, parameter, public :: stress_both = 4
+   character(len=5), parameter, public :: stress_names(4) = [character(len=5) :: "usl", "usf", &
+      "musl", "usavg"]
 
    !> Choices of the numerical method.
    type :: method_t
       logical :: dual = .true.                       !! Dual domain gradient, else the plain one
       class(basis_t), allocatable :: basis           !! Node functions
       class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
+      character(len=:), allocatable :: normalise     !! Whose sums are normalised: fluids, none, all
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
+      logical :: smooth_turn = .false.               !! Is the rotation that of the tiles?
       real(wp) :: heat_flux = 0.0_wp                 !! Coefficient of artificial heat flux [1]
       type(splitting_t), allocatable :: splitting    !! When long particles are halved, if they are
       class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
@@ -41,6 +46,9 @@ module driver_method
       procedure :: read => method_read               !! Make it from the deck
       procedure :: choose => method_choose           !! Make it from words
       procedure :: controlled => method_controlled   !! Is a mean stress taken out?
+      procedure :: strains_first => method_strains_first !! Is there strain before the force?
+      procedure :: remaps => method_remaps           !! Are new velocities mapped for the strain?
+      procedure :: span => method_span               !! Share of a step that each of them strains
       procedure :: differing => method_differing     !! Is the force of stress differences?
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
@@ -84,9 +92,18 @@ contains
       call schema%text("method", "quadrature", "where the dual gradient is taken", &
          default="point", owner="run.method = ddmp")
       call schema%words("method", "quadrature", quadrature_names)
+      call schema%text("method", "normalise", "whose sums over particles are divided by the "// &
+         "sums of their weights, so that uniform pressure makes no force: matter without "// &
+         "strength, none, all", &
+         words="fluids none all", default="none", owner="run.method = ddmp")
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
-         "new velocities; default usl with ddmp, musl with mpm", words="usl usf musl")
+         "new velocities; or half before, half after mapping, which keeps energy best; default "// &
+         "usl with ddmp, musl with mpm", words="usl usf musl usavg")
+      call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
+         "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
+         "energy of thin bodies", default="point", words="point tiles", &
+         owner="transfer = rflip")
       call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
          "material in a cell share their mean dilatation and pressure", default="none", &
          words="none bbar")
@@ -109,6 +126,7 @@ contains
       character(len=:), allocatable :: word, basis, quadrature
 
       call settle_defaults(deck)
+      call check_normalise(deck)
       group = deck%group("run", 1)
       call group%get("method", word)
       group = deck%group("method", 1)
@@ -129,6 +147,10 @@ contains
       if (self%transfer%affine() .and. .not. (self%transfer%turning() .or. self%dual) .and. &
          basis == "linear") call deck%warn(group, "linear functions with transfer = '"//word// &
          "' gain energy without bound; write basis = 'quadratic'", "transfer")
+      if (self%transfer%turning()) then
+         call group%get("turn_from", word)
+         self%smooth_turn = word == "tiles"
+      end if
       call group%get("antilock", word)
       self%even = word == "bbar"
       call group%get("heat_flux", self%heat_flux)
@@ -180,6 +202,29 @@ contains
          call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
    end subroutine settle_defaults
 
+   !> Refuse normalised sums where the rule of the dual gradient does not allow them.
+   subroutine check_normalise(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      character(len=:), allocatable :: method, dimension, quadrature, surface, word
+      logical :: paper
+      type(group_t) :: run, group
+
+      run = deck%group("run", 1)
+      call run%get("method", method)
+      if (method /= "ddmp") return
+      call run%get("dimension", dimension)
+      group = deck%group("method", 1)
+      call group%get("normalise", word)
+      if (word == "none") return
+      call group%get("quadrature", quadrature)
+      call group%get("free_surface", surface)
+      call group%get("paper", paper)
+      if (dimension == "axisymmetric" .or. paper .or. quadrature /= "point" .or. &
+         surface /= "fill") call deck%complain(group, "normalise = '"//word//"' needs "// &
+         "quadrature = 'point' and free_surface = 'fill', and no dimension = 'axisymmetric' "// &
+         "or paper = .true.; write 'none'", "normalise")
+   end subroutine check_normalise
+
    !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.
    subroutine settle_paper(deck, group)
       type(deck_t), intent(inout) :: deck            !! The deck
@@ -230,6 +275,7 @@ contains
       call group%get("blend", word)
       method%quadrature%smooth = word == "smooth"
       call group%get("alpha_0", method%quadrature%alpha_centre)
+      call group%get("normalise", method%normalise)
       call group%get("free_surface", word)
       method%surface = max(position_of(word, surface_names), 1)
       call group%get("paper", paper)
@@ -287,6 +333,27 @@ contains
       differing = .false.
       if (allocated(self%quadrature)) differing = self%quadrature%differing()
    end function method_differing
+
+   !> Are particles strained before the force acts, with the velocities at their new places?
+   pure logical function method_strains_first(self) result(first)
+      class(method_t), intent(in) :: self            !! The method
+
+      first = self%stress == stress_before .or. self%stress == stress_both
+   end function method_strains_first
+
+   !> Are the new velocities of the particles mapped to the nodes for the strain?
+   pure logical function method_remaps(self) result(remaps)
+      class(method_t), intent(in) :: self            !! The method
+
+      remaps = self%stress == stress_remapped .or. self%stress == stress_both
+   end function method_remaps
+
+   !> Share of a step that the strain before the force takes, and that after it [1].
+   pure real(wp) function method_span(self) result(span)
+      class(method_t), intent(in) :: self            !! The method
+
+      span = merge(0.5_wp, 1.0_wp, self%stress == stress_both)
+   end function method_span
 
    !> Layers of nodes beyond a tile that its particles reach.
    pure integer function method_margin(self) result(margin)

@@ -6,7 +6,6 @@ module driver_nodes
    use driver_cost, only: book_cost, cost_clock
    use driver_dual_nodes, only: calm_tile, find_volumes, put_gradient
    use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
-   use driver_method, only: stress_remapped
    use driver_node_sums, only: divide, ensure_sums, find_sums, slots
    use driver_reach, only: look_at_tile, worse
    use driver_scatter, only: vector_rows
@@ -64,7 +63,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run, without contact
       integer :: face
 
-      later = simulation%method%stress == stress_remapped .and. .not. simulation%carries_energy
+      later = simulation%method%remaps() .and. .not. simulation%carries_energy
       if (later) later = allocated(simulation%gravity) .or. allocated(simulation%rigid) &
          .or. any([(simulation%boundary%ruled(face), face=1, 6)])
    end function books_later

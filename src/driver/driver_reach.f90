@@ -3,7 +3,7 @@
 module driver_reach
    use base_kinds, only: int64, wp
    use driver_bounds, only: slow_nodes
-   use driver_method, only: stress_after, stress_remapped
+   use driver_method, only: stress_after
    use driver_simulation, only: empty_mass, reach_t, simulation_t
    use mesh_grid, only: lane_bit
    implicit none
@@ -33,14 +33,14 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
 
       associate (method => simulation%method)
-         asked = method%stress == stress_remapped .or. (method%dual .and. &
+         asked = method%remaps() .or. (method%dual .and. &
             method%stress == stress_after)
       end associate
       asked = asked .and. simulation%guard%bounds%dt_free
    end function asks
 
    !> How far the nodes of a tile would go that its particles see. Most tiles are so slow that their
-   !! greatest velocity tells, others fly as a whole. Equation (S.4) of doc/theory/time_step.md.
+   !! greatest velocity tells, others fly as a whole. Equation (S.5) of doc/theory/time_step.md.
    pure subroutine look_at_tile(simulation, tile, slot, dt, reach)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile

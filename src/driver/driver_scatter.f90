@@ -4,7 +4,6 @@ module driver_scatter
    use base_kinds, only: int64, wp
    use driver_cost, only: book_cost, cost_clock
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_motion
-   use driver_method, only: stress_remapped
    use driver_simulation, only: scratch_t, simulation_t
    use mesh_grid, only: grid_t
    use mesh_patch, only: clear_patch, empty_box, widen_box
@@ -98,8 +97,9 @@ contains
       associate (method => simulation%method)
          lean = .not. (simulation%keeps_nodes .or. allocated(simulation%contact) .or. &
             allocated(simulation%exact) .or. simulation%repacks .or. &
+            allocated(simulation%normalises) .or. &
             method%transfer%sweeps() > 0 .or. method%controlled() .or. method%differing() .or. &
-            method%stress == stress_remapped)
+            method%remaps())
       end associate
    end function may_be_lean
 
@@ -287,6 +287,8 @@ contains
             scratch%places)
          if (simulation%method%dual) call simulation%method%quadrature%locate(simulation%grid, &
             coordinate, store, tile, scratch%places)
+         if (allocated(simulation%normalises)) &
+            scratch%places%factor = simulation%nodes%factor(:, :, tile)
       end associate
    end subroutine find_places
 

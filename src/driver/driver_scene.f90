@@ -279,7 +279,7 @@ contains
       type(body_t), allocatable, intent(out) :: bodies(:)
       type(group_t) :: group
       character(len=:), allocatable :: region, material, packing
-      integer :: index, place
+      integer :: index
 
       allocate (bodies(deck%count("body")))
       do index = 1, size(bodies)
@@ -288,13 +288,9 @@ contains
             call group%get("name", body%name)
             call group%get("region", region)
             call group%get("material", material)
-            do place = 1, size(shapes)
-               if (shapes(place)%name == region) body%region = place
-            end do
+            body%region = deck%named("region", region)
             body%shape = shapes(body%region)%shape
-            do place = 1, size(simulation%materials)
-               if (simulation%materials(place)%name == material) body%store = place
-            end do
+            body%store = max(deck%named("material", material), 1)
             call group%get("ppc", body%per_cell)
             call group%get("packing", packing)
             body%cut = packing == "cut"
@@ -416,14 +412,18 @@ contains
          group = deck%group("units")
          call group%get("output_units", word)
          header%units%system = max(system_number(word), system_si)
-         allocate (header%body_names(size(bodies)), header%body_materials(size(bodies)), &
-            header%material_names(size(simulation%materials)))
+         allocate (header%body_names(size(bodies)), header%material_names(deck%count("material")))
+         header%body_materials = bodies%store
          do n = 1, size(bodies)
             header%body_names(n) = bodies(n)%name
-            header%body_materials(n) = bodies(n)%store
          end do
-         do n = 1, size(simulation%materials)
-            header%material_names(n) = simulation%materials(n)%name
+         ! with contact a material has a store for each of its velocity fields
+         if (allocated(simulation%contact)) header%body_materials = &
+            simulation%contact%material(header%body_materials)
+         do n = 1, size(header%material_names)
+            group = deck%group("material", n)
+            call group%get("name", word)
+            header%material_names(n) = word
          end do
       end associate
       place%folder = outputs%folder

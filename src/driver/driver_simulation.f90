@@ -54,6 +54,8 @@ module driver_simulation
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
       !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
+      !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]
+      real(wp), allocatable :: turn(:, :, :)
       real(wp), allocatable :: extra(:, :, :)
       real(wp), allocatable :: filtered(:, :, :) !! (3) Sum of the series of velocities [m/s]
       real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]
@@ -65,6 +67,12 @@ module driver_simulation
       real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress [Pa]
       real(wp), allocatable :: unit(:, :, :)         !! Patch (3): wrong force of unit stress [m2]
       real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force for that [N]
+      !> With normalised sums. Patch (5 or 6): mass, volume, volume times 1 - alpha of three
+      !! directions, volume beyond the scope; patch (1): volume of full cells [m3]; (7): factors of
+      !! the three directions [1/m3], how far cells around are full [1], and of the three directions
+      !! those of the plain sums [1]
+      real(wp), allocatable :: counted(:, :, :), covered(:, :, :), normal(:, :, :)
+      real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       type(pieces_t) :: share                        !! (1) Volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
@@ -98,6 +106,7 @@ module driver_simulation
       type(pair_law_t), allocatable :: law(:, :)     !! (field, field) What holds between two
       logical :: bonded = .false.                    !! Can bonds break?
       integer, allocatable :: field_of_body(:)       !! (body) Its velocity field
+      integer, allocatable :: material(:)            !! (store) Number of its &material
       !> Patch (row, field): outward area of the particles [m2], with bonds the mass of those that
       !! hold [kg]
       real(wp), allocatable :: outward(:, :, :)
@@ -191,6 +200,9 @@ module driver_simulation
       real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       type(conduction_t), allocatable :: conduction  !! If some material conducts heat
+      !> (material) If sums are normalised, are its own, and is it without strength?
+      logical, allocatable :: normalises(:), flows(:)
+      real(wp) :: mean_alpha = 0.0_wp                !! Mean of alpha over a cell, for that [1]
       logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
       logical :: keeps_nodes = .false.               !! Are the fields of all nodes asked for?
       type(contact_t), allocatable :: contact        !! If bodies have velocities of their own
@@ -283,6 +295,10 @@ contains
       call move_alloc(self%star, other%star)
       call move_alloc(self%unit, other%unit)
       call move_alloc(self%difference, other%difference)
+      call move_alloc(self%counted, other%counted)
+      call move_alloc(self%covered, other%covered)
+      call move_alloc(self%normal, other%normal)
+      call move_alloc(self%factor, other%factor)
       call move_alloc(self%weight, other%weight)
       call self%share%move_to(other%share)
       call move_alloc(self%volume, other%volume)

@@ -7,6 +7,7 @@ module driver_start
    use driver_contact_deck, only: bond_stores, store_name
    use driver_heat, only: greatest_diffusivity
    use driver_ledger, only: cross
+   use driver_normalise, only: choose_normalised
    use driver_simulation, only: simulation_t
    use driver_step, only: count_particles, limit_step, sort_particles
    use material_models, only: chain_effects, effect_names
@@ -55,6 +56,7 @@ contains
             .not. allocated(simulation%conduction)) allocate (simulation%conduction)
       end do
       simulation%repacks = any(simulation%materials%repacks)
+      call choose_normalised(simulation)
       call name_phases(simulation)
    end subroutine prepare
 
@@ -96,6 +98,8 @@ contains
             call simulation%materials(index)%request(store%matter)
             call store%start(store_name(simulation%materials, index), simulation%grid%tile_cells, &
                traits)
+            store%material = index
+            if (allocated(simulation%contact)) store%material = simulation%contact%material(index)
             if (allocated(simulation%exact)) then
                if (allocated(simulation%exact%material(index)%solution)) &
                   allocate (store%reference(0, 3))

@@ -12,6 +12,7 @@ module driver_step
    use driver_ledger, only: dissipated
    use driver_method, only: stress_before
    use driver_retire, only: check_retired
+   use driver_rotation, only: smooth_rotation
    use driver_simulation, only: simulation_t
    use particle_migrate, only: migrate
    use particle_split, only: split_store
@@ -33,16 +34,18 @@ contains
       dt = wish
       parts%work = simulation%carries_energy
       if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time
+      if (simulation%method%smooth_turn) call smooth_rotation(simulation)
       associate (method => simulation%method)
          ! time for which positions have moved already with the velocity before the step
          moved = merge(simulation%dt, dt, method%leapfrog)
-         if (method%stress == stress_before .and. moved > 0.0_wp) &
-            call strain_before(simulation, moved)
+         if (method%strains_first() .and. moved > 0.0_wp) &
+            call strain_before(simulation, method%span()*moved)
          call push_nodes(simulation, dt, error)
          if (allocated(error)) return
          if (allocated(simulation%conduction)) call conduct_heat(simulation, dt)
          if (method%heat_flux > 0.0_wp) call smear_heat(simulation, dt)
          parts%strain = method%stress /= stress_before
+         parts%span = method%span()
          parts%motion = .true.
          call gather_all(simulation, parts, dt)
       end associate

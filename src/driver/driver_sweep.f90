@@ -9,11 +9,12 @@ module driver_sweep
    use driver_nodes, only: book_push
    use driver_scatter, only: find_places
    use driver_simulation, only: scratch_t, simulation_t
-   use driver_walls, only: stop_at_walls, walls_touch
+   use driver_walls, only: take_held, walls_touch
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use transfer_affine, only: turn_only
+   use transfer_basis, only: expand_spin
    use transfer_places, only: places_t
    implicit none
    private
@@ -100,8 +101,10 @@ contains
       end do
    end subroutine spread_tile
 
-   !> The next term, y - S^+ S y, without what the faces of the box forbid; it is added to the sum.
-   !! What the faces take away the particles do not get, so it is booked.
+   !> The next term, y - S^+ S y, without what walls hold in this step; it is added to the sum. What
+   !! walls take away the particles do not get, so it is booked, with the velocity at the end of the
+   !! step. Equation (L.12) of doc/theory/ledger.md: that needs the same orthogonal projection for
+   !! all terms, so what walls hold does not depend on them.
    subroutine add_term(simulation, scratch, tile, sweep, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
@@ -109,20 +112,19 @@ contains
       integer, intent(in) :: sweep                   !! Number of the term, 1 for the second one
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: again(3, simulation%grid%tile_nodes), free(3, simulation%grid%tile_nodes)
-      real(wp) :: centre(3, simulation%grid%tile_nodes)
+      real(wp) :: ended(3, simulation%grid%tile_nodes)
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
          term => simulation%nodes%term(:, :, tile), transfer => simulation%method%transfer)
          call assemble(grid, simulation%tiles, nodes%extra, tile, again)
          call divide(nodes%mass(:, :, tile), 1, again)
          again = term - again
-         ! where a face rules, all terms but the first vanish as an acceleration does
          if (walls_touch(simulation, tile)) then
+            ended = nodes%velocity(:, :, tile) + dt*nodes%acceleration(:, :, tile)
             free = again
-            call stop_at_walls(simulation, tile, term, again)
+            call take_held(simulation, tile, nodes%velocity(:, :, tile), again)
             free = again - free
-            centre = nodes%velocity(:, :, tile) + 0.5_wp*dt*nodes%acceleration(:, :, tile)
-            call book_push(simulation, scratch%ledger, tile, free, centre)
+            call book_push(simulation, scratch%ledger, tile, free, ended)
          end if
          if (simulation%carries_energy) nodes%loss(1, :, tile) = nodes%loss(1, :, tile) &
             + transfer%loss_weight(2*sweep - 1)*sum(term*again, dim=1) &
@@ -204,10 +206,15 @@ contains
             call keep_velocity(store, tile, simulation%method%transfer%keep(), places%vector)
             if (simulation%method%transfer%affine()) then
                call scratch%deformation%reserve(store%count(tile))
-               call find_slopes(simulation, places, start, after, gradient, &
-                  scratch%deformation%gradient)
-               if (simulation%method%transfer%turning()) &
-                  call turn_only(store%count(tile), scratch%deformation%gradient)
+               if (simulation%method%smooth_turn) then
+                  call expand_spin(store%first(tile), store%count(tile), store%spin, &
+                     scratch%deformation%gradient)
+               else
+                  call find_slopes(simulation, places, start, after, gradient, &
+                     scratch%deformation%gradient)
+                  if (simulation%method%transfer%turning()) &
+                     call turn_only(store%count(tile), scratch%deformation%gradient)
+               end if
                call spread_fields(simulation, scratch, store, tile, patch)
             else
                call basis%scatter_product(grid, start, store%first(tile), places, &
@@ -228,7 +235,8 @@ contains
       real(wp), contiguous, intent(inout) :: slopes(:, :) !! (particle of the tile, 9) [1/s]
 
       associate (grid => simulation%grid, method => simulation%method)
-         if (method%dual) then
+         ! with normalised sums the modified gradient of a linear field is not uniform
+         if (method%dual .and. .not. allocated(places%factor)) then
             call method%quadrature%gather_gradient(grid, start, places, velocity, gradient, &
                1.0_wp, slopes)
          else

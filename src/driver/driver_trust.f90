@@ -12,6 +12,7 @@ module driver_trust
    use driver_ledger, only: balance_t, external_work, mass, retired_mass
    use driver_look, only: bounds_look_t, find_greatest, look_at_bounds, look_at_shapes, &
       measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_look_t
+   use driver_method, only: method_t, stress_both
    use driver_simulation, only: simulation_t
    use driver_trust_record, only: apart, trust_bad, trust_energy, trust_heat, trust_noise, &
       trust_ok, trust_retired, trust_speed, trust_stretch, trust_t, trust_volume, verdict_of
@@ -21,7 +22,7 @@ module driver_trust
    implicit none
    private
 
-   public :: begin_trust, final_trust, number_lattices, watch_trust
+   public :: begin_trust, final_trust, number_lattices, warn_of_energy, watch_trust
 
    integer(int64), parameter :: bounds_every = 5     !! Steps between looks at speed and energy
    integer(int64), parameter :: work_every = 50      !! ... between sums of the work
@@ -323,6 +324,37 @@ contains
             "particles a cell (ppc), &method transfer = 'xpic' or more artificial viscosity")
       end associate
    end subroutine warn_of_shapes
+
+   !> Say at the end that energy is missing, and what keeps it. Collective.
+   subroutine warn_of_energy(method, now, trust, log)
+      type(method_t), intent(in) :: method           !! How the run was computed
+      type(balance_t), intent(in) :: now             !! Its books
+      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      character(len=:), allocatable :: remedy
+      character(len=16) :: share
+
+      if (trust%failed .or. .not. now%energy_error < 0.0_wp) return
+      if (verdict_of(trust_energy, trust%worst(trust_energy)) == trust_ok) return
+      remedy = ""
+      if (.not. method%stress == stress_both) remedy = " stress_update = 'usavg',"
+      if (method%transfer%turning() .and. .not. method%smooth_turn) &
+         remedy = remedy//" turn_from = 'tiles',"
+      if (method%transfer%keep() > 0.0_wp .and. method%transfer%keep() < 1.0_wp) &
+         remedy = remedy//" flip = 1,"
+      if (len(remedy) == 0) then
+         remedy = "use more particles a cell (ppc)"
+      else
+         remedy = "write"//remedy(:len(remedy) - 1)//" in &method"
+      end if
+      if (now%energy_error > -1.0e6_wp) then
+         write (share, "(f0.1)") -100.0_wp*now%energy_error
+      else
+         write (share, "(es8.1)") -100.0_wp*now%energy_error
+      end if
+      call log%warn("warning: "//trim(share)//" % of the energy is lost: where matter carries "// &
+         "no internal energy nothing takes up what straining and transfers filter; "//remedy)
+   end subroutine warn_of_energy
 
    !> Is a warning due? It is given once.
    logical function warns(trust, entry, from) result(due)

@@ -7,7 +7,7 @@ module driver_walls
    implicit none
    private
 
-   public :: impose_walls, keep_at_walls, stand_walls, stop_at_walls, walls_touch
+   public :: impose_walls, keep_at_walls, stand_walls, stop_at_walls, take_held, walls_touch
 
 contains
 
@@ -133,4 +133,24 @@ contains
       if (allocated(simulation%rigid)) &
          call simulation%rigid%constrain(tile, velocity, change, at_end=.true.)
    end subroutine stop_at_walls
+
+   !> Take from a change of node velocities the components that walls held before the forces act,
+   !! or changed: an orthogonal projection. Walls that hold a node in the step do so from its begin.
+   pure subroutine take_held(simulation, tile, velocity, change)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) With walls, before [m/s]
+      real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) [m/s]
+      real(wp) :: moved(3, size(change, 2)), open(3, size(change, 2))
+
+      moved = velocity
+      open = 1.0_wp
+      associate (coordinate => simulation%tiles%coordinate(:, tile))
+         call simulation%boundary%constrain(simulation%grid, coordinate, moved, open, at_end=.true.)
+         if (simulation%boundary%rubs()) &
+            call simulation%boundary%keep(simulation%grid, coordinate, velocity, open)
+      end associate
+      change = change*open
+      if (allocated(simulation%rigid)) call simulation%rigid%take(tile, velocity, open, change)
+   end subroutine take_held
 end module driver_walls

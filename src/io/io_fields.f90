@@ -227,7 +227,7 @@ contains
          if (column%name == "fragment") then
             if (allocated(picks(store)%fragment)) values(before + 1:last) = picks(store)%fragment
          else if (column%derived) then
-            values(before + 1:last) = store
+            values(before + 1:last) = stores(store)%material
          else
             fetcher%name = column%name
             fetcher%before = before

@@ -10,7 +10,7 @@ module mesh_outward
    implicit none
    private
 
-   public :: find_outward, touches
+   public :: covers, find_outward, touches
 
    real(wp), parameter :: pace = 0.5_wp              !! Of the search along a ray [cells]
    integer, parameter :: paces = 8                   !! So far it is looked for a way out

@@ -35,6 +35,7 @@ module mesh_rigid
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
       procedure :: keep => rigid_keep                !! Hold nodes that were held in the step
       procedure :: rub => rigid_rub                  !! Regions that press and rub
+      procedure :: take => rigid_take                !! Take what they hold from a change
    end type rigid_t
 
 contains
@@ -253,7 +254,6 @@ contains
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(in) :: ended(:, :) !! (3, node) Velocity after the step [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Changed [m/s]
-      real(wp), parameter :: little = 1.0e-12_wp     ! what is left of a velocity that is taken
       real(wp) :: wall_velocity(3)
       integer :: n, node
 
@@ -264,12 +264,52 @@ contains
             associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
                if (.not. maxval(abs(normal)) > 0.0_wp) cycle
                wall_velocity = wall%velocity + self%kick*wall%gain
-               if (dot_product(ended(:, node) - wall_velocity, normal) &
-                  > little*(norm2(ended(:, node)) + norm2(wall_velocity))) cycle
+               if (.not. stays(wall_velocity, normal, ended(:, node))) cycle
                velocity(:, node) = velocity(:, node) &
                   - dot_product(velocity(:, node) - wall_velocity, normal)*normal
             end associate
          end do
       end associate
    end subroutine rigid_keep
+
+   !> Take from a change of velocities what regions hold: all of it, or its component along the
+   !! normal where the node does not leave.
+   pure subroutine rigid_take(self, tile, velocity, open, change)
+      class(rigid_t), intent(in) :: self             !! The regions
+      integer, intent(in) :: tile                    !! Index of the tile
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the forces act [m/s]
+      real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where faces hold, else 1
+      real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) Without that [m/s]
+      real(wp), parameter :: least = 1.0e-6_wp       ! of a normal, beyond what rounding leaves
+      real(wp) :: normal(3), length
+      integer :: n, node
+
+      if (.not. self%holds(tile)) return
+      associate (held => self%held(tile))
+         do n = 1, size(held%node)
+            node = held%node(n)
+            if (.not. maxval(abs(held%normal(:, n))) > 0.0_wp) then
+               change(:, node) = 0.0_wp
+            else if (stays(self%wall(held%wall(n))%velocity, held%normal(:, n), &
+               velocity(:, node))) then
+               ! with what faces hold, a projection on what is left to both
+               normal = held%normal(:, n)*open(:, node)
+               length = norm2(normal)
+               if (.not. length > least) cycle
+               normal = normal/length
+               change(:, node) = change(:, node) - dot_product(change(:, node), normal)*normal
+            end if
+         end do
+      end associate
+   end subroutine rigid_take
+
+   !> Does a node not leave a region?
+   pure logical function stays(wall, normal, velocity) result(held)
+      real(wp), intent(in) :: wall(3)                !! Velocity of the region [m/s]
+      real(wp), intent(in) :: normal(3)              !! Outward
+      real(wp), intent(in) :: velocity(3)            !! Of the node [m/s]
+      real(wp), parameter :: little = 1.0e-12_wp     ! what is left of a velocity that is taken
+
+      held = .not. dot_product(velocity - wall, normal) > little*(norm2(velocity) + norm2(wall))
+   end function stays
 end module mesh_rigid

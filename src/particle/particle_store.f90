@@ -31,6 +31,7 @@ module particle_store
    !> Particles of one material.
    type :: store_t
       character(len=:), allocatable :: name           !! Name of the material
+      integer :: material = 1                         !! Number of the &material in the deck
       integer(int64), allocatable :: identity(:)      !! Unique in the run, given at the start
       integer(int64), allocatable :: body(:)          !! Index of the body (only if asked for)
       real(wp), allocatable :: position(:, :)         !! (particle, 3) [m]

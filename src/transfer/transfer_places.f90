@@ -25,6 +25,8 @@ module transfer_places
       integer, allocatable :: corner_node(:, :)      !! (corner, particle) First node of that cell
       real(wp), allocatable :: edge(:, :)            !! (9, particle) Half edges, one after another
       real(wp), allocatable :: inverse(:, :)         !! (9, particle) The inverse of their matrix
+      !> (edge, cell) Factors of the part of the gradient on the cell, if sums are normalised [1]
+      real(wp), allocatable :: factor(:, :)
       real(wp), allocatable :: vector(:, :)          !! (particle, 3) What is mapped
       real(wp), allocatable :: values(:, :)          !! (particle, 9) Between two steps of a map
       real(wp), allocatable :: affine(:, :)          !! (particle, 9) Linear velocity fields [1/s]

@@ -121,7 +121,8 @@ contains
    !!
    !! D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379, in the two-step form. The
    !! first sum of (M.4), and the sum of (M.5).
-   pure subroutine scatter_dual_force(grid, start, first, local, alpha, volume, stress, patch)
+   pure subroutine scatter_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
+      factor)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
@@ -130,11 +131,14 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Of the cell part
 
       if (grid%dimensions == 3) then
-         call space_dual_force(grid, start, first, local, alpha, volume, stress, patch)
+         call space_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
+            factor)
       else
-         call plane_dual_force(grid, start, first, local, alpha, volume, stress, patch)
+         call plane_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
+            factor)
       end if
    end subroutine scatter_dual_force
 end module transfer_scatter

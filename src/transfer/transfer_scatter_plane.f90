@@ -12,6 +12,7 @@
 module transfer_scatter_plane
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
+   use transfer_edges, only: cell_edges, edges
    implicit none
    private
 
@@ -229,9 +230,10 @@ contains
 
    !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
    !! column 8, and the stress handed to the nodes, sum v (1 - alpha_l) sigma_kl S, to column
-   !! 8 + k + 3 (l - 1).
+   !! 8 + k + 3 (l - 1). Without factors those of the edges are one.
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine plane_dual_force(grid, start, first, local, alpha, volume, stress, patch)
+   pure subroutine plane_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
+      factor)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
@@ -240,18 +242,22 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Of the cell part
       integer, parameter :: columns(10) = [5, 6, 7, 8, 9, 10, 11, 15, 16, 17]
-      real(wp), dimension(corners, 3) :: a, b, c, d
+      real(wp), dimension(corners, 3) :: a, b, c, d, constant, slope
       real(wp) :: sums(corners, 10), x(corners), z(corners), rest_x(corners), rest_z(corners)
       real(wp) :: part(corners)
       integer :: cell, p, q, n, k, node
 
       a = grid%lane_constant(:corners, :)
       b = grid%lane_slope(:corners, :)
-      call signed_lanes(grid, c, d)
+      call signed_lanes(grid, constant, slope)
+      c = constant
+      d = slope
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
          sums = 0.0_wp
+         if (present(factor)) call weigh_edges(factor(:, cell), constant, slope, c, d)
          do p = start(cell) + 1, start(cell + 1)
             q = first + p - 1
             !$omp simd
@@ -302,6 +308,22 @@ contains
          end do
       end do
    end subroutine add_corners
+
+   !> Lanes with the factors of their edges: a node of an edge along x has its place along z, and
+   !! the other way round.
+   pure subroutine weigh_edges(factor, constant, slope, c, d)
+      real(wp), intent(in) :: factor(cell_edges)             !! (edge) [1]
+      real(wp), intent(in) :: constant(corners, 3)           !! (lane, direction) [1/m]
+      real(wp), intent(in) :: slope(corners, 3)              !! (lane, direction) [1/m]
+      real(wp), intent(inout) :: c(corners, 3), d(corners, 3) !! The same times the factors
+      integer, parameter :: low(corners) = [1, 1, 2, 2]      ! (lane) edge along x
+      integer, parameter :: across(corners) = 2*edges + [1, 2, 1, 2] ! (lane) edge along z
+
+      c(:, 3) = constant(:, 3)*factor(low)
+      d(:, 3) = slope(:, 3)*factor(low)
+      c(:, 1) = constant(:, 1)*factor(across)
+      d(:, 1) = slope(:, 1)*factor(across)
+   end subroutine weigh_edges
 
    !> Constants and slopes of the lanes along one direction, times the slope of the lane along the
    !! other: together the slope along the other.

@@ -110,7 +110,8 @@ contains
    !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
    !! column 8, and the stress handed to the nodes, sum v (1 - alpha_l) sigma_kl S, to column
    !! 8 + k + 3 (l - 1).
-   pure subroutine space_dual_force(grid, start, first, local, alpha, volume, stress, patch)
+   pure subroutine space_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
+      factor)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
@@ -119,6 +120,7 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Of the cell part
       !> The third block begins with two zeros, so that no column after the last one is touched
       integer, parameter :: before(3) = [7, 11, 13]
       real(wp) :: share(start(grid%tile_cells), 3)
@@ -141,7 +143,7 @@ contains
          end do
       end do
       call add_edges(grid, start, first, local, share(:, 1), share(:, 2), share(:, 3), &
-         stress, patch)
+         stress, patch, factor)
    end subroutine space_dual_force
 
    !> Volume and stress that some particles hand to the nodes, in blocks of columns: volume and
@@ -322,7 +324,7 @@ contains
    !! x and z, those along z along x and y.
    ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine add_edges(grid, start, first, local, x_share, y_share, z_share, stress, &
-      patch)
+      patch, factor)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
@@ -332,8 +334,9 @@ contains
       real(wp), contiguous, intent(in) :: z_share(:)         !! Along z
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Of the edges [1]
       real(wp) :: kept(edges, 3, 3), x(edges), y(edges), z(edges)
-      integer :: cell, p, q, e
+      integer :: cell, p, q, e, k, l
 
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
@@ -359,6 +362,13 @@ contains
                kept(e, 3, 3) = kept(e, 3, 3) + z(e)*stress(q, 3)
             end do
          end do
+         if (present(factor)) then
+            do l = 1, 3
+               do k = 1, 3
+                  kept(:, k, l) = kept(:, k, l)*factor(edges*(l - 1) + 1:edges*l, cell)
+               end do
+            end do
+         end if
          call join_edges(grid, cell, kept, size(patch, 1), size(patch), patch)
       end do
    end subroutine add_edges

@@ -7,7 +7,8 @@ together after the wave came back; friction that is not mu times the normal push
 of several bodies at a node that do not add up to zero; light or soft matter beside matter of a million times
 its density or stiffness that blows up; heat of contact that is not booked; bonds that break at another
 stress, in another cell than that which is torn, or form again; a single body that changes because contact is
-on; and particles that are halved with the growth of another velocity field or with none.
+on; particles that are halved with the growth of another velocity field or with none; and snapshots that number
+stores in place of materials.
 
 Limits. Two elastic discs (cells of 0.025 m): the first force comes at most a tenth of a cell early, as particles count
 as cubes (doc/theory/contact.md), and at most half a cell late, the size of a particle. Energy: target 2 %; kinetic
@@ -26,6 +27,7 @@ break, within 2 %, one cell.
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -270,10 +272,39 @@ def crowds(options, sheet):
     sheet.below("fast ball: kinetic energy left", history["kinetic"][-1] / history["kinetic"][0], 0.98)
 
 
+def numbers(options, sheet):
+    """Materials keep the numbers of the deck, although each velocity field has stores of its own."""
+    deck = """
+&run  dimension='1d' /
+&grid  lo=0,0,0  hi=1,1,1  dx=0.1 /
+&time  t_end=1.0e-4 /
+&effects  artificial_viscosity=.false.  contact=.true. /
+&material  name='none'  density=1000  young=1e6  poisson=0 /
+&material  name='m1'  density=1000  young=1e6  poisson=0 /
+&material  name='m2'  density=1000  young=1e6  poisson=0 /
+&region  name='a'  shape='box'  lo=0,0,0  hi=0.3,1,1 /
+&region  name='b'  shape='box'  lo=0.3,0,0  hi=0.6,1,1 /
+&region  name='c'  shape='box'  lo=0.6,0,0  hi=0.9,1,1 /
+&body  name='a'  region='a'  material='m2'  ppc=2,1,1 /
+&body  name='b'  region='b'  material='m1'  ppc=2,1,1 /
+&body  name='c'  region='c'  material='m2'  ppc=2,1,1 /
+&output  name='p'  kind='particles'  count=1  fields='body','material' /
+"""
+    run = case.Case(options, "numbers", deck).run("-q")
+    fields = run.snapshots()[-1][1].fields
+    sheet.require({(int(body), int(material)) for body, material in zip(fields["body"], fields["material"])}
+                  == {(1, 3), (2, 2), (3, 3)}, "numbers of materials are those of the deck")
+    with h5py.File(run.path("_p_000001.hdf")) as file:
+        names = [name.decode().strip() for name in file["/bodies/material_name"][:]]
+        sheet.require(names == ["none", "m1", "m2"], "names of materials in the order of the deck")
+        sheet.require(list(file["/bodies/material"][:]) == [3, 2, 3], "materials of the bodies")
+
+
 def main():
     """All of them."""
     options = case.arguments()
     sheet = report.Report()
+    numbers(options, sheet)
     impacts(options, sheet)
     torn(options, sheet)
     if tier.NAME != "smoke":

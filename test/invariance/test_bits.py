@@ -135,7 +135,7 @@ def main():
 
     seen = set()
     transfers = ("flip", "pic", "apic", "aflip", "rflip", "xpic", "fmpm")
-    pairs = [("usl", name) for name in transfers] + [("musl", name) for name in transfers]
+    pairs = [("usl", name) for name in transfers] + [("musl", name) for name in transfers] + [("usavg", "rflip")]
     pairs += [("usf", name) for name in ("flip", "aflip", "fmpm")]
     for method in ("ddmp", "mpm"):
         for update, transfer in pairs:

@@ -49,7 +49,7 @@ def draw(chance, plan):
     else:
         draw_single(chance, plan, method)
     if chance.true(0.4) and not keys.get("paper"):
-        keys["stress_update"] = chance.choose(["usl", "usf", "musl"])
+        keys["stress_update"] = chance.choose(["usl", "usf", "musl", "usavg"])
     word = keys.get("transfer", "rflip" if dual else "flip")
     if word in ("flip", "rflip", "aflip") and chance.true(0.4) and not keys.get("paper"):
         keys["flip"] = chance.choose([1.0, 0.995, 0.99, 0.95])

@@ -1,0 +1,276 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Normalised sums (`&method normalise`): the two parts of the dual gradient are averages over
+!! particles, which are divided by their own sums of the particles and carried by exact integrals.
+!!
+!! Each edge of a cell and each node, direction by direction, has a factor: the integral of its
+!! weight over the sum of the weight times the volumes of the particles. Force, strain and work use
+!! the same factors, so the power of the force stays that of the stress and forces on nodes still
+!! add up to zero; and in full cells uniform stress makes no force, wherever the particles are.
+!! Towards free surfaces, and where matter beyond the scope takes part, factors go to one. Equations
+!! (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
+module driver_normalise
+   use base_kinds, only: wp
+   use ddmp_alpha, only: mean_alpha
+   use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use driver_cut_cells, only: cut_cells
+   use driver_scatter, only: find_places
+   use driver_simulation, only: empty_mass, scratch_t, simulation_t
+   use driver_walls, only: stand_walls
+   use material_type, only: material_t
+   use mesh_rigid, only: held_t
+   use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
+   use omp_lib, only: omp_get_thread_num
+   use transfer_edges, only: add_edge_sums, cell_edges
+   use transfer_scatter, only: scatter_values
+   implicit none
+   private
+
+   public :: choose_normalised, find_factors
+
+   !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
+   !! matter beyond the scope
+   integer, parameter :: mass = 1, volume = 2, rest = 2, foreign = 6
+   integer, parameter :: rows = 7                    !! Of what nodes keep
+   real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
+   real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
+   real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign matter borne [1]
+
+contains
+
+   !> Materials whose sums are normalised; nothing is kept where there are none.
+   subroutine choose_normalised(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run with materials and method
+      integer :: n
+
+      associate (method => simulation%method)
+         if (.not. method%dual) return
+         if (method%normalise == "none") return
+         simulation%flows = [(flows(simulation%materials(n)), n=1, size(simulation%materials))]
+         simulation%normalises = simulation%flows .or. method%normalise == "all"
+         if (.not. any(simulation%normalises)) then
+            deallocate (simulation%normalises)
+            return
+         end if
+         simulation%mean_alpha = mean_alpha(method%quadrature%alpha, &
+            method%quadrature%alpha_centre, simulation%grid%dimensions)
+      end associate
+   end subroutine choose_normalised
+
+   !> Is a material without strength? Loose grains have some.
+   pure logical function flows(material) result(yes)
+      type(material_t), intent(in) :: material       !! The material
+
+      yes = .true.
+      if (allocated(material%law)) yes = .not. (material%law%has_shear() .or. &
+         material%law%has_grains() .or. material%law%whole())
+   end function flows
+
+   !> Factors of all edges and nodes for the particles as they are.
+   subroutine find_factors(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, allocatable :: tiles(:)
+      integer :: tile, part, n, columns
+
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+         call simulation%timer%start(simulation%phase%scatter)
+         columns = merge(foreign - 1, foreign, all(simulation%normalises))
+         call ensure_patch(nodes%counted, columns, number, simulation%tiles%own)
+         call ensure_patch(nodes%factor, cell_edges, simulation%grid%tile_cells, &
+            simulation%tiles%own)
+         do part = edge_tiles, inner_tiles
+            call next_tiles(simulation, part, tiles)
+            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp schedule(dynamic, 1)
+            do n = 1, size(tiles)
+               call count_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+                  simulation%nodes%counted(:, :, tiles(n)), &
+                  simulation%nodes%factor(:, :, tiles(n)))
+            end do
+            !$omp end parallel do
+            call pass_patches(simulation, part, nodes%counted)
+         end do
+         call simulation%timer%stop(simulation%phase%scatter)
+         call simulation%timer%start(simulation%phase%grid)
+         ! their places do not depend on how long the forces will act; all tiles are known by now
+         if (allocated(simulation%rigid)) call stand_walls(simulation, 0.0_wp)
+         call ensure_weights(nodes%weight, simulation%grid%tile_cells, simulation%tiles%all)
+         call ensure_patch(nodes%covered, 1, number, simulation%tiles%all)
+         call ensure_patch(nodes%normal, rows, number, simulation%tiles%all)
+         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%all
+            call judge_cells(simulation, tile)
+         end do
+         !$omp end parallel do
+         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%all
+            call judge_nodes(simulation, tile)
+         end do
+         !$omp end parallel do
+         call simulation%timer%stop(simulation%phase%grid)
+      end associate
+   end subroutine find_factors
+
+   !> Sums of the particles of a tile round its nodes and the edges of its cells.
+   subroutine count_tile(simulation, scratch, tile, patch, sums)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      real(wp), contiguous, intent(inout) :: sums(:, :)  !! (edge, cell) [m3]
+      integer :: index, p, l, first, count
+
+      call clear_patch(patch)
+      sums = 0.0_wp
+      do index = simulation%first_store, simulation%end_store()
+         count = simulation%stores(index)%count(tile)
+         if (count == 0) cycle
+         first = simulation%stores(index)%first(tile)
+         associate (store => simulation%stores(index), grid => simulation%grid, &
+            places => scratch%places, start => simulation%stores(index)%cell_start(:, tile))
+            call find_places(simulation, scratch, store, tile)
+            places%values(:count, 1) = store%matter%mass(first:first + count - 1)
+            call scatter_values(grid, start, places%local, 1, places%values, mass - 1, patch)
+            places%values(:count, 1) = store%matter%volume(first:first + count - 1)
+            do l = 1, 3
+               do p = 1, count
+                  places%values(p, 1 + l) = places%values(p, 1)*(1.0_wp - places%alpha(p, l))
+               end do
+            end do
+            call scatter_values(grid, start, places%blend, 4, places%values, volume - 1, patch)
+            if (.not. simulation%normalises(index)) call scatter_values(grid, start, &
+               places%blend, 1, places%values, foreign - 1, patch)
+            call add_edge_sums(grid, start, first, places%blend, places%alpha, &
+               store%matter%volume, sums)
+         end associate
+      end do
+   end subroutine count_tile
+
+   !> How far the cells of a tile are full, and the factors of their edges. What the node part
+   !! leaves to the cell, where its cell counts less than in full, the edges take.
+   subroutine judge_cells(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: sums(size(simulation%nodes%counted, 1), simulation%grid%tile_nodes)
+      real(wp) :: filled(volume, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
+      real(wp) :: shares(cell_edges, simulation%grid%tile_cells)
+      real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells), whole, mean
+      real(wp) :: own(simulation%grid%tile_cells)
+      integer :: node, cell
+
+      associate (grid => simulation%grid, nodes => simulation%nodes, &
+         coordinate => simulation%tiles%coordinate(:, tile))
+         call assemble(grid, simulation%tiles, nodes%counted, tile, sums)
+         nodes%normal(:3, :, tile) = sums(rest + 1:rest + 3, :)
+         call grid%node_volume(coordinate, around)
+         call simulation%dual%cell_weights(grid, sums, volume, around, weight)
+         ! by the fill alone, with the same density everywhere
+         filled(mass, :) = around
+         nodes%normal(5, :, tile) = 1.0_wp
+         own = 1.0_wp
+         if (size(sums, 1) >= foreign) then
+            do node = 1, size(sums, 2)
+               nodes%normal(5, node, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, node) &
+                  /max(sums(volume, node), empty_mass))
+            end do
+            filled(volume, :) = 0.5_wp*nodes%normal(5, :, tile)*around
+            call simulation%dual%cell_weights(grid, filled, volume, around, own)
+         end if
+         filled(volume, :) = nodes%normal(5, :, tile)*sums(volume, :)
+         if (allocated(simulation%rigid)) call fill_held(simulation%rigid%held(tile), around, &
+            filled(volume, :))
+         call simulation%dual%cell_weights(grid, filled, volume, around, full)
+         do cell = 1, size(full)
+            full(cell) = ramp(2.0_wp*full(cell) - 1.0_wp)
+         end do
+         call clear_patch(nodes%covered(:, :, tile))
+         call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
+         shares = 1.0_wp
+         if (allocated(simulation%rigid)) then
+            if (allocated(simulation%rigid%held(tile)%node)) call cut_cells(grid, coordinate, &
+               simulation%rigid, tile, simulation%method%quadrature%smooth, shares)
+            ! nodes must not carry more than there is room for
+            do cell = 1, size(full)
+               weight(cell) = min(weight(cell), minval(shares(:, cell)))
+            end do
+         end if
+         nodes%weight(:size(weight), tile) = weight
+         if (tile > simulation%tiles%own) return
+         whole = grid%depth*grid%spacing**grid%dimensions/real(2**(grid%dimensions - 1), wp)
+         mean = simulation%mean_alpha
+         do cell = 1, size(full)
+            call find_edges(full(cell), own(cell), whole, (1.0_wp - mean)*weight(cell), &
+               shares(:, cell), nodes%factor(:, cell, tile))
+         end do
+      end associate
+   end subroutine judge_cells
+
+   !> Nodes in rigid regions count as full: what a wall leaves of a cell carries the pressure of the
+   !! whole cell, and is compressed as fast as its walls approach each other, which is what the
+   !! integrals over the whole cell say.
+   pure subroutine fill_held(held, around, filled)
+      type(held_t), intent(in) :: held               !! Nodes of the tile in rigid regions
+      real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
+      real(wp), intent(inout) :: filled(:)           !! (node) That of particles [m3]
+
+      if (allocated(held%node)) filled(held%node) = around(held%node)
+   end subroutine fill_held
+
+   !> Factors of the edges of a cell from their sums. Less matter than room may be a free surface;
+   !! more matter than room is wrong in any case. Equation (Q.7).
+   ! gate: long kernel because an edge is told by all that takes part in its integral
+   pure subroutine find_edges(full, own, whole, rest, share, factor)
+      real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
+      real(wp), intent(in) :: own                    !! How far its matter is in the scope, 0 to 1
+      real(wp), intent(in) :: whole                  !! Integral of the weight of an edge [m3]
+      real(wp), intent(in) :: rest                   !! Share of it that nodes carry [1]
+      real(wp), intent(in) :: share(:)               !! (edge) What walls leave of it [1]
+      real(wp), intent(inout) :: factor(:)           !! (edge) Sums [m3] in, factors [1] out
+      real(wp) :: target, ratio
+      integer :: e
+
+      do e = 1, size(factor)
+         target = whole*max(share(e) - rest, least)
+         ratio = target/min(max(factor(e), target/greatest), target/least)
+         factor(e) = 1.0_wp + merge(own, full, ratio < 1.0_wp)*(ratio - 1.0_wp)
+      end do
+   end subroutine find_edges
+
+   !> What the node stress and the node gradient are multiplied by along each direction where the
+   !! cells around are full, and how far they are. Equation (Q.8).
+   subroutine judge_nodes(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: covered(1, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
+      real(wp) :: whole, cells, own, ratio
+      integer :: node, l
+
+      associate (grid => simulation%grid, nodes => simulation%nodes)
+         call assemble(grid, simulation%tiles, nodes%covered, tile, covered)
+         call grid%node_volume(simulation%tiles%coordinate(:, tile), around)
+         cells = real(2**grid%dimensions, wp)
+         do node = 1, size(around)
+            associate (normal => nodes%normal(:, node, tile))
+               own = normal(5)
+               normal(4) = 0.0_wp
+               normal(5:7) = 0.0_wp
+               if (.not. around(node) > empty_mass) cycle
+               normal(4) = max(0.0_wp, 1.0_wp - cells*(1.0_wp - covered(1, node)/around(node)))
+               whole = (1.0_wp - simulation%mean_alpha)*around(node)
+               do l = 1, 3
+                  ratio = whole/min(max(normal(l), whole/greatest), whole/least)
+                  normal(4 + l) = (1.0_wp - normal(4))*(1.0_wp + own*(min(1.0_wp, ratio) - 1.0_wp))
+                  normal(l) = normal(4)*ratio/around(node)
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine judge_nodes
+
+   !> Smooth way from 0 to 1 [1].
+   pure real(wp) function ramp(x) result(y)
+      real(wp), intent(in) :: x                      !! Below 0: 0, above 1: 1
+
+      y = min(max(x, 0.0_wp), 1.0_wp)
+      y = y*y*(3.0_wp - 2.0_wp*y)
+   end function ramp
+end module driver_normalise

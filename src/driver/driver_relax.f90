@@ -1,0 +1,80 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Pressure differences that nodes do not see, between the particles of a cell.
+!!
+!! With normalised sums the volumes of a closed box stay right in sum, and each particle is
+!! strained by more or less than the mean of its neighbours, as it lies. Nodes do not see what
+!! differs between particles of a cell, so nothing brings it back. In matter without strength waves
+!! would, within the time that a signal needs for a cell: particles of higher pressure than the mean
+!! expand against it, others give way, with the same sum of volumes and of energies. Entropy can
+!! only grow by it.
+!! Equations (Q.10) and (Q.11) of doc/theory/quadratures.md.
+module driver_relax
+   use base_kinds, only: wp
+   use driver_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: relax_pressures
+
+   real(wp), parameter :: most = 0.05_wp             !! Change of a volume in a step [1]
+   !> Share of a difference that goes in the time that a signal needs for a cell [1]
+   real(wp), parameter :: pace = 0.2_wp
+
+contains
+
+   !> Bring the pressures of the particles of a material in a tile nearer to the mean of their cell,
+   !! if the material is without strength, carries energy and has normalised sums.
+   subroutine relax_pressures(simulation, index, tile, speed, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      integer :: cell, before, low, high
+
+      if (.not. allocated(simulation%flows)) return
+      if (.not. simulation%flows(index)) return
+      associate (store => simulation%stores(index), grid => simulation%grid)
+         if (.not. allocated(store%matter%energy)) return
+         before = store%first(tile) - 1
+         do cell = 0, grid%tile_cells - 1
+            low = store%cell_start(cell, tile) + 1
+            high = store%cell_start(cell + 1, tile)
+            if (high <= low) cycle
+            call relax_cell(before + low, before + high, speed(low:high), pace*dt/grid%spacing, &
+               store%matter%mass, store%matter%volume, store%matter%energy, store%matter%stress)
+         end do
+      end associate
+   end subroutine relax_pressures
+
+   !> The particles of one cell.
+   ! gate: long kernel because matter is told by four of its fields
+   pure subroutine relax_cell(low, high, speed, rate, mass, volume, energy, stress)
+      integer, intent(in) :: low                     !! First particle of the cell
+      integer, intent(in) :: high                    !! Last one
+      real(wp), intent(in) :: speed(low:high)        !! (particle) Of waves [m/s]
+      real(wp), intent(in) :: rate                   !! Share of a step over that speed [s/m]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
+      real(wp), contiguous, intent(inout) :: volume(:) !! (particle) [m3]
+      real(wp), contiguous, intent(inout) :: energy(:) !! (particle) [J/kg]
+      real(wp), contiguous, intent(inout) :: stress(:, :) !! (particle, 6) [Pa]
+      real(wp) :: soft(low:high), excess(low:high), mean, share, change, steepest
+      integer :: p
+
+      ! volume over the stiffness against its change; matter without waves has no pressure either
+      if (.not. minval(speed) > 0.0_wp) return
+      soft = volume(low:high)**2/(mass(low:high)*speed**2)
+      excess = -(stress(low:high, 1) + stress(low:high, 2) + stress(low:high, 3))/3.0_wp
+      mean = sum(soft*excess)/sum(soft)
+      excess = excess - mean
+      share = 1.0_wp - exp(-rate*maxval(speed))
+      steepest = maxval(soft*abs(excess)/volume(low:high))
+      if (share*steepest > most) share = most/steepest
+      do p = low, high
+         change = share*soft(p)*excess(p)
+         volume(p) = volume(p) + change
+         energy(p) = energy(p) - mean*change/mass(p)
+         stress(p, 1:3) = stress(p, 1:3) + share*excess(p)
+      end do
+   end subroutine relax_cell
+end module driver_relax

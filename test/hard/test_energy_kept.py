@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Bodies without internal energy keep what they have: rings and blocks collide; a ring, a disc and a ball vibrate.
+
+With `stress_update = 'usavg'`, `turn_from = 'tiles'` and `flip = 1`. Would catch: straining with velocities that the
+particles do not take up, halves of the strain with each other's velocity or for a wrong time, rotations of single
+particles that bring work to the nodes and take it from nobody, rotations that are not smoothed or smoothed at the
+wrong places (bits that depend on ranks or a restart), angular momentum that is given for the energy, a loss without a
+warning.
+
+A neo-Hookean body loses nothing, so all that is lost is an error. Targets: two rings of five cells 2 %, soft blocks
+3 %, free vibration of ten cells 1 % in nine periods, angular momentum 1e-4 a turn. The controls are the rotation of the
+single particles and the defaults, which must lose more than a tenth in the rings, or they no longer show what is cured.
+"""
+# tiers: smoke, full
+# timeout: 300
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import case    # noqa: E402
+import report  # noqa: E402
+import tier    # noqa: E402
+
+DENSITY, BULK, SHEAR = 1010.0, 121.7e6, 26.1e6
+SOUND = np.sqrt((BULK + 4.0 / 3.0 * SHEAR) / DENSITY)
+DECK = """
+&run  dimension='{dimension}' /
+&grid  lo={lo}  hi={hi}  dx={dx} /
+&time  t_end={end} /
+&method {method} /
+&effects  eos=.false.  artificial_viscosity=.false. /
+&material  name='rubber'  density={density}  bulk={bulk}  shear={shear}  strength_model='neo_hookean' /
+{bodies}
+&output  name='h'  kind='history'  every=50 /
+&checkpoint  at_end=.true. /
+"""
+RINGS = """
+&region  name='a'  shape='sphere'  centre=-0.06,0,0  radius=0.04 /
+&region  name='b'  shape='sphere'  centre=-0.06,0,0  radius=0.03 /
+&region  name='c'  shape='sphere'  centre= 0.06,0,0  radius=0.04 /
+&region  name='d'  shape='sphere'  centre= 0.06,0,0  radius=0.03 /
+&region  name='l'  shape='difference'  of='a','b' /
+&region  name='r'  shape='difference'  of='c','d' /
+&body  name='l'  region='l'  material='rubber'  velocity= 30,0,0 /
+&body  name='r'  region='r'  material='rubber'  velocity=-30,0,0 /
+"""
+BLOCKS = """
+&region  name='l'  shape='box'  lo=-0.06,0,-0.03  hi=-0.01,1,0.03 /
+&region  name='r'  shape='box'  lo= 0.01,0,-0.03  hi= 0.06,1,0.03 /
+&body  name='l'  region='l'  material='rubber'  velocity= 10,0,0 /
+&body  name='r'  region='r'  material='rubber'  velocity=-10,0,0 /
+"""
+DISC = """
+&region  name='d'  shape='sphere'  centre=0,0,0  radius=0.05 /
+&body  name='d'  region='d'  material='rubber'  spin=0,100,0 /
+"""
+POINTS = """
+&region  name='p'  shape='points'  file='points.csv'  point_volume={volume} /
+&body  name='p'  region='p'  material='rubber'  packing='file' /
+"""
+
+
+SMALL = (0.25, 0.5, 0.1), 0.004, 4e-4
+KEEPS = "stress_update='usavg'  turn_from='tiles'  flip=1"
+
+
+def run(options, name, bodies, size, dx, end, method=KEEPS, dimension="plane_strain", points=None, ranks=1, more=()):
+    """Run a body in a box of half edges `size` [m]."""
+    x, y, z = size
+    deck = DECK.format(dimension=dimension, lo=f"{-x},{-y},{-z}", hi=f"{x},{y},{z}", dx=dx, end=end, method=method,
+                       density=DENSITY, bulk=BULK, shear=SHEAR, bodies=bodies)
+    trial = case.Case(options, name, deck, ranks=ranks)
+    if points is not None:
+        np.savetxt(trial.folder / "points.csv", points, delimiter=",", comments="", header="x,y,z,vx,vy,vz")
+    return trial.run("-q", *more)
+
+
+def lattice(half, dx, dimensions):
+    """Places of two particles a cell along each direction."""
+    line = np.arange(-half + dx / 4, half, dx / 2)
+    if dimensions == 2:
+        x, z = np.meshgrid(line, line, indexing="ij")
+        return np.stack([x.ravel(), np.zeros(x.size), z.ravel()], axis=1)
+    return np.stack([part.ravel() for part in np.meshgrid(line, line, line, indexing="ij")], axis=1)
+
+
+def vibrations(options, sheet):
+    """Nine periods of the lowest smooth motion of a thick ring, of a disc and of a ball; strain of about 1 %."""
+    dx = 0.002
+    place = lattice(0.048, dx, 2)
+    radius = np.hypot(place[:, 0], place[:, 2])
+    inside = (radius > 0.02) & (radius < 0.04)
+    place, radius = place[inside], radius[inside]
+    angle = np.arctan2(place[:, 2], place[:, 0])
+    # of a thin ring, no stretch of the middle line: w = cos 2 phi, v = -1/2 sin 2 phi
+    w, v = 60.0 * radius * np.cos(2 * angle), -30.0 * radius * np.sin(2 * angle)
+    speed = np.stack([w * np.cos(angle) - v * np.sin(angle), 0 * w, w * np.sin(angle) + v * np.cos(angle)], axis=1)
+    young = 9 * BULK * SHEAR / (3 * BULK + SHEAR)
+    nu = young / (2 * SHEAR) - 1
+    # bending of a thin ring of thickness t: omega^2 = 36/5 E' t^2/(12 rho R^4)
+    omega = np.sqrt(7.2 * young / (1 - nu**2) * 0.02**2 / (12 * DENSITY * 0.03**4))
+    trials = {"ring": (np.hstack([place, speed]), 2, 0.06, 18 * np.pi / omega)}
+    for name, dimensions, factor in (("disc", 2, 2.2), ("ball", 3, 2.8)):
+        place = lattice(0.024, dx, dimensions)
+        size = 0.01 if dimensions == 3 else 0.02
+        place = place[np.linalg.norm(place, axis=1) < size]
+        trials[name] = (np.hstack([place, 0.02 * SOUND * place / size]), dimensions, 2 * size,
+                        18 * np.pi * size / (factor * SOUND))
+    for name, (points, dimensions, half, end) in trials.items():
+        volume = (dx / 2)**3 if dimensions == 3 else (dx / 2)**2 * dx
+        good = run(options, f"vibrating_{name}", POINTS.format(volume=volume),
+                   (half, half if dimensions == 3 else dx / 2, half), dx, end,
+                   dimension="plane_strain" if dimensions == 2 else "3d", points=points)
+        sheet.below(f"vibrating {name}: energy in nine periods", abs(good.summary["ledger"]["energy_error"]), 0.01)
+
+
+def same_bits(options, sheet):
+    """Rings on two ranks and after a restart: the digest of one rank."""
+    digests = {}
+    for name, ranks in (("one", 1), ("two", 2)):
+        digests[name] = run(options, f"bits_{name}", RINGS, *SMALL, ranks=ranks).summary["digest"]
+    trial = run(options, "bits_half", RINGS, *SMALL, more=("--set", "time.max_steps=50"))
+    sheet.require(trial.summary["steps"] == 50, "the first half ends after 50 steps")
+    trial.run("-q", "--restart")
+    digests["half"] = trial.summary["digest"]
+    sheet.require(digests["two"] == digests["one"], f"bits on two ranks: {digests}")
+    sheet.require(digests["half"] == digests["one"], f"bits after a restart: {digests}")
+
+
+def rings(options, sheet):
+    """Two rings that collide: energy with the order that keeps it, and the controls."""
+    box = (0.25, 0.5, 0.1), 0.002, 6e-3
+    good = run(options, "rings", RINGS, *box)
+    sheet.below("rings: energy", good.summary["ledger"]["energy_error"], 0.02)
+    for name, method in (("point", KEEPS.replace("tiles", "point")), ("default", "")):
+        bad = run(options, f"rings_{name}", RINGS, *box, method=method)
+        sheet.above(f"rings, {name}: energy that is lost", -bad.summary["ledger"]["energy_error"], 0.1)
+        said = [line for line in bad.path(".log").read_text().splitlines() if "of the energy is lost" in line]
+        sheet.require(len(said) == 1 and ("usavg" in said[0]) == (name == "default") and "tiles" in said[0],
+                      f"rings, {name}: one warning with the remedy: {said}")
+
+
+def main():
+    options = case.arguments(__doc__)
+    sheet = report.Report()
+    same_bits(options, sheet)
+    good = run(options, "blocks", BLOCKS, (0.25, 0.5, 0.1), 0.005, 6e-3)
+    sheet.below("blocks: energy", good.summary["ledger"]["energy_error"], 0.03)
+    good = run(options, "disc", DISC, (0.1, 0.5, 0.1), 0.005, 2 * np.pi / 100)
+    sheet.below("disc: angular momentum in a turn", good.summary["ledger"]["angular_momentum_error"], 1.0e-4)
+    if tier.NAME != "smoke":
+        rings(options, sheet)
+        vibrations(options, sheet)
+    return sheet.end()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A hot corner in a closed box of cold gas, with the artificial heat flux.
+
+Would catch: a flux that takes more energy from nodes or particles than they have (before it was limited, 2 % of the
+particles of this gas went to -1.3e6 J/kg, four times their energy at the start with the other sign, and the pressure
+hid it), a limit that loses energy, and one that depends on ranks.
+
+No particle may have an energy below zero in any of six snapshots. Books: 1e-12. Bits: those of one rank.
+"""
+# timeout: 120
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import case    # noqa: E402
+import report  # noqa: E402
+
+DECK = """
+&run  dimension='3d'  seed=21 /
+&grid  lo=0,0,0  hi=0.7,1,0.7  dx=0.1 /
+&time  t_end=1.4e-3  cfl=0.7 /
+&method  heat_flux={flux} /
+&material  name='gas'  density=4.6  eos_model='ideal_gas'  ig_gamma=1.16  elastic='none' /
+&region  name='box'  shape='box'  lo=0,0,0  hi=0.7,1,0.7 /
+&region  name='corner'  shape='box'  lo=0,0,0  hi=0.2,0.3,0.2 /
+&region  name='rest'  shape='difference'  of='box','corner' /
+&body  name='cold'  region='rest'  material='gas'  ppc=2,2,2  packing='jitter'  specific_energy=3.4e5 /
+&body  name='hot'  region='corner'  material='gas'  ppc=2,2,2  specific_energy=7.9e6 /
+&boundary  face='all'  type='slip' /
+&output  name='p'  kind='particles'  count=6  precision='double'  fields='energy' /
+"""
+
+
+def main():
+    """Two strengths of the flux, and two ranks."""
+    options = case.arguments()
+    sheet = report.Report()
+    for flux in (1, 20):
+        run = case.Case(options, f"flux_{flux}", DECK.format(flux=flux)).run("-q")
+        least = min(snapshot.fields["energy"].min() for _, snapshot in run.snapshots())
+        sheet.above(f"heat_flux={flux}: least energy", least, 0.0)
+        sheet.below(f"heat_flux={flux}: energy error", run.summary["ledger"]["energy_error"], 1.0e-12)
+        other = case.Case(options, f"flux_{flux}_ranks", DECK.format(flux=flux), ranks=2).run("-q")
+        sheet.require(other.summary["digest"] == run.summary["digest"], f"heat_flux={flux}: two ranks, the same bits")
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
