@@ -55,14 +55,15 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Not zero at corners only
-      real(wp) :: sums(columns, corners)
+      real(wp) :: sums(columns, corners), lower(3), inverse(3)
       integer :: node(corners), index, corner
 
       call clear_patch(patch)
+      call measure_tile(simulation, tile, lower, inverse)
       sums = 0.0_wp
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
-            if (store%count(tile) > 0) call add_store(simulation, store, tile, sums)
+            if (store%count(tile) > 0) call add_store(store, tile, lower, inverse, sums)
          end associate
       end do
       call find_corners(simulation, tile, node)
@@ -72,15 +73,15 @@ contains
    end subroutine add_tile
 
    !> Those of one material.
-   subroutine add_store(simulation, store, tile, sums)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure subroutine add_store(store, tile, lower, inverse, sums)
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
+      real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
       real(wp), intent(inout) :: sums(columns, corners) !! At the corners [kg/s], [kg]
-      real(wp) :: weight(corners), value(columns), lower(3), inverse(3), place(3)
+      real(wp) :: weight(corners), value(columns), place(3)
       integer :: p, corner
 
-      call measure_tile(simulation, tile, lower, inverse)
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
          place = store%position(p, :)
          call weigh_corners(place, lower, inverse, weight)
