@@ -10,6 +10,7 @@ a target that is not met yet) or SKIPPED (a part that cannot run here) are gathe
 
 import argparse
 import json
+import math
 import os
 import re
 import subprocess
@@ -24,6 +25,9 @@ NEXT_TIER = {"smoke": "full", "full": "long"}
 SHARES = 3      # the long tests are run by thirds
 DAY = 86400
 UNKNOWN = 1.0   # cost of a test that was never recorded
+LEAST = 180.0   # seconds; with less than this left no test of unknown length is begun
+SLACK = 10.0    # seconds by which CTest may stop tests early
+STOPPED = re.compile(r"Test +#\d+: (\S+) \.+\*\*\*Timeout")
 
 
 class Test:
@@ -55,30 +59,37 @@ def long_share(tests, share):
 
 
 def in_time(tests, extra, seconds, jobs):
-    """Those of `extra` that end beside `tests` within the time, and the others. A test that was never recorded is not
-    begun: nobody knows how long it takes."""
+    """Those of `extra` that end beside `tests` within the time, and the others."""
     chosen, left = list(tests), []
     for test in sorted(extra, key=lambda test: test.cost):
-        recorded = test.cost != UNKNOWN
-        (chosen if recorded and expected([*chosen, test], jobs) <= seconds else left).append(test)
+        (chosen if expected([*chosen, test], jobs) <= seconds else left).append(test)
     return chosen[len(tests):], left
 
 
 def choose(tests, choice, filtered):
-    """Tests of the tiers that were named; those of `full` for a filter without a tier, or what it finds at all."""
+    """Tests of the tiers that were named; those of `full` for a filter without a tier, or what it finds at all. And
+    long tests that were never recorded: they are begun when all others have ended, in the time that is left."""
     tiers = [name for name in ("smoke", "full", "long") if getattr(choice, name)]
     if not tiers:
         tiers = ["full"] if filtered else ["smoke"]
         if filtered and not any("full" in test.labels for test in tests):
-            return tests
-    chosen = [test for test in tests if test.labels & set(tiers)]
+            return tests, []
+    chosen, tried = [test for test in tests if test.labels & set(tiers)], []
     if choice.long_share is not None:
         share = long_share([test for test in tests if "long" in test.labels and test not in chosen], choice.long_share)
-        extra, left = in_time(chosen, share, 60.0 * choice.minutes, choice.jobs)
+        tried = in_turns([test for test in share if test.cost == UNKNOWN], choice.day)
+        extra, left = in_time(chosen, [test for test in share if test.cost != UNKNOWN], 60.0 * choice.minutes,
+                              choice.jobs)
         for test in left:
-            print(f"NOT RUN  {test.name}: it may not end within {choice.minutes:.0f} minutes, or was never recorded")
+            print(f"NOT RUN  {test.name}: it takes {minutes(test.cost)}, so it may not end in time")
         chosen += extra
-    return chosen
+    return chosen, tried
+
+
+def in_turns(tests, day):
+    """The same tests; each of them is the first on some day."""
+    first = day // SHARES % len(tests) if tests else 0
+    return tests[first:] + tests[:first]
 
 
 def minutes(seconds):
@@ -171,43 +182,68 @@ class Filter(argparse.Action):
 def arguments():
     """Our options; the rest goes to CTest."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
-    parser.add_argument("--folder", type=Path, default=ROOT / "build")
+    parser.add_argument("--folder", type=lambda text: Path(text).resolve(), default=ROOT / "build")
     for word in ("smoke", "full", "long", "record"):
         parser.add_argument(f"--{word}", action="store_true")
-    today = int(time.time() // DAY) % SHARES
-    parser.add_argument("--long-share", type=int, nargs="?", const=today, choices=range(SHARES))
+    today = int(time.time() // DAY)
+    parser.add_argument("--long-share", type=int, nargs="?", const=today % SHARES, choices=range(SHARES))
     parser.add_argument("--minutes", type=float, default=70.0)
     for word in ("-R", "-E", "-L", "-LE"):
         parser.add_argument(word, dest="filters", action=Filter)
-    parser.set_defaults(filters=[])
+    parser.set_defaults(filters=[], day=today)
     parser.add_argument("--jobs", "-j", type=int, default=int(os.environ.get("TEST_JOBS", os.cpu_count() or 2)))
     return parser.parse_known_args()
+
+
+def run_ctest(tests, choice, options, end=math.inf):
+    """Run tests with CTest until some time; its exit code, the results, and the names of those that were stopped then.
+    A test that is stopped before, by its own limit, has failed."""
+    names = "|".join(re.escape(test.name).replace("\\-", "-").replace("\\/", "/") for test in tests)
+    file = choice.folder / "Testing/results.xml"
+    file.unlink(missing_ok=True)
+    command = ["ctest", "--output-on-failure", "--no-tests=error", "-j", str(choice.jobs), *options,
+               "-R", f"^({names})$", "--output-junit", str(file), "--test-output-size-passed", "1000000",
+               "--test-output-size-failed", "1000000"]
+    stopped = []
+    with subprocess.Popen(command, cwd=choice.folder, stdout=subprocess.PIPE, text=True, errors="replace") as process:
+        for line in process.stdout:
+            print(line, end="", flush=True)
+            match = STOPPED.search(line)
+            if match and time.time() > end - SLACK:
+                stopped.append(match.group(1))
+    return process.returncode, outcomes(file) if file.is_file() else [], stopped
+
+
+def try_in_time(tests, choice, options, end):
+    """Results of tests of unknown length that ended before a time; the others are named."""
+    results = []
+    if end - time.time() > LEAST:
+        clock = time.strftime("%H:%M:%S", time.localtime(end))
+        _, results, stopped = run_ctest(tests, choice, [*options, "--stop-time", clock], end)
+        results = [result for result in results if result[0] not in stopped]
+    ended = {name for name, _, _, _ in results}
+    table("Not ended in time, and never recorded", [(test.name,) for test in tests if test.name not in ended])
+    return results
 
 
 def main():
     """Choose, run, report."""
     choice, options = arguments()
     everything = listed(choice.folder, [])
-    chosen = choose(listed(choice.folder, choice.filters), choice, bool(choice.filters))
+    chosen, tried = choose(listed(choice.folder, choice.filters), choice, bool(choice.filters))
     if not chosen:
         sys.exit("no test fits these options; all names: ctest --test-dir build -N")
-    about = expected(chosen, choice.jobs)
-    print(f"{len(chosen)} tests, {choice.jobs} at a time, about {minutes(about)}", flush=True)
-    names = "|".join(re.escape(test.name).replace("\\-", "-").replace("\\/", "/") for test in chosen)
-    results_file = choice.folder / "Testing/results.xml"
-    results_file.unlink(missing_ok=True)
+    print(f"{len(chosen)} tests, {choice.jobs} at a time, about {minutes(expected(chosen, choice.jobs))}", flush=True)
     begin = time.time()
-    answer = subprocess.run(
-        ["ctest", "--output-on-failure", "--no-tests=error", "-j", str(choice.jobs), *options, "-R", f"^({names})$",
-         "--output-junit", str(results_file), "--test-output-size-passed", "1000000",
-         "--test-output-size-failed", "1000000"], cwd=choice.folder, check=False)
-    if not results_file.is_file():
-        sys.exit(answer.returncode or 1)
-    results = outcomes(results_file)
+    code, results, _ = run_ctest(chosen, choice, options)
+    if not results:
+        sys.exit(code or 1)
+    if tried:
+        results += try_in_time(tried, choice, options, begin + 60.0 * choice.minutes)
     good = report(results, choice, everything, time.time() - begin)
     if choice.record:
         record(results, everything)
-    sys.exit(0 if good and answer.returncode == 0 else 1)
+    sys.exit(0 if good and code == 0 else 1)
 
 
 if __name__ == "__main__":

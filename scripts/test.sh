@@ -10,8 +10,8 @@
 #   scripts/test.sh -R deck        tests of --full with deck in their names
 #   scripts/test.sh -L unit       unit, verify, invariance, input, hard, random, gate or bench
 #
-#   --long-share [K]  besides, a third of the long tests: K = 0, 1, 2, or by the day; those that
-#                     do not end in time, or were never recorded, are named and left out
+#   --long-share [K]  besides, a third of the long tests: K = 0, 1, 2, or by the day; those whose
+#                     length is not recorded are begun last, and what does not end in time is named
 #   --minutes N       time for all tests with --long-share (default 70)
 #   --debug           build and test the Debug build, with bounds and floating point checks
 #   --no-setup        neither look for nor install missing packages

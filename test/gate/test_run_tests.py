@@ -44,7 +44,7 @@ def test(name, cost, *labels, cores=1):
 def choice(*words, share=None):
     """The options of a user."""
     return type("Choice", (), {"smoke": False, "full": False, "long": False, "long_share": share,
-                               "minutes": 70.0, "jobs": 2,
+                               "minutes": 70.0, "jobs": 2, "day": 0,
                                **{word: True for word in words}})
 
 
@@ -70,13 +70,30 @@ class Runner(unittest.TestCase):
         self.assertLess(max(work), 1.2 * min(work))
 
     def test_in_time(self):
-        """Nothing is begun that may not end."""
+        """Nothing is begun that is known not to end."""
         tests = [test("full", 600, "full")]
-        extra = [test("short", 300, "long"), test("long", 3000, "long"), test("longer", 3000, "long"),
-                 test("never recorded", run_tests.UNKNOWN, "long")]
+        extra = [test("short", 300, "long"), test("long", 3000, "long"), test("longer", 3000, "long")]
         chosen, left = run_tests.in_time(tests, extra, 3000.0, 2)
         self.assertEqual([one.name for one in chosen], ["short", "long"])
-        self.assertEqual([one.name for one in left], ["never recorded", "longer"])
+        self.assertEqual([one.name for one in left], ["longer"])
+
+    def test_never_recorded(self):
+        """Long tests of unknown length are tried in the time that is left, each of them first on some day."""
+        tests = [test("full", 600, "full")] + [test(f"t{n}", run_tests.UNKNOWN, "long") for n in range(6)]
+        found = []
+        for day in range(3 * run_tests.SHARES):
+            options = choice("full", share=day % run_tests.SHARES)
+            options.day = day
+            chosen, tried = run_tests.choose(tests, options, False)
+            self.assertEqual([one.name for one in chosen], ["full"])
+            found.append(tried[0].name)
+        self.assertEqual(set(found), {f"t{n}" for n in range(6)})
+
+    def test_stopped(self):
+        """A test that is stopped by a limit of time is told from one that fails."""
+        line = "1/3 Test #14: hard/test_kill.long ......***Timeout   5.67 sec"
+        self.assertEqual(run_tests.STOPPED.search(line).group(1), "hard/test_kill.long")
+        self.assertIsNone(run_tests.STOPPED.search(line.replace("Timeout", "Failed")))
 
     def test_choice(self):
         """Tiers, filters and thirds choose what they say."""
@@ -86,10 +103,10 @@ class Runner(unittest.TestCase):
                 (["a", "b.smoke"], (), None, False), (["a", "b"], ("full",), None, False),
                 (["a", "b"], (), None, True), (["c"], ("long",), None, False),
                 (["a", "b.smoke"], ("smoke",), None, True)):
-            names = [one.name for one in run_tests.choose(tests, choice(*words, share=share), filtered)]
+            names = [one.name for one in run_tests.choose(tests, choice(*words, share=share), filtered)[0]]
             self.assertEqual(names, expected)
-        self.assertEqual([one.name for one in run_tests.choose(tests[4:], choice(), True)], ["d"])
-        found = [one.name for share in range(3) for one in run_tests.choose(tests, choice("full", share=share), False)]
+        self.assertEqual([one.name for one in run_tests.choose(tests[4:], choice(), True)[0]], ["d"])
+        found = [one.name for share in range(3) for one in run_tests.choose(tests, choice("full", share=share), False)[0]]
         self.assertEqual((found.count("a"), found.count("c")), (3, 1))
 
     def test_time(self):
