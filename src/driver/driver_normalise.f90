@@ -13,6 +13,7 @@ module driver_normalise
    use ddmp_alpha, only: mean_alpha
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_cut_cells, only: cut_cells
+   use driver_relax, only: evens_pressure
    use driver_scatter, only: find_places
    use driver_simulation, only: empty_mass, scratch_t, simulation_t
    use driver_walls, only: stand_walls
@@ -21,6 +22,7 @@ module driver_normalise
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
    use transfer_edges, only: add_edge_sums, cell_edges
+   use transfer_moments, only: add_moments, divide_moments, moments
    use transfer_scatter, only: scatter_values
    implicit none
    private
@@ -30,7 +32,7 @@ module driver_normalise
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
    !! matter beyond the scope
    integer, parameter :: mass = 1, volume = 2, rest = 2, foreign = 6
-   integer, parameter :: rows = 7                    !! Of what nodes keep
+   integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
    real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
    real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign matter borne [1]
@@ -56,6 +58,13 @@ contains
       end associate
    end subroutine choose_normalised
 
+   !> Columns of the sums before the moments of pressure.
+   pure integer function plain_columns(simulation) result(columns)
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      columns = merge(foreign - 1, foreign, all(simulation%normalises))
+   end function plain_columns
+
    !> Is a material without strength? Loose grains have some.
    pure logical function flows(material) result(yes)
       type(material_t), intent(in) :: material       !! The material
@@ -69,12 +78,14 @@ contains
    subroutine find_factors(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, allocatable :: tiles(:)
-      integer :: tile, part, n, columns
+      integer :: tile, part, n
+      logical :: evens
 
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
          call simulation%timer%start(simulation%phase%scatter)
-         columns = merge(foreign - 1, foreign, all(simulation%normalises))
-         call ensure_patch(nodes%counted, columns, number, simulation%tiles%own)
+         evens = any([(evens_pressure(simulation, n), n=1, size(simulation%stores))])
+         call ensure_patch(nodes%counted, plain_columns(simulation) + merge(moments, 0, evens), &
+            number, simulation%tiles%own)
          call ensure_patch(nodes%factor, cell_edges, simulation%grid%tile_cells, &
             simulation%tiles%own)
          do part = edge_tiles, inner_tiles
@@ -94,8 +105,9 @@ contains
          ! their places do not depend on how long the forces will act; all tiles are known by now
          if (allocated(simulation%rigid)) call stand_walls(simulation, 0.0_wp)
          call ensure_weights(nodes%weight, simulation%grid%tile_cells, simulation%tiles%all)
-         call ensure_patch(nodes%covered, 1, number, simulation%tiles%all)
-         call ensure_patch(nodes%normal, rows, number, simulation%tiles%all)
+         call ensure_patch(nodes%covered, 2, number, simulation%tiles%all)
+         call ensure_patch(nodes%normal, rows + merge(moments - 1, 0, evens), number, &
+            simulation%tiles%all)
          !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
          do tile = 1, simulation%tiles%all
             call judge_cells(simulation, tile)
@@ -141,6 +153,8 @@ contains
                places%blend, 1, places%values, foreign - 1, patch)
             call add_edge_sums(grid, start, first, places%blend, places%alpha, &
                store%matter%volume, sums)
+            if (evens_pressure(simulation, index)) call add_moments(grid, start, first, places%local, &
+               store%matter%volume, store%matter%stress, plain_columns(simulation), patch)
          end associate
       end do
    end subroutine count_tile
@@ -167,7 +181,9 @@ contains
          filled(mass, :) = around
          nodes%normal(5, :, tile) = 1.0_wp
          own = 1.0_wp
-         if (size(sums, 1) >= foreign) then
+         if (size(nodes%normal, 1) > rows) call divide_moments(sums(plain_columns(simulation) &
+            + 1:, :), nodes%normal(rows + 1:, :, tile))
+         if (.not. all(simulation%normalises)) then
             do node = 1, size(sums, 2)
                nodes%normal(5, node, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, node) &
                   /max(sums(volume, node), empty_mass))
@@ -182,8 +198,10 @@ contains
          do cell = 1, size(full)
             full(cell) = ramp(2.0_wp*full(cell) - 1.0_wp)
          end do
-         call clear_patch(nodes%covered(:, :, tile))
-         call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
+         nodes%covered(:, :, tile) = 0.0_wp
+         call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(1:1, :, tile))
+         ! of nodes in rigid regions the cells count that there are: others hold no particles
+         if (allocated(simulation%rigid)) call add_present(simulation, tile)
          shares = 1.0_wp
          if (allocated(simulation%rigid)) then
             if (allocated(simulation%rigid%held(tile)%node)) call cut_cells(grid, coordinate, &
@@ -203,6 +221,18 @@ contains
          end do
       end associate
    end subroutine judge_cells
+
+   !> Volume of the cells of a tile round its nodes in rigid regions.
+   subroutine add_present(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run with rigid regions
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: one(simulation%grid%tile_cells)
+
+      if (.not. simulation%rigid%holds(tile)) return
+      one = 1.0_wp
+      call simulation%dual%add_volume(simulation%grid, simulation%tiles%coordinate(:, tile), one, &
+         simulation%nodes%covered(2:2, :, tile))
+   end subroutine add_present
 
    !> Nodes in rigid regions count as full: what a wall leaves of a cell carries the pressure of the
    !! whole cell, and is compressed as fast as its walls approach each other, which is what the
@@ -229,8 +259,9 @@ contains
       integer :: e
 
       do e = 1, size(factor)
-         target = whole*max(share(e) - rest, least)
-         ratio = target/min(max(factor(e), target/greatest), target/least)
+         target = whole*max(share(e) - rest, 0.0_wp)
+         ratio = 0.0_wp
+         if (target > 0.0_wp) ratio = target/min(max(factor(e), target/greatest), target/least)
          factor(e) = 1.0_wp + merge(own, full, ratio < 1.0_wp)*(ratio - 1.0_wp)
       end do
    end subroutine find_edges
@@ -240,7 +271,7 @@ contains
    subroutine judge_nodes(simulation, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: covered(1, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
+      real(wp) :: covered(2, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
       real(wp) :: whole, cells, own, ratio
       integer :: node, l
 
@@ -248,13 +279,15 @@ contains
          call assemble(grid, simulation%tiles, nodes%covered, tile, covered)
          call grid%node_volume(simulation%tiles%coordinate(:, tile), around)
          cells = real(2**grid%dimensions, wp)
+         call keep_held(simulation, tile, around, covered(2, :))
          do node = 1, size(around)
             associate (normal => nodes%normal(:, node, tile))
                own = normal(5)
                normal(4) = 0.0_wp
                normal(5:7) = 0.0_wp
                if (.not. around(node) > empty_mass) cycle
-               normal(4) = max(0.0_wp, 1.0_wp - cells*(1.0_wp - covered(1, node)/around(node)))
+               normal(4) = max(0.0_wp, 1.0_wp - cells*(covered(2, node) - covered(1, node)) &
+                  /around(node))
                whole = (1.0_wp - simulation%mean_alpha)*around(node)
                do l = 1, 3
                   ratio = whole/min(max(normal(l), whole/greatest), whole/least)
@@ -265,6 +298,24 @@ contains
          end do
       end associate
    end subroutine judge_nodes
+
+   !> Volume that must be full for nodes to count as such: that around them, but for nodes in rigid
+   !! regions.
+   pure subroutine keep_held(simulation, tile, around, present)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
+      real(wp), intent(inout) :: present(:)          !! (node) That of cells there are in, out [m3]
+      real(wp) :: there(size(present))
+
+      there = present
+      present = around
+      if (.not. allocated(simulation%rigid)) return
+      if (.not. simulation%rigid%holds(tile)) return
+      associate (node => simulation%rigid%held(tile)%node)
+         present(node) = there(node)
+      end associate
+   end subroutine keep_held
 
    !> Smooth way from 0 to 1 [1].
    pure real(wp) function ramp(x) result(y)
