@@ -17,6 +17,11 @@ module driver_cut_cells
    public :: cut_cells
 
    integer, parameter :: halvings = 30               !! Of an edge, to find where it is cut
+   !> From where on nodes beyond a surface carry pressure along it, as a place on the edge that it
+   !! cuts, 1 at that node; what nodes outside carry of it then they carry besides their own [1]
+   real(wp), parameter :: half = 0.5_wp
+   !> Thinner rests of cells carry no pressure along the surface, twice as thick ones all [1]
+   real(wp), parameter :: thin = 0.25_wp
 
 contains
 
@@ -74,8 +79,8 @@ contains
             if (ends(lane) > 0 .or. ends(next) == 0) cycle
             place = node_place(grid, coordinate, node + grid%lane_offset(lane))
             at = cut_at(grid, wall(ends(next)), place, l, sign(1.0_wp, real(next - lane, wp)))
-            far = (2.0_wp*at - near_share(at, smooth))*far_share(at)
-            outside(lane, l) = 2.0_wp*at - far
+            far = (2.0_wp*at - near_share(at, smooth))*ramp((at - half)/half)
+            outside(lane, l) = 2.0_wp*at*ramp((at - thin)/thin) - far
             outside(next, l) = far
          end do
       end do
@@ -96,15 +101,13 @@ contains
       end do
    end subroutine cut_cell
 
-   !> What nodes beyond the surface carry along it of that which is theirs; those outside carry the
-   !! rest. There is little matter around nodes that the surface has left far behind, with less or
-   !! more of it as particles lie, so that pressure along the surface would push it without bound.
-   pure real(wp) function far_share(place) result(share)
-      real(wp), intent(in) :: place                  !! Of the surface, 0 = near node, 1 = far [1]
+   !> Smooth way from 0 to 1 [1].
+   pure real(wp) function ramp(x) result(y)
+      real(wp), intent(in) :: x                      !! Below 0: 0, above 1: 1
 
-      share = min(1.0_wp, max(0.0_wp, 2.0_wp*place - 1.0_wp))
-      share = share**2*(3.0_wp - 2.0_wp*share)
-   end function far_share
+      y = min(1.0_wp, max(0.0_wp, x))
+      y = y**2*(3.0_wp - 2.0_wp*y)
+   end function ramp
 
    !> Centre of a cell [m].
    pure function cell_centre(grid, coordinate, cell) result(centre)
