@@ -50,7 +50,7 @@ contains
          simulation%flows = [(flows(simulation%materials(n)), n=1, size(simulation%materials))]
          simulation%normalises = simulation%flows .or. method%normalise == "all"
          if (.not. any(simulation%normalises)) then
-            deallocate (simulation%normalises)
+            deallocate (simulation%normalises, simulation%flows)
             return
          end if
          simulation%mean_alpha = mean_alpha(method%quadrature%alpha, &
@@ -201,7 +201,7 @@ contains
          nodes%covered(:, :, tile) = 0.0_wp
          call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(1:1, :, tile))
          ! of nodes in rigid regions the cells count that there are: others hold no particles
-         if (allocated(simulation%rigid)) call add_present(simulation, tile)
+         if (allocated(simulation%rigid)) call add_present(simulation, tile, around)
          shares = 1.0_wp
          if (allocated(simulation%rigid)) then
             if (allocated(simulation%rigid%held(tile)%node)) call cut_cells(grid, coordinate, &
@@ -223,13 +223,16 @@ contains
    end subroutine judge_cells
 
    !> Volume of the cells of a tile round its nodes in rigid regions.
-   subroutine add_present(simulation, tile)
+   subroutine add_present(simulation, tile, around)
       type(simulation_t), intent(inout) :: simulation !! The run with rigid regions
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: one(simulation%grid%tile_cells)
+      real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
+      real(wp) :: one(simulation%grid%tile_cells), whole(volume, size(around))
 
       if (.not. simulation%rigid%holds(tile)) return
-      one = 1.0_wp
+      ! all cells of the tile that are in the box
+      whole = spread(around, 1, volume)
+      call simulation%dual%cell_weights(simulation%grid, whole, volume, around, one)
       call simulation%dual%add_volume(simulation%grid, simulation%tiles%coordinate(:, tile), one, &
          simulation%nodes%covered(2:2, :, tile))
    end subroutine add_present
