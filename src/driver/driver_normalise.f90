@@ -14,7 +14,7 @@ module driver_normalise
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_cut_cells, only: cut_cells
    use driver_relax, only: evens_pressure
-   use driver_scatter, only: find_places
+   use driver_scatter, only: find_plain_places
    use driver_simulation, only: empty_mass, scratch_t, simulation_t
    use driver_walls, only: stand_walls
    use material_type, only: material_t
@@ -139,7 +139,7 @@ contains
          first = simulation%stores(index)%first(tile)
          associate (store => simulation%stores(index), grid => simulation%grid, &
             places => scratch%places, start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation, scratch, store, tile)
+            call find_plain_places(simulation, scratch, store, tile)
             places%values(:count, 1) = store%matter%mass(first:first + count - 1)
             call scatter_values(grid, start, places%local, 1, places%values, mass - 1, patch)
             places%values(:count, 1) = store%matter%volume(first:first + count - 1)
