@@ -35,6 +35,9 @@ module driver_normalise
    integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
    real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
+   !> What the fill of nodes on closed faces counts. Half as many particles are around such a node,
+   !! so that it falls below a bound by chance more often [1]
+   real(wp), parameter :: beside = 1.5_wp
    real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign matter borne [1]
 
 contains
@@ -192,6 +195,7 @@ contains
             call simulation%dual%cell_weights(grid, filled, volume, around, own)
          end if
          filled(volume, :) = nodes%normal(5, :, tile)*sums(volume, :)
+         call simulation%boundary%raise(grid, coordinate, beside, filled(volume, :))
          if (allocated(simulation%rigid)) call fill_held(simulation%rigid%held(tile), around, &
             filled(volume, :))
          call simulation%dual%cell_weights(grid, filled, volume, around, full)
