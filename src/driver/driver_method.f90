@@ -31,7 +31,7 @@ module driver_method
       logical :: dual = .true.                       !! Dual domain gradient, else the plain one
       class(basis_t), allocatable :: basis           !! Node functions
       class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
-      character(len=:), allocatable :: normalise     !! Whose sums are normalised: fluids, none, all
+      character(len=:), allocatable :: normalise     !! Whose sums are normalised: gases, ...
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
@@ -94,8 +94,9 @@ contains
       call schema%words("method", "quadrature", quadrature_names)
       call schema%text("method", "normalise", "whose sums over particles are divided by the "// &
          "sums of their weights, so that uniform pressure makes no force: matter without "// &
-         "strength, none, all; default none where the rule of the dual gradient forbids it", &
-         words="fluids none all", default="fluids", owner="run.method = ddmp")
+         "strength that carries an internal energy, all without strength, none, all; default "// &
+         "none where the rule of the dual gradient forbids it", &
+         words="gases fluids none all", default="gases", owner="run.method = ddmp")
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
          "new velocities; or half before, half after mapping, which keeps energy best; default "// &

@@ -17,6 +17,7 @@ module driver_normalise
    use driver_scatter, only: find_plain_places
    use driver_simulation, only: empty_mass, scratch_t, simulation_t
    use driver_walls, only: stand_walls
+   use material_matter, only: matter_t
    use material_type, only: material_t
    use mesh_rigid, only: held_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
@@ -52,6 +53,8 @@ contains
          if (method%normalise == "none") return
          simulation%flows = [(flows(simulation%materials(n)), n=1, size(simulation%materials))]
          simulation%normalises = simulation%flows .or. method%normalise == "all"
+         if (method%normalise == "gases") simulation%normalises = simulation%flows .and. &
+            [(carries(simulation%materials(n)), n=1, size(simulation%materials))]
          if (.not. any(simulation%normalises)) then
             deallocate (simulation%normalises, simulation%flows)
             return
@@ -67,6 +70,15 @@ contains
 
       columns = merge(foreign - 1, foreign, all(simulation%normalises))
    end function plain_columns
+
+   !> Do particles of a material carry an internal energy?
+   logical function carries(material) result(yes)
+      type(material_t), intent(in) :: material       !! The material
+      type(matter_t) :: matter
+
+      call material%request(matter)
+      yes = allocated(matter%energy)
+   end function carries
 
    !> Is a material without strength? Loose grains have some.
    pure logical function flows(material) result(yes)
