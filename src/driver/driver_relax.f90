@@ -3,11 +3,11 @@
 !!
 !! With normalised sums the volumes of a closed box stay right in sum, and each particle is
 !! strained by more or less than the mean of its neighbours, as it lies. Nodes do not see what
-!! differs between particles of a cell, so nothing brings it back. In matter without strength waves
-!! would, within the time that a signal needs for a cell: particles of higher pressure than the mean
-!! expand against it, others give way, with the same sum of volumes and of energies. Entropy can
-!! only grow by it.
-!! Equations (Q.10) and (Q.11) of doc/theory/quadratures.md.
+!! differs between particles of a cell beyond a slope, so nothing brings it back. In matter without
+!! strength waves would, within the time that a signal needs for a cell: particles of higher
+!! pressure expand against lower ones, with the same sum of volumes and of energies. Entropy can
+!! only grow by it, and a linear field of pressure stays as it is.
+!! Equations (Q.11) and (Q.12) of doc/theory/quadratures.md.
 module driver_relax
    use base_kinds, only: wp
    use driver_simulation, only: simulation_t
@@ -76,7 +76,8 @@ contains
       real(wp), contiguous, intent(inout) :: volume(:) !! (particle) [m3]
       real(wp), contiguous, intent(inout) :: energy(:) !! (particle) [J/kg]
       real(wp), contiguous, intent(inout) :: stress(:, :) !! (particle, 6) [Pa]
-      real(wp) :: soft(low:high), excess(low:high), seen(low:high), mean, whole, share, change, steepest
+      real(wp) :: soft(low:high), excess(low:high), seen(low:high), mean, whole, share, change
+      real(wp) :: steepest
       integer :: p
 
       ! volume over the stiffness against its change; matter without waves has no pressure either

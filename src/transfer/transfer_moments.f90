@@ -4,7 +4,7 @@
 !!
 !! The mean around a node belongs to the centre of the particles that it is taken of, not to the
 !! node. The difference of the means over that of the centres is the slope of a linear field, for
-!! any places of particles. Equation (Q.12) of doc/theory/quadratures.md.
+!! any places of particles. Equation (Q.10) of doc/theory/quadratures.md.
 module transfer_moments
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes

@@ -17,9 +17,9 @@ whole jump. Ratio of the errors of a halving: the 0.6 that Athena++ demands of a
 target 1 %. Fans: density 1 %, velocity at their ends what three cells of the slope of the fan make.
 
 Noh: the target of the density is the shock over six cells and a wall that is off by 15 % in three cells (H-9). That
-is a known miss, with and without heat flux, held at a tenth of the mass; the first cell is held at 15 % with heat
-flux, and is a known miss without, where half of it may be missing. The plateau has a target of 1 %, and its pressure
-5/3 of that, as along an adiabat: met with heat flux, else known misses held at twice that. The ratio of the errors is
+is met with heat flux and a known miss without, held at a tenth of the mass; the first cell is held at 15 % with heat
+flux, and is a known miss without, where half of it may be missing. The plateau is held at 1 %, and its pressure at
+5/3 of that, as along an adiabat. The ratio of the errors is
 a known miss of 0.6, as the wall is a contact; the error must fall.
 """
 # tiers: smoke, full
