@@ -220,8 +220,8 @@ contains
       call group%get("normalise", word)
       may = may_normalise(deck)
       if (word /= "none" .and. .not. may) call deck%complain(group, &
-         "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and no "// &
-         "dimension = 'axisymmetric' or paper = .true.; write 'none'", "normalise")
+         "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and "// &
+         "no dimension = 'axisymmetric' or paper = .true.; write 'none'", "normalise")
    end subroutine check_normalise
 
    !> Does the rule of the dual gradient allow normalised sums?

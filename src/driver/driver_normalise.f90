@@ -120,7 +120,9 @@ contains
          ! their places do not depend on how long the forces will act; all tiles are known by now
          if (allocated(simulation%rigid)) call stand_walls(simulation, 0.0_wp)
          call ensure_weights(nodes%weight, simulation%grid%tile_cells, simulation%tiles%all)
-         call ensure_patch(nodes%covered, 2, number, simulation%tiles%all)
+         call ensure_patch(nodes%covered, 1, number, simulation%tiles%all)
+         if (allocated(simulation%rigid)) call ensure_patch(nodes%present, 1, number, &
+            simulation%tiles%all)
          call ensure_patch(nodes%normal, rows + merge(moments - 1, 0, evens), number, &
             simulation%tiles%all)
          !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
@@ -168,8 +170,9 @@ contains
                places%blend, 1, places%values, foreign - 1, patch)
             call add_edge_sums(grid, start, first, places%blend, places%alpha, &
                store%matter%volume, sums)
-            if (evens_pressure(simulation, index)) call add_moments(grid, start, first, places%local, &
-               store%matter%volume, store%matter%stress, plain_columns(simulation), patch)
+            if (evens_pressure(simulation, index)) call add_moments(grid, start, first, &
+               places%local, store%matter%volume, store%matter%stress, plain_columns(simulation), &
+               patch)
          end associate
       end do
    end subroutine count_tile
@@ -184,7 +187,7 @@ contains
       real(wp) :: shares(cell_edges, simulation%grid%tile_cells)
       real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells), whole, mean
       real(wp) :: own(simulation%grid%tile_cells)
-      integer :: node, cell
+      integer :: cell
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile))
@@ -199,10 +202,8 @@ contains
          if (size(nodes%normal, 1) > rows) call divide_moments(sums(plain_columns(simulation) &
             + 1:, :), nodes%normal(rows + 1:, :, tile))
          if (.not. all(simulation%normalises)) then
-            do node = 1, size(sums, 2)
-               nodes%normal(5, node, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, node) &
-                  /max(sums(volume, node), empty_mass))
-            end do
+            nodes%normal(5, :, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, :) &
+               /max(sums(volume, :), empty_mass))
             filled(volume, :) = 0.5_wp*nodes%normal(5, :, tile)*around
             call simulation%dual%cell_weights(grid, filled, volume, around, own)
          end if
@@ -214,12 +215,12 @@ contains
          do cell = 1, size(full)
             full(cell) = ramp(2.0_wp*full(cell) - 1.0_wp)
          end do
-         nodes%covered(:, :, tile) = 0.0_wp
-         call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(1:1, :, tile))
-         ! of nodes in rigid regions the cells count that there are: others hold no particles
-         if (allocated(simulation%rigid)) call add_present(simulation, tile, around)
+         call clear_patch(nodes%covered(:, :, tile))
+         call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
          shares = 1.0_wp
          if (allocated(simulation%rigid)) then
+            ! of nodes in rigid regions the cells count that there are: others hold no particles
+            call add_present(simulation, tile, around)
             if (allocated(simulation%rigid%held(tile)%node)) call cut_cells(grid, coordinate, &
                simulation%rigid, tile, simulation%method%quadrature%smooth, shares)
             ! nodes must not carry more than there is room for
@@ -245,12 +246,13 @@ contains
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
       real(wp) :: one(simulation%grid%tile_cells), whole(volume, size(around))
 
+      call clear_patch(simulation%nodes%present(:, :, tile))
       if (.not. simulation%rigid%holds(tile)) return
       ! all cells of the tile that are in the box
       whole = spread(around, 1, volume)
       call simulation%dual%cell_weights(simulation%grid, whole, volume, around, one)
       call simulation%dual%add_volume(simulation%grid, simulation%tiles%coordinate(:, tile), one, &
-         simulation%nodes%covered(2:2, :, tile))
+         simulation%nodes%present(:, :, tile))
    end subroutine add_present
 
    !> Nodes in rigid regions count as full: what a wall leaves of a cell carries the pressure of the
@@ -290,7 +292,8 @@ contains
    subroutine judge_nodes(simulation, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: covered(2, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
+      real(wp) :: covered(1, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
+      real(wp) :: due(simulation%grid%tile_nodes)
       real(wp) :: whole, cells, own, ratio
       integer :: node, l
 
@@ -298,15 +301,14 @@ contains
          call assemble(grid, simulation%tiles, nodes%covered, tile, covered)
          call grid%node_volume(simulation%tiles%coordinate(:, tile), around)
          cells = real(2**grid%dimensions, wp)
-         call keep_held(simulation, tile, around, covered(2, :))
+         call find_due(simulation, tile, around, due)
          do node = 1, size(around)
             associate (normal => nodes%normal(:, node, tile))
                own = normal(5)
                normal(4) = 0.0_wp
                normal(5:7) = 0.0_wp
                if (.not. around(node) > empty_mass) cycle
-               normal(4) = max(0.0_wp, 1.0_wp - cells*(covered(2, node) - covered(1, node)) &
-                  /around(node))
+               normal(4) = max(0.0_wp, 1.0_wp - cells*(due(node) - covered(1, node))/around(node))
                whole = (1.0_wp - simulation%mean_alpha)*around(node)
                do l = 1, 3
                   ratio = whole/min(max(normal(l), whole/greatest), whole/least)
@@ -318,23 +320,23 @@ contains
       end associate
    end subroutine judge_nodes
 
-   !> Volume that must be full for nodes to count as such: that around them, but for nodes in rigid
-   !! regions.
-   pure subroutine keep_held(simulation, tile, around, present)
+   !> Volume that must be full for nodes to count as such: that around them, of nodes in rigid
+   !! regions that of the cells that there are.
+   pure subroutine find_due(simulation, tile, around, due)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
-      real(wp), intent(inout) :: present(:)          !! (node) That of cells there are in, out [m3]
-      real(wp) :: there(size(present))
+      real(wp), intent(out) :: due(:)                !! (node) [m3]
+      real(wp) :: present(1, size(due))
 
-      there = present
-      present = around
+      due = around
       if (.not. allocated(simulation%rigid)) return
       if (.not. simulation%rigid%holds(tile)) return
+      call assemble(simulation%grid, simulation%tiles, simulation%nodes%present, tile, present)
       associate (node => simulation%rigid%held(tile)%node)
-         present(node) = there(node)
+         due(node) = present(1, node)
       end associate
-   end subroutine keep_held
+   end subroutine find_due
 
    !> Smooth way from 0 to 1 [1].
    pure real(wp) function ramp(x) result(y)

@@ -56,20 +56,21 @@ contains
             high = store%cell_start(cell + 1, tile)
             if (high <= low) cycle
             slope = cell_slope(grid, grid%first_node(cell), normal(seen:, :, tile))
-            call relax_cell(before + low, before + high, local(low:high, :), speed(low:high), &
-               slope, pace*dt/grid%spacing, store%matter%mass, store%matter%volume, &
-               store%matter%energy, store%matter%stress)
+            call relax_cell(before, low, high, local, speed, slope, pace*dt/grid%spacing, &
+               store%matter%mass, store%matter%volume, store%matter%energy, store%matter%stress)
          end do
       end associate
    end subroutine relax_pressures
 
    !> The particles of one cell.
    ! gate: long kernel because matter is told by four of its fields
-   pure subroutine relax_cell(low, high, local, speed, slope, rate, mass, volume, energy, stress)
-      integer, intent(in) :: low                     !! First particle of the cell
+   pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, energy, &
+      stress)
+      integer, intent(in) :: before                  !! Particles before those of the tile
+      integer, intent(in) :: low                     !! First particle of the cell, in the tile
       integer, intent(in) :: high                    !! Last one
-      real(wp), intent(in) :: local(low:high, 3)     !! (particle) Places in the cell [1]
-      real(wp), intent(in) :: speed(low:high)        !! (particle) Of waves [m/s]
+      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Places in cells
+      real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
       real(wp), intent(in) :: slope(3)               !! Of the pressure that nodes see, a cell [Pa]
       real(wp), intent(in) :: rate                   !! Share of a step over that speed [s/m]
       real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
@@ -78,29 +79,33 @@ contains
       real(wp), contiguous, intent(inout) :: stress(:, :) !! (particle, 6) [Pa]
       real(wp) :: soft(low:high), excess(low:high), seen(low:high), mean, whole, share, change
       real(wp) :: steepest
-      integer :: p
+      integer :: p, q
 
       ! volume over the stiffness against its change; matter without waves has no pressure either
-      if (.not. minval(speed) > 0.0_wp) return
-      soft = volume(low:high)**2/(mass(low:high)*speed**2)
+      if (.not. minval(speed(low:high)) > 0.0_wp) return
+      do p = low, high
+         q = before + p
+         soft(p) = volume(q)**2/(mass(q)*speed(p)**2)
+         excess(p) = -(stress(q, 1) + stress(q, 2) + stress(q, 3))/3.0_wp
+         seen(p) = local(p, 1)*slope(1) + local(p, 2)*slope(2) + local(p, 3)*slope(3)
+      end do
       whole = sum(soft)
-      excess = -(stress(low:high, 1) + stress(low:high, 2) + stress(low:high, 3))/3.0_wp
       mean = sum(soft*excess)/whole
       excess = excess - mean
-      seen = local(:, 1)*slope(1) + local(:, 2)*slope(2) + local(:, 3)*slope(3)
       seen = seen - sum(soft*seen)/whole
       ! of what nodes see that which particles have
       share = sum(soft*seen**2)
       if (share > 0.0_wp) excess = excess &
          - seen*min(1.0_wp, max(0.0_wp, sum(soft*seen*excess)/share))
-      share = 1.0_wp - exp(-rate*maxval(speed))
-      steepest = maxval(soft*abs(excess)/volume(low:high))
+      share = 1.0_wp - exp(-rate*maxval(speed(low:high)))
+      steepest = maxval(soft*abs(excess)/volume(before + low:before + high))
       if (share*steepest > most) share = most/steepest
       do p = low, high
+         q = before + p
          change = share*soft(p)*excess(p)
-         volume(p) = volume(p) + change
-         energy(p) = energy(p) - mean*change/mass(p)
-         stress(p, 1:3) = stress(p, 1:3) + share*excess(p)
+         volume(q) = volume(q) + change
+         energy(q) = energy(q) - mean*change/mass(q)
+         stress(q, 1:3) = stress(q, 1:3) + share*excess(p)
       end do
    end subroutine relax_cell
 end module driver_relax

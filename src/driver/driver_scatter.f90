@@ -274,8 +274,8 @@ contains
       end associate
    end subroutine add_body_force
 
-   !> Where the particles of a tile are, as basis and modified gradient see them, with the factors of
-   !! normalised sums of the velocity field at hand.
+   !> Where the particles of a tile are, as basis and modified gradient see them, with the factors
+   !! of normalised sums of the velocity field at hand.
    subroutine find_places(simulation, scratch, store, tile)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread

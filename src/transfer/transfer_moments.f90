@@ -13,7 +13,8 @@ module transfer_moments
 
    public :: add_moments, cell_slope, divide_moments
 
-   !> Columns: weight, weight times value, weight times the distances from the node in cells
+   !> They are in columns: weight, weight times value, weight times the distances from the node in
+   !! cells
    integer, parameter, public :: moments = 5
    real(wp), parameter :: flattest = 0.01_wp         !! Least determinant of the centres [1]
 
@@ -95,7 +96,7 @@ contains
       integer, intent(in) :: node                            !! First node of the cell
       real(wp), intent(in) :: means(:, :)                    !! (4, node) Of `divide_moments`
       real(wp) :: slope(3)
-      real(wp) :: rise(4, 3), matrix(3, 3), whole, sense
+      real(wp) :: rise(4, 3), matrix(3, 3), changed(3, 3), whole, sense
       integer :: lane, l, k
 
       rise = 0.0_wp
@@ -119,20 +120,14 @@ contains
       whole = determinant(matrix)
       if (.not. whole > flattest) return
       do k = 1, 3
-         if (grid%active(k)) slope(k) = determinant(exchanged(matrix, k, rise(1, :)))/whole
+         if (.not. grid%active(k)) cycle
+         changed = matrix
+         do l = 1, 3
+            changed(k, l) = rise(1, l)
+         end do
+         slope(k) = determinant(changed)/whole
       end do
    end function cell_slope
-
-   !> A matrix with another row.
-   pure function exchanged(matrix, row, other) result(changed)
-      real(wp), intent(in) :: matrix(3, 3)                   !! The matrix
-      integer, intent(in) :: row                             !! Which row
-      real(wp), intent(in) :: other(3)                       !! What takes its place
-      real(wp) :: changed(3, 3)
-
-      changed = matrix
-      changed(row, :) = other
-   end function exchanged
 
    !> Determinant of a matrix.
    pure real(wp) function determinant(a) result(whole)
