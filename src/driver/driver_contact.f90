@@ -5,7 +5,7 @@
 module driver_contact
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
-   use driver_scatter, only: find_places
+   use driver_scatter, only: find_plain_places
    use driver_simulation, only: contact_t, empty_mass, guesses, scratch_t, simulation_t
    use driver_surface, only: direction_of, guess_area, reach_row
    use mesh_patch, only: assemble_greatest, ensure_patch
@@ -266,7 +266,7 @@ contains
       type(store_t), intent(inout) :: store          !! The particles
       integer :: cell, p, q, node, upper(3)
 
-      call find_places(simulation, scratch, store, tile)
+      call find_plain_places(simulation, scratch, store, tile)
       ! the cells are counted from 0, and a name for a part of an array would count them from 1
       associate (grid => simulation%grid)
          do cell = 0, grid%tile_cells - 1

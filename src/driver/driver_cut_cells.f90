@@ -17,6 +17,11 @@ module driver_cut_cells
    public :: cut_cells
 
    integer, parameter :: halvings = 30               !! Of an edge, to find where it is cut
+   !> From where on nodes beyond a surface carry pressure along it, as a place on the edge that it
+   !! cuts, 1 at that node; what nodes outside carry of it then they carry besides their own [1]
+   real(wp), parameter :: half = 0.5_wp
+   !> Thinner rests of cells carry no pressure along the surface, twice as thick ones all [1]
+   real(wp), parameter :: thin = 0.25_wp
 
 contains
 
@@ -40,7 +45,12 @@ contains
       end do
       do cell = 0, grid%tile_cells - 1
          ends = owner(grid%first_node(cell) + grid%lane_offset)
-         if (all(ends == 0) .or. all(ends > 0)) cycle
+         if (all(ends == 0)) cycle
+         if (all(ends > 0)) then
+            if (all(ends == ends(1)) .and. covers(rigid%wall(ends(1)), grid, cell_centre(grid, &
+               coordinate, cell))) shares(:, cell) = 0.0_wp
+            cycle
+         end if
          call cut_cell(grid, coordinate, rigid%wall, grid%first_node(cell), ends, smooth, &
             shares(:, cell))
       end do
@@ -57,7 +67,7 @@ contains
       integer, intent(in) :: ends(lanes)             !! (lane) Region that covers the node, 0 = none
       logical, intent(in) :: smooth                  !! Do places enter smoothly?
       real(wp), intent(inout) :: share(:)            !! (edge) [1]
-      real(wp) :: outside(lanes, 3), place(3), at
+      real(wp) :: outside(lanes, 3), place(3), at, far
       integer :: lane, next, l, e, k, low
 
       outside = 1.0_wp
@@ -69,8 +79,9 @@ contains
             if (ends(lane) > 0 .or. ends(next) == 0) cycle
             place = node_place(grid, coordinate, node + grid%lane_offset(lane))
             at = cut_at(grid, wall(ends(next)), place, l, sign(1.0_wp, real(next - lane, wp)))
-            outside(lane, l) = near_share(at, smooth)
-            outside(next, l) = 2.0_wp*at - outside(lane, l)
+            far = (2.0_wp*at - near_share(at, smooth))*ramp((at - half)/half)
+            outside(lane, l) = 2.0_wp*at*ramp((at - thin)/thin) - far
+            outside(next, l) = far
          end do
       end do
       do l = 1, 3
@@ -89,6 +100,25 @@ contains
          end do
       end do
    end subroutine cut_cell
+
+   !> Smooth way from 0 to 1 [1].
+   pure real(wp) function ramp(x) result(y)
+      real(wp), intent(in) :: x                      !! Below 0: 0, above 1: 1
+
+      y = min(1.0_wp, max(0.0_wp, x))
+      y = y**2*(3.0_wp - 2.0_wp*y)
+   end function ramp
+
+   !> Centre of a cell [m].
+   pure function cell_centre(grid, coordinate, cell) result(centre)
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      integer, intent(in) :: cell                    !! Cell of the tile, from 0
+      real(wp) :: centre(3)
+
+      centre = 0.5_wp*(node_place(grid, coordinate, grid%first_node(cell)) &
+         + node_place(grid, coordinate, grid%first_node(cell) + grid%lane_offset(lanes)))
+   end function cell_centre
 
    !> Share of the integral of the function of the near end of an edge up to a place along it [1].
    pure real(wp) function near_share(place, smooth) result(share)

@@ -458,7 +458,8 @@ contains
          end if
          call scratch%laps%update(simulation%materials(index), store%matter, deformation, &
             first, first + n - 1, dt, simulation%grid%spacing)
-         call relax_pressures(simulation, index, tile, deformation%wave_speed, dt)
+         call relax_pressures(simulation, index, tile, scratch%places%local, &
+            deformation%wave_speed, dt)
          fastest = 0.0_wp
          do p = 1, n
             fastest = max(fastest, &

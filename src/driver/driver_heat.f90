@@ -17,7 +17,7 @@ module driver_heat
    use driver_heat_faces, only: hold_temperature, take_heat
    use driver_ledger, only: dissipated
    use driver_node_sums, only: divide
-   use driver_scatter, only: find_places
+   use driver_scatter, only: find_plain_places
    use driver_simulation, only: scratch_t, simulation_t
    use material_voids, only: expanded
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
@@ -222,7 +222,7 @@ contains
          if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
          associate (store => simulation%stores(index), places => scratch%places, &
             specific_heat => simulation%materials(index)%heat%specific_heat)
-            call find_places(simulation, scratch, store, tile)
+            call find_plain_places(simulation, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                places%values(p, capacity) = specific_heat*store%matter%mass(q)
@@ -303,7 +303,7 @@ contains
          associate (store => simulation%stores(index), places => scratch%places, &
             specific_heat => simulation%materials(index)%heat%specific_heat, &
             method => simulation%method, start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation, scratch, store, tile)
+            call find_plain_places(simulation, scratch, store, tile)
             call push_particles(simulation, scratch, index, tile, values, slope, wide)
             call find_hidden(simulation, scratch, index, tile, dt)
             do p = 1, store%count(tile)
@@ -445,7 +445,7 @@ contains
       end associate
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
-         call find_places(simulation, scratch, simulation%stores(index), tile)
+         call find_plain_places(simulation, scratch, simulation%stores(index), tile)
          call find_hidden(simulation, scratch, index, tile, dt)
          call simulation%method%basis%collect(simulation%grid, &
             simulation%stores(index)%cell_start(:, tile), scratch%places, change, &

@@ -14,7 +14,7 @@ module driver_heat_flux
    use base_kinds, only: wp
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_node_sums, only: divide
-   use driver_scatter, only: find_places
+   use driver_scatter, only: find_plain_places
    use driver_simulation, only: empty_mass, scratch_t, simulation_t
    use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
@@ -123,7 +123,7 @@ contains
       integer :: p, q
 
       associate (store => simulation%stores(index), places => scratch%places)
-         call find_places(simulation, scratch, store, tile)
+         call find_plain_places(simulation, scratch, store, tile)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             places%values(p, mass) = store%matter%mass(q)
@@ -156,7 +156,7 @@ contains
       integer :: low(4), p, cell, direction, edges, edge, high
 
       associate (store => simulation%stores(index), grid => simulation%grid)
-         call find_places(simulation, scratch, store, tile)
+         call find_plain_places(simulation, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
@@ -209,7 +209,7 @@ contains
       call divide(simulation%nodes%warmth(:, :, tile), mass, energy)
       associate (store => simulation%stores(index), grid => simulation%grid, &
          share => simulation%nodes%warmth(passed, :, tile))
-         call find_places(simulation, scratch, store, tile)
+         call find_plain_places(simulation, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
@@ -295,7 +295,7 @@ contains
          end do
       end associate
       associate (store => simulation%stores(index), places => scratch%places)
-         call find_places(simulation, scratch, store, tile)
+         call find_plain_places(simulation, scratch, store, tile)
          call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), places, &
             change, places%values)
          do p = 1, store%count(tile)

@@ -31,7 +31,7 @@ module driver_method
       logical :: dual = .true.                       !! Dual domain gradient, else the plain one
       class(basis_t), allocatable :: basis           !! Node functions
       class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
-      character(len=:), allocatable :: normalise     !! Whose sums are normalised: fluids, none, all
+      character(len=:), allocatable :: normalise     !! Whose sums are normalised: gases, ...
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
@@ -94,8 +94,9 @@ contains
       call schema%words("method", "quadrature", quadrature_names)
       call schema%text("method", "normalise", "whose sums over particles are divided by the "// &
          "sums of their weights, so that uniform pressure makes no force: matter without "// &
-         "strength, none, all", &
-         words="fluids none all", default="none", owner="run.method = ddmp")
+         "strength that carries an internal energy, all without strength, none, all; default "// &
+         "none where the rule of the dual gradient forbids it", &
+         words="gases fluids none all", default="gases", owner="run.method = ddmp")
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
          "new velocities; or half before, half after mapping, which keeps energy best; default "// &
@@ -177,7 +178,7 @@ contains
    subroutine settle_defaults(deck)
       type(deck_t), intent(inout) :: deck            !! The deck
       character(len=:), allocatable :: method, dimension, alpha
-      logical :: paper
+      logical :: paper, may
       type(group_t) :: run, group
 
       run = deck%group("run", 1)
@@ -191,6 +192,9 @@ contains
             call deck%settle("method", 1, "stress_update", trim(stress_names(stress_remapped)))
          return
       end if
+      may = may_normalise(deck)
+      if (.not. (group%given("normalise") .or. may)) &
+         call deck%settle("method", 1, "normalise", "none")
       if (paper) then
          call settle_paper(deck, group)
          return
@@ -205,25 +209,37 @@ contains
    !> Refuse normalised sums where the rule of the dual gradient does not allow them.
    subroutine check_normalise(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      character(len=:), allocatable :: method, dimension, quadrature, surface, word
-      logical :: paper
+      character(len=:), allocatable :: method, word
+      logical :: may
       type(group_t) :: run, group
 
       run = deck%group("run", 1)
       call run%get("method", method)
       if (method /= "ddmp") return
-      call run%get("dimension", dimension)
       group = deck%group("method", 1)
       call group%get("normalise", word)
-      if (word == "none") return
+      may = may_normalise(deck)
+      if (word /= "none" .and. .not. may) call deck%complain(group, &
+         "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and "// &
+         "no dimension = 'axisymmetric' or paper = .true.; write 'none'", "normalise")
+   end subroutine check_normalise
+
+   !> Does the rule of the dual gradient allow normalised sums?
+   logical function may_normalise(deck) result(may)
+      type(deck_t), intent(in) :: deck               !! The deck
+      character(len=:), allocatable :: dimension, quadrature, surface
+      logical :: paper
+      type(group_t) :: run, group
+
+      run = deck%group("run", 1)
+      call run%get("dimension", dimension)
+      group = deck%group("method", 1)
       call group%get("quadrature", quadrature)
       call group%get("free_surface", surface)
       call group%get("paper", paper)
-      if (dimension == "axisymmetric" .or. paper .or. quadrature /= "point" .or. &
-         surface /= "fill") call deck%complain(group, "normalise = '"//word//"' needs "// &
-         "quadrature = 'point' and free_surface = 'fill', and no dimension = 'axisymmetric' "// &
-         "or paper = .true.; write 'none'", "normalise")
-   end subroutine check_normalise
+      may = dimension /= "axisymmetric" .and. .not. paper .and. quadrature == "point" .and. &
+         surface == "fill"
+   end function may_normalise
 
    !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.
    subroutine settle_paper(deck, group)

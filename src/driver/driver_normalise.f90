@@ -13,14 +13,17 @@ module driver_normalise
    use ddmp_alpha, only: mean_alpha
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_cut_cells, only: cut_cells
-   use driver_scatter, only: find_places
+   use driver_relax, only: evens_pressure
+   use driver_scatter, only: find_plain_places
    use driver_simulation, only: empty_mass, scratch_t, simulation_t
    use driver_walls, only: stand_walls
+   use material_matter, only: matter_t
    use material_type, only: material_t
    use mesh_rigid, only: held_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
    use transfer_edges, only: add_edge_sums, cell_edges
+   use transfer_moments, only: add_moments, divide_moments, moments
    use transfer_scatter, only: scatter_values
    implicit none
    private
@@ -30,9 +33,12 @@ module driver_normalise
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
    !! matter beyond the scope
    integer, parameter :: mass = 1, volume = 2, rest = 2, foreign = 6
-   integer, parameter :: rows = 7                    !! Of what nodes keep
+   integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
    real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
+   !> What the fill of nodes on closed faces counts. Half as many particles are around such a node,
+   !! so that it falls below a bound by chance more often [1]
+   real(wp), parameter :: beside = 1.5_wp
    real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign matter borne [1]
 
 contains
@@ -47,14 +53,32 @@ contains
          if (method%normalise == "none") return
          simulation%flows = [(flows(simulation%materials(n)), n=1, size(simulation%materials))]
          simulation%normalises = simulation%flows .or. method%normalise == "all"
+         if (method%normalise == "gases") simulation%normalises = simulation%flows .and. &
+            [(carries(simulation%materials(n)), n=1, size(simulation%materials))]
          if (.not. any(simulation%normalises)) then
-            deallocate (simulation%normalises)
+            deallocate (simulation%normalises, simulation%flows)
             return
          end if
          simulation%mean_alpha = mean_alpha(method%quadrature%alpha, &
             method%quadrature%alpha_centre, simulation%grid%dimensions)
       end associate
    end subroutine choose_normalised
+
+   !> Columns of the sums before the moments of pressure.
+   pure integer function plain_columns(simulation) result(columns)
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      columns = merge(foreign - 1, foreign, all(simulation%normalises))
+   end function plain_columns
+
+   !> Do particles of a material carry an internal energy?
+   logical function carries(material) result(yes)
+      type(material_t), intent(in) :: material       !! The material
+      type(matter_t) :: matter
+
+      call material%request(matter)
+      yes = allocated(matter%energy)
+   end function carries
 
    !> Is a material without strength? Loose grains have some.
    pure logical function flows(material) result(yes)
@@ -69,12 +93,14 @@ contains
    subroutine find_factors(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, allocatable :: tiles(:)
-      integer :: tile, part, n, columns
+      integer :: tile, part, n
+      logical :: evens
 
       associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
          call simulation%timer%start(simulation%phase%scatter)
-         columns = merge(foreign - 1, foreign, all(simulation%normalises))
-         call ensure_patch(nodes%counted, columns, number, simulation%tiles%own)
+         evens = any([(evens_pressure(simulation, n), n=1, size(simulation%stores))])
+         call ensure_patch(nodes%counted, plain_columns(simulation) + merge(moments, 0, evens), &
+            number, simulation%tiles%own)
          call ensure_patch(nodes%factor, cell_edges, simulation%grid%tile_cells, &
             simulation%tiles%own)
          do part = edge_tiles, inner_tiles
@@ -95,7 +121,10 @@ contains
          if (allocated(simulation%rigid)) call stand_walls(simulation, 0.0_wp)
          call ensure_weights(nodes%weight, simulation%grid%tile_cells, simulation%tiles%all)
          call ensure_patch(nodes%covered, 1, number, simulation%tiles%all)
-         call ensure_patch(nodes%normal, rows, number, simulation%tiles%all)
+         if (allocated(simulation%rigid)) call ensure_patch(nodes%present, 1, number, &
+            simulation%tiles%all)
+         call ensure_patch(nodes%normal, rows + merge(moments - 1, 0, evens), number, &
+            simulation%tiles%all)
          !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
          do tile = 1, simulation%tiles%all
             call judge_cells(simulation, tile)
@@ -127,7 +156,7 @@ contains
          first = simulation%stores(index)%first(tile)
          associate (store => simulation%stores(index), grid => simulation%grid, &
             places => scratch%places, start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation, scratch, store, tile)
+            call find_plain_places(simulation, scratch, store, tile)
             places%values(:count, 1) = store%matter%mass(first:first + count - 1)
             call scatter_values(grid, start, places%local, 1, places%values, mass - 1, patch)
             places%values(:count, 1) = store%matter%volume(first:first + count - 1)
@@ -141,6 +170,9 @@ contains
                places%blend, 1, places%values, foreign - 1, patch)
             call add_edge_sums(grid, start, first, places%blend, places%alpha, &
                store%matter%volume, sums)
+            if (evens_pressure(simulation, index)) call add_moments(grid, start, first, &
+               places%local, store%matter%volume, store%matter%stress, plain_columns(simulation), &
+               patch)
          end associate
       end do
    end subroutine count_tile
@@ -155,7 +187,7 @@ contains
       real(wp) :: shares(cell_edges, simulation%grid%tile_cells)
       real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells), whole, mean
       real(wp) :: own(simulation%grid%tile_cells)
-      integer :: node, cell
+      integer :: cell
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile))
@@ -167,15 +199,16 @@ contains
          filled(mass, :) = around
          nodes%normal(5, :, tile) = 1.0_wp
          own = 1.0_wp
-         if (size(sums, 1) >= foreign) then
-            do node = 1, size(sums, 2)
-               nodes%normal(5, node, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, node) &
-                  /max(sums(volume, node), empty_mass))
-            end do
+         if (size(nodes%normal, 1) > rows) call divide_moments(sums(plain_columns(simulation) &
+            + 1:, :), nodes%normal(rows + 1:, :, tile))
+         if (.not. all(simulation%normalises)) then
+            nodes%normal(5, :, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, :) &
+               /max(sums(volume, :), empty_mass))
             filled(volume, :) = 0.5_wp*nodes%normal(5, :, tile)*around
             call simulation%dual%cell_weights(grid, filled, volume, around, own)
          end if
          filled(volume, :) = nodes%normal(5, :, tile)*sums(volume, :)
+         call simulation%boundary%raise(grid, coordinate, beside, filled(volume, :))
          if (allocated(simulation%rigid)) call fill_held(simulation%rigid%held(tile), around, &
             filled(volume, :))
          call simulation%dual%cell_weights(grid, filled, volume, around, full)
@@ -186,6 +219,8 @@ contains
          call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
          shares = 1.0_wp
          if (allocated(simulation%rigid)) then
+            ! of nodes in rigid regions the cells count that there are: others hold no particles
+            call add_present(simulation, tile, around)
             if (allocated(simulation%rigid%held(tile)%node)) call cut_cells(grid, coordinate, &
                simulation%rigid, tile, simulation%method%quadrature%smooth, shares)
             ! nodes must not carry more than there is room for
@@ -203,6 +238,22 @@ contains
          end do
       end associate
    end subroutine judge_cells
+
+   !> Volume of the cells of a tile round its nodes in rigid regions.
+   subroutine add_present(simulation, tile, around)
+      type(simulation_t), intent(inout) :: simulation !! The run with rigid regions
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
+      real(wp) :: one(simulation%grid%tile_cells), whole(volume, size(around))
+
+      call clear_patch(simulation%nodes%present(:, :, tile))
+      if (.not. simulation%rigid%holds(tile)) return
+      ! all cells of the tile that are in the box
+      whole = spread(around, 1, volume)
+      call simulation%dual%cell_weights(simulation%grid, whole, volume, around, one)
+      call simulation%dual%add_volume(simulation%grid, simulation%tiles%coordinate(:, tile), one, &
+         simulation%nodes%present(:, :, tile))
+   end subroutine add_present
 
    !> Nodes in rigid regions count as full: what a wall leaves of a cell carries the pressure of the
    !! whole cell, and is compressed as fast as its walls approach each other, which is what the
@@ -229,8 +280,9 @@ contains
       integer :: e
 
       do e = 1, size(factor)
-         target = whole*max(share(e) - rest, least)
-         ratio = target/min(max(factor(e), target/greatest), target/least)
+         target = whole*max(share(e) - rest, 0.0_wp)
+         ratio = 0.0_wp
+         if (target > 0.0_wp) ratio = target/min(max(factor(e), target/greatest), target/least)
          factor(e) = 1.0_wp + merge(own, full, ratio < 1.0_wp)*(ratio - 1.0_wp)
       end do
    end subroutine find_edges
@@ -241,6 +293,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: covered(1, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
+      real(wp) :: due(simulation%grid%tile_nodes)
       real(wp) :: whole, cells, own, ratio
       integer :: node, l
 
@@ -248,13 +301,14 @@ contains
          call assemble(grid, simulation%tiles, nodes%covered, tile, covered)
          call grid%node_volume(simulation%tiles%coordinate(:, tile), around)
          cells = real(2**grid%dimensions, wp)
+         call find_due(simulation, tile, around, due)
          do node = 1, size(around)
             associate (normal => nodes%normal(:, node, tile))
                own = normal(5)
                normal(4) = 0.0_wp
                normal(5:7) = 0.0_wp
                if (.not. around(node) > empty_mass) cycle
-               normal(4) = max(0.0_wp, 1.0_wp - cells*(1.0_wp - covered(1, node)/around(node)))
+               normal(4) = max(0.0_wp, 1.0_wp - cells*(due(node) - covered(1, node))/around(node))
                whole = (1.0_wp - simulation%mean_alpha)*around(node)
                do l = 1, 3
                   ratio = whole/min(max(normal(l), whole/greatest), whole/least)
@@ -265,6 +319,24 @@ contains
          end do
       end associate
    end subroutine judge_nodes
+
+   !> Volume that must be full for nodes to count as such: that around them, of nodes in rigid
+   !! regions that of the cells that there are.
+   pure subroutine find_due(simulation, tile, around, due)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
+      real(wp), intent(out) :: due(:)                !! (node) [m3]
+      real(wp) :: present(1, size(due))
+
+      due = around
+      if (.not. allocated(simulation%rigid)) return
+      if (.not. simulation%rigid%holds(tile)) return
+      call assemble(simulation%grid, simulation%tiles, simulation%nodes%present, tile, present)
+      associate (node => simulation%rigid%held(tile)%node)
+         due(node) = present(1, node)
+      end associate
+   end subroutine find_due
 
    !> Smooth way from 0 to 1 [1].
    pure real(wp) function ramp(x) result(y)

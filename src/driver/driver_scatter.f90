@@ -16,7 +16,7 @@ module driver_scatter
    implicit none
    private
 
-   public :: find_places, nodes_seen, scatter_particles, tensor_rows, vector_rows
+   public :: find_places, find_plain_places, nodes_seen, scatter_particles, tensor_rows, vector_rows
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
 
@@ -274,8 +274,32 @@ contains
       end associate
    end subroutine add_body_force
 
-   !> Where the particles of a tile are, as basis and modified gradient see them.
+   !> Where the particles of a tile are, as basis and modified gradient see them, with the factors
+   !! of normalised sums of the velocity field at hand.
    subroutine find_places(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+
+      call locate_tile(simulation, scratch, store, tile)
+      if (allocated(simulation%normalises)) &
+         scratch%places%factor = simulation%nodes%factor(:, :, tile)
+   end subroutine find_places
+
+   !> The same without factors, for what has its own sums or concerns all velocity fields.
+   subroutine find_plain_places(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+
+      call locate_tile(simulation, scratch, store, tile)
+      if (allocated(scratch%places%factor)) deallocate (scratch%places%factor)
+   end subroutine find_plain_places
+
+   !> Where the particles of a tile are.
+   subroutine locate_tile(simulation, scratch, store, tile)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(in) :: store             !! The particles
@@ -287,10 +311,8 @@ contains
             scratch%places)
          if (simulation%method%dual) call simulation%method%quadrature%locate(simulation%grid, &
             coordinate, store, tile, scratch%places)
-         if (allocated(simulation%normalises)) &
-            scratch%places%factor = simulation%nodes%factor(:, :, tile)
       end associate
-   end subroutine find_places
+   end subroutine locate_tile
 
    !> First and last of the nodes that the particles of a tile see.
    pure subroutine nodes_seen(simulation, tile, low, high)

@@ -72,6 +72,7 @@ module driver_simulation
       !! the three directions [1/m3], how far cells around are full [1], and of the three directions
       !! those of the plain sums [1]
       real(wp), allocatable :: counted(:, :, :), covered(:, :, :), normal(:, :, :)
+      real(wp), allocatable :: present(:, :, :)      !! (1) Of all cells, with rigid regions [m3]
       real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       type(pieces_t) :: share                        !! (1) Volume of the dual gradient [m3]
@@ -297,6 +298,7 @@ contains
       call move_alloc(self%difference, other%difference)
       call move_alloc(self%counted, other%counted)
       call move_alloc(self%covered, other%covered)
+      call move_alloc(self%present, other%present)
       call move_alloc(self%normal, other%normal)
       call move_alloc(self%factor, other%factor)
       call move_alloc(self%weight, other%weight)

@@ -8,7 +8,7 @@ module driver_surface
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use driver_scatter, only: find_places
+   use driver_scatter, only: find_plain_places
    use driver_simulation, only: contact_t, empty_mass, guesses, scratch_t, simulation_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
@@ -129,7 +129,7 @@ contains
             associate (store => simulation%stores(index), grid => simulation%grid, &
                basis => simulation%method%basis, pushed => scratch%pushed, &
                start => simulation%stores(index)%cell_start(:, tile))
-               call find_places(simulation, scratch, store, tile)
+               call find_plain_places(simulation, scratch, store, tile)
                call pushed%copy(store%first(tile), store%count(tile), store%position, &
                   store%matter%volume, store%matter%stress)
                call pushed%make_unit(store%count(tile))

@@ -43,6 +43,7 @@ module mesh_boundary
       procedure :: insulate => boundary_insulate     !! No flux through the faces
       procedure :: held_at => boundary_held_at       !! Temperatures that faces give their nodes
       procedure :: touches => boundary_touches       !! Does a tile have nodes on a ruled face?
+      procedure :: raise => boundary_raise           !! Multiply what nodes on closed faces have
       procedure :: see_gaps => boundary_see_gaps     !! Matter that thins out towards a closed face
    end type boundary_t
 
@@ -207,6 +208,27 @@ contains
          end do
       end do
    end subroutine boundary_constrain
+
+   !> Multiply values of the nodes on closed faces, once for each face that a node lies on.
+   pure subroutine boundary_raise(self, grid, coordinate, factor, values)
+      class(boundary_t), intent(in) :: self          !! The conditions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), intent(in) :: factor                 !! Of a face
+      real(wp), intent(inout) :: values(:)           !! (node)
+      type(rule_t) :: rule
+      integer :: nodes(grid%tile_nodes), number, n, face
+
+      do face = 1, 6
+         if (.not. self%ruled(face)) cycle
+         call face_nodes(grid, coordinate, face, nodes, number)
+         do n = 1, number
+            rule = self%rule_at(grid, coordinate, face, nodes(n))
+            if (lets_out(rule%kind) .or. rule%kind == face_periodic) cycle
+            values(nodes(n)) = factor*values(nodes(n))
+         end do
+      end do
+   end subroutine boundary_raise
 
    !> Fill less 1 of nodes on closed faces, where it is less than that of the next node inwards:
    !! a gap between the face and matter that bears on it, not a surface of the matter.

@@ -117,15 +117,16 @@ contains
       real(wp), intent(in) :: place(3)               !! [m]
       integer :: n
 
-      yes = any(grid%active .and. (place < grid%lower .or. place > grid%upper))
+      yes = any(grid%active .and. .not. grid%periodic .and. (place < grid%lower .or. &
+         place > grid%upper))
       do n = 1, size(walls)
          if (yes) return
          yes = covers(walls(n), grid, place)
       end do
    end function closed
 
-   !> Whether a wall covers a place. On the faces of the box it counts what lies just inside, as
-   !! regions that end there hold one of two faces only.
+   !> Whether a wall covers a place, or that which it is beyond periodic faces. On the faces of the
+   !! box it counts what lies just inside, as regions that end there hold one of two faces only.
    pure logical function covers(wall, grid, place) result(yes)
       type(wall_t), intent(in) :: wall               !! A rigid region
       type(grid_t), intent(in) :: grid               !! The box
@@ -133,7 +134,9 @@ contains
       real(wp) :: inside(3)
 
       inside = place
-      where (grid%active) inside = min(max(place, grid%lower + within*grid%spacing), &
+      where (grid%active .and. grid%periodic) inside = grid%lower + modulo(place - grid%lower, &
+         grid%upper - grid%lower)
+      where (grid%active) inside = min(max(inside, grid%lower + within*grid%spacing), &
          grid%upper - within*grid%spacing)
       yes = wall%covers(inside)
    end function covers

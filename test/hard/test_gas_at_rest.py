@@ -3,16 +3,19 @@
 
 Would catch: sums over particles that are not divided by the sums of their weights, so that uniform pressure pushes
 (gas at rest then reached the speed of sound and nine times its volume); factors of the force that are not those of
-strain and work; walls inside the grid that count as free surfaces; particles that claim more room than there is (two
-hundred million times the box after an explosion, exit code 4).
+strain and work; walls inside the grid that count as free surfaces, because tiles behind them hold no particles or cells
+beyond the box are hollow; thin rests of cells at such walls that push the few particles in them along the wall;
+particles that claim more room than there is (two hundred million times the box after an explosion, exit code 4).
 
-At rest: closed box, uniform pressure, jittered particles, ten thousand steps on a line, in a plane and in space.
+At rest: closed box, uniform pressure, jittered particles, ten thousand steps on a line, in a plane and in space; and
+300 steps in a plane behind a wall that cuts a row of cells at a tenth to nine tenths of them.
 Rounding of 1e-16 of the pressure in each step, all with one sign, adds up to 1e4 1e-16 = 1e-12 of the speed of sound;
 limit 1e-10 of it. The same gas without normalised sums must move by more than 1e-3 of it within 300 steps, or the
 scene shows nothing. Slow piston: 7.5 m/s against 340 m/s, to 40 % of the length: shocks of Mach 0.02 make no entropy
 that counts, so the pressure is that of the adiabat, p V^1.4 constant; target 1 % for the mean over the volume and 2 %
-for the deviation from it, of which 0.5 % is the sound of the start that runs to and fro. In the plane with jittered
-particles and the default transfer a known miss, held at ten and three times that.
+for the deviation from it, of which 0.5 % is the sound of the start that runs to and fro; on a line, in a plane and in
+space, with other transfers too. Volumes sum up to the room that the piston leaves: 1e-3 of it, which the piston sweeps
+in a step or half of one.
 The same bits for any ranks and threads and after a restart while the piston is under way. Explosion: radius of the
 shock by J. R. Kamm, F. X. Timmes, LA-UR-07-2849 (2007), cylinder,
 gamma = 1.4, which is 0.75 at time 1. A shock may be spread over six cells (H-10 in test/hard/README.md), and where the
@@ -78,14 +81,14 @@ def run(options, name, dimension, hi, size, bodies, end=1.0, steps="", words="",
 def rest(options, sheet, dimension, steps):
     """Gas at rest stays at rest, and would not without normalised sums."""
     hi, size, ppc = SCENES[dimension]
-    for words, number in (("normalise='fluids'", steps), ("", 300)):
-        name = f"rest_{dimension}{'' if words else '_none'}"
+    for words, number in (("", steps), ("normalise='none'", 300)):
+        name = f"rest_{dimension}{'_none' if words else ''}"
         box, last = run(options, name, dimension, hi, size, gas(hi, ppc, "jitter"), end=100.0,
                         steps=f"max_steps={number}", words=words)
         velocity, volume, pressure = last.need("velocity", "volume", "pressure")
         speed = np.abs(velocity).max() / SOUND
         sheet.below(f"{name}: energy", box.summary["ledger"]["energy_error"], BOOKS)
-        if not words:
+        if words:
             sheet.above(f"{name}: speed over that of sound", speed, MOVES)
             continue
         sheet.require(box.summary["steps"] == number, f"{name}: all steps are done")
@@ -95,24 +98,35 @@ def rest(options, sheet, dimension, steps):
         sheet.below(f"{name}: pressure", np.abs(pressure / PRESSURE - 1.0).max(), STILL)
 
 
-def press(options, sheet, name, dimension, packing, words="", known=None):
+def cut(options, sheet, share):
+    """Gas at rest behind a wall that leaves a share of a row of cells; tiles behind it have no particles."""
+    size, across = 0.05, 0.7
+    length, name = (9.0 + share) * size, f"cut_{share}"
+    wall = PISTON.format(length=length).replace("velocity=-7.5,0,0", "")
+    box, last = run(options, name, "plane_strain", f"0.8,0.1,{across}", size,
+                    gas(f"{length!r},0.1,{across}", "3,1,3", "jitter") + wall, end=100.0, steps="max_steps=300")
+    velocity, pressure = last.need("velocity", "pressure")
+    sheet.require(box.summary["steps"] == 300, f"{name}: all steps are done")
+    sheet.below(f"{name}: speed over that of sound", np.abs(velocity).max() / SOUND, STILL)
+    sheet.below(f"{name}: pressure", np.abs(pressure / PRESSURE - 1.0).max(), STILL)
+
+
+def press(options, sheet, name, dimension, packing, words=""):
     """A piston compresses gas to 40 % of its length."""
-    length, size, ppc, across = (1.0, 0.05, "3,1,1", 1.0) if dimension == "1d" else (0.5, 0.05, "3,1,3", 0.2)
+    length, size, ppc, across = {"1d": (1.0, 0.05, "3,1,1", 1.0), "plane_strain": (0.5, 0.05, "3,1,3", 0.2),
+                                 "3d": (0.5, 0.05, "2,2,2", 0.2)}[dimension]
     hi = f"{length + 4 * size!r},{across},{across}"
     box, last = run(options, name, dimension, hi, size, gas(f"{length},{across},{across}", ppc, packing)
-                    + PISTON.format(length=length), end=0.6 * length / 7.5, words=f"normalise='fluids'  {words}")
+                    + PISTON.format(length=length), end=0.6 * length / 7.5, words=words)
     pressure, volume = last.need("pressure", "volume")
     share = volume / volume.sum()
     mean = (share * pressure).sum()
     spread = np.sqrt((share * (pressure - mean) ** 2).sum()) / mean
     off = mean / (PRESSURE * 0.4 ** -GAMMA) - 1.0
     sheet.below(f"{name}: energy", box.summary["ledger"]["energy_error"], BOOKS)
-    if known:
-        sheet.known(f"{name}: pressure over the adiabat [%]", 100.0 * abs(off), limit=known[0], target=1.0)
-        sheet.known(f"{name}: its deviation [%]", 100.0 * spread, limit=known[1], target=2.0)
-    else:
-        sheet.below(f"{name}: pressure over the adiabat", off, 0.01)
-        sheet.below(f"{name}: its deviation", spread, 0.02)
+    sheet.below(f"{name}: pressure over the adiabat", off, 0.01)
+    sheet.below(f"{name}: its deviation", spread, 0.02)
+    sheet.below(f"{name}: sum of volumes", volume.sum() / (0.4 * length * across ** 2) - 1.0, 1.0e-3)
 
 
 def layouts(options, sheet):
@@ -120,7 +134,7 @@ def layouts(options, sheet):
     size, hi = 0.05, "0.7,0.4,0.4"
     bodies = gas("0.5,0.4,0.4", "3,1,3", "jitter") + PISTON.format(length=0.5)
     deck = DECK.format(dimension="plane_strain", hi=hi, size=size, end=1.0, steps="max_steps=80",
-                       words="normalise='fluids'", density=DENSITY, gamma=GAMMA, bodies=bodies)
+                       words="", density=DENSITY, gamma=GAMMA, bodies=bodies)
     deck = deck.replace("at_end=.false.", "at_end=.true.")
     digests = [case.Case(options, f"layout_{ranks}_{threads}", deck, ranks, threads).run("-q").summary["digest"]
                for ranks, threads in ((1, 1), (1, 2), (3, 1))]
@@ -139,7 +153,7 @@ def explode(options, sheet, cells):
               + gas(edge, "2,1,2", "lattice", 1.0e-6, "cold", "rest"))
     name = f"explosion_{cells}"
     box, last = run(options, name, "plane_strain", edge, size, bodies, density=1.0,
-                    words="normalise='fluids'  split=.true.")
+                    words="split=.true.")
     mass, volume = last.need("mass", "volume")
     radii = np.hypot(last.points[:, 0], last.points[:, 2])
     places = size * np.arange(cells + 1)
@@ -160,12 +174,15 @@ def main():
     full = tier.NAME != "smoke"
     for dimension in SCENES:
         rest(options, sheet, dimension, 10000 if full else 300)
+    for share in tier.choose((0.1, 0.3, 0.5, 0.7, 0.9), smoke=(0.7,)):
+        cut(options, sheet, share)
     press(options, sheet, "piston", "1d", "jitter")
+    press(options, sheet, "piston_plane", "plane_strain", "jitter")
     layouts(options, sheet)
     if full:
-        press(options, sheet, "piston_plane", "plane_strain", "lattice", "transfer='flip'  flip=0.99")
-        press(options, sheet, "piston_jitter", "plane_strain", "jitter", "transfer='pic'")
-        press(options, sheet, "piston_default", "plane_strain", "jitter", known=(10.0, 6.0))
+        press(options, sheet, "piston_flip", "plane_strain", "lattice", "transfer='flip'  flip=0.99")
+        press(options, sheet, "piston_pic", "plane_strain", "jitter", "transfer='pic'")
+        press(options, sheet, "piston_space", "3d", "jitter")
         explode(options, sheet, 50)
     sheet.end()
 

@@ -17,9 +17,9 @@ whole jump. Ratio of the errors of a halving: the 0.6 that Athena++ demands of a
 target 1 %. Fans: density 1 %, velocity at their ends what three cells of the slope of the fan make.
 
 Noh: the target of the density is the shock over six cells and a wall that is off by 15 % in three cells (H-9). That
-is a known miss, with and without heat flux, held at a tenth of the mass; the first cell is held at 15 % with heat
-flux, and is a known miss without, where half of it may be missing. The plateau has a target of 1 %, and its pressure
-5/3 of that, as along an adiabat: met with heat flux, else known misses held at twice that. The ratio of the errors is
+is met with heat flux and a known miss without, held at a tenth of the mass; the first cell is held at 15 % with heat
+flux, and is a known miss without, where half of it may be missing. The plateau is held at 1 %, and its pressure at
+5/3 of that, as along an adiabat. The ratio of the errors is
 a known miss of 0.6, as the wall is a contact; the error must fall.
 """
 # tiers: smoke, full
@@ -156,7 +156,10 @@ def walls(options, sheet):
     target = 3.0 * 6.0 / 200 / 4.0 + 0.15 * 4.0 * 3.0 / 200
     for name, result in (("noh", fine), ("noh, heat_flux=2", smeared)):
         sheet.require(result["count"] > 50, f"{name}: the plateau has particles")
-        sheet.known(f"{name}: density", result["density"], limit=0.1 * (0.2 * 4.0 + 0.3), target=target)
+        if name == "noh":
+            sheet.known(f"{name}: density", result["density"], limit=0.1 * (0.2 * 4.0 + 0.3), target=target)
+        else:
+            sheet.below(f"{name}: density", result["density"], target)
         for key in ("energy", "momentum"):
             sheet.below(f"{name}: {key}", result[key], 1.0e-12)
     sheet.above("noh, heat_flux=2: least energy", smeared["least"], 0.0)
@@ -164,7 +167,7 @@ def walls(options, sheet):
     sheet.known("noh: density in the first cell", fine["first"], limit=0.5, target=0.15)
     sheet.below("noh, heat_flux=2: density in the first cell", smeared["first"], 0.15)
     for key, limit in (("plateau", 0.01), ("pressure", 0.01 * 5.0 / 3.0)):
-        sheet.known(f"noh: {key}", fine[key], limit=2.0 * limit, target=limit)
+        sheet.below(f"noh: {key}", fine[key], limit)
         sheet.below(f"noh, heat_flux=2: {key}", smeared[key], limit)
 
 
