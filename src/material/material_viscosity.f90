@@ -5,12 +5,14 @@ module material_viscosity
    implicit none
    private
 
-   public :: resist, viscosity_t, viscous_losses
+   public :: resist, sweep_up, viscosity_t, viscous_losses
 
    !> Artificial viscosity of a material.
    type :: viscosity_t
       real(wp) :: linear = 0.06_wp                   !! Coefficient of the wave speed [1]
       real(wp) :: quadratic = 4.0_wp                 !! Coefficient of the rate [1]
+      logical :: limited = .false.                   !! Is the jump less than the dilatation?
+      logical :: sweeps = .false.                    !! Is open matter swept up first?
    end type viscosity_t
 
 contains
@@ -33,6 +35,25 @@ contains
       end do
    end subroutine viscous_losses
 
+   !> Jump over the matter in a cell: in open matter, which bears no pressure at less than its
+   !! density, the rest of the cell is void. Equation (V.3) of doc/theory/viscosity.md.
+   pure subroutine sweep_up(first, last, density, mass, volume, pressure, jump)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
+      real(wp), contiguous, intent(in) :: pressure(:) !! Of the material (range) [Pa]
+      real(wp), contiguous, intent(inout) :: jump(:) !! Trace of strain (range) [1]
+      real(wp) :: solid
+      integer :: i
+
+      do concurrent (i=1:last - first + 1)
+         solid = min(1.0_wp, mass(first - 1 + i)/(density*volume(first - 1 + i)))
+         jump(i) = jump(i)*merge(1.0_wp, solid, pressure(i) > 0.0_wp)
+      end do
+   end subroutine sweep_up
+
    !> Viscous pressure q = rho h D (q2 h D + q1 c) where the rate of compression D is positive.
    !!
    !! The wave speed on return limits the time step to spacing/wave_speed. For the highest mode of
@@ -40,7 +61,7 @@ contains
    !! Q = q1 c + 2 q2 h D, the derivative of q to D. Explicit steps with a force that lags by
    !! half a step are stable up to 2/w (sqrt(1 + (Q/c)**2) - Q/c) = h/(Q + sqrt(Q**2 + c**2)).
    !! Equation (M.22) of doc/theory/method.md. Equation (S.2) of doc/theory/time_step.md.
-   pure subroutine resist(first, last, viscosity, dt, spacing, mass, volume, dilatation, &
+   pure subroutine resist(first, last, viscosity, dt, spacing, mass, volume, jump, &
       viscous_pressure, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -49,7 +70,7 @@ contains
       real(wp), intent(in) :: spacing                !! Cell size h [m]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
-      real(wp), contiguous, intent(in) :: dilatation(:)          !! Trace of strain (range) [1]
+      real(wp), contiguous, intent(in) :: jump(:)    !! Trace of strain resisted (range) [1]
       real(wp), contiguous, intent(inout) :: viscous_pressure(:) !! After the step (store) [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)         !! Plus q on return (range) [Pa]
       real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square in, speed out (range) [m/s]
@@ -60,7 +81,7 @@ contains
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          sound = sqrt(wave_speed(i))
-         damping = max(-dilatation(i), 0.0_wp)*rate
+         damping = max(-jump(i), 0.0_wp)*rate
          viscous_pressure(k) = mass(k)/volume(k)*damping &
             *(viscosity%quadratic*damping + viscosity%linear*sound)
          pressure(i) = pressure(i) + viscous_pressure(k)
