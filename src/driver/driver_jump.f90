@@ -7,8 +7,8 @@
 !! E. J. Caramana, M. J. Shashkov, P. P. Whalen, J. Comput. Phys. 144 (1998) 70). A shock is
 !! compressed in a cell or two: some neighbour is not. On a line the node gradient is the mean of
 !! the two cells beside the node, so twice the least of the nodes less that of the cell is the
-!! least of the neighbours, without another sum over nodes. Equation (M.33) of
-!! doc/theory/method.md.
+!! least of the neighbours, without another sum over nodes. Equations (V.1) and (V.2) of
+!! doc/theory/viscosity.md.
 module driver_jump
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes

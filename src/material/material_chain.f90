@@ -12,7 +12,7 @@ module material_chain
    use material_remains, only: share_t, vanish
    use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
    use material_tension, only: break, cut_tension, drop_failed, drop_melted, fail, open_voids
-   use material_viscosity, only: resist, sweep_up, viscous_losses
+   use material_viscosity, only: resist, viscous_losses
    use material_voids, only: expand_grains
    implicit none
    private
@@ -164,7 +164,15 @@ contains
          if (allocated(self%heat)) call update_temperature(self, matter, deformation, first, last)
       case (11)
          if (allocated(self%viscosity)) then
-            call resist_jump(self, matter, deformation, first, last, dt, spacing)
+            if (self%viscosity%limited) then
+               call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
+                  deformation%jump, matter%viscous_pressure, deformation%pressure, &
+                  deformation%wave_speed)
+            else
+               call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
+                  deformation%dilatation, matter%viscous_pressure, deformation%pressure, &
+                  deformation%wave_speed)
+            end if
          else
             call square_root(count, deformation%wave_speed)
          end if
@@ -179,32 +187,6 @@ contains
          call leave_nothing(self, matter, deformation, first, last)
       end select
    end subroutine chain_advance
-
-   !> Viscous pressure against the compression, or against what of it is a jump.
-   pure subroutine resist_jump(self, matter, deformation, first, last, dt, spacing)
-      class(chain_t), intent(in) :: self                 !! The material, with viscosity
-      type(matter_t), intent(inout) :: matter            !! State of the store
-      type(deformation_t), intent(inout) :: deformation  !! Step of the range
-      integer, intent(in) :: first                       !! First particle of the range
-      integer, intent(in) :: last                        !! Last particle of the range
-      real(wp), intent(in) :: dt                         !! Time step [s]
-      real(wp), intent(in) :: spacing                    !! Cell size [m]
-      integer :: n
-
-      n = last - first + 1
-      if (.not. (self%viscosity%limited .or. self%viscosity%sweeps)) then
-         call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
-            deformation%dilatation, matter%viscous_pressure, deformation%pressure, &
-            deformation%wave_speed)
-         return
-      end if
-      if (.not. self%viscosity%limited) deformation%jump(:n) = deformation%dilatation(:n)
-      if (self%viscosity%sweeps) call sweep_up(first, last, self%density, matter%mass, &
-         matter%volume, deformation%pressure, deformation%jump)
-      call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
-         deformation%jump, matter%viscous_pressure, deformation%pressure, &
-         deformation%wave_speed)
-   end subroutine resist_jump
 
    !> Take all stress from failed particles, if nothing is left of them.
    pure subroutine leave_nothing(self, matter, deformation, first, last)

@@ -42,10 +42,6 @@ contains
          default="0.06", range=">= 0", owner="effects.artificial_viscosity")
       call schema%real("method", "bulk_q2", "quadratic coefficient of artificial viscosity", &
          default="4.0", range=">= 0", owner="effects.artificial_viscosity")
-      call schema%text("method", "viscosity_length", "of the jump that artificial viscosity "// &
-         "resists: cell; matter, only what of the cell is not void, for matter without "// &
-         "tension that has come apart", default="cell", words="cell matter", &
-         owner="effects.artificial_viscosity")
       call schema%group("material", "one material; flat keys, prefix = model", many=.true.)
       call schema%text("material", "name", "what bodies refer to")
       call schema%text("material", "preset", "material of the library; it gives the keys that "// &
@@ -421,7 +417,6 @@ contains
       type(group_t), intent(in) :: group             !! Its &material
       type(effects_t), intent(in) :: effects         !! What is asked for
       type(group_t), intent(in) :: method_group      !! &method
-      character(len=:), allocatable :: word
 
       if (effects%voids .and. allocated(material%eos)) then
          allocate (material%voids)
@@ -448,8 +443,6 @@ contains
          allocate (material%viscosity)
          call method_group%get("bulk_q1", material%viscosity%linear)
          call method_group%get("bulk_q2", material%viscosity%quadratic)
-         call method_group%get("viscosity_length", word)
-         material%viscosity%sweeps = word == "matter" .and. opens(material, group, effects)
       end if
       if (effects%thermal) then
          allocate (material%heat)
@@ -462,16 +455,6 @@ contains
          call group%get("t_melt", material%melting)
       end if
    end subroutine read_models
-
-   !> True if voids can open in the material: it fails, or bears no more than some tension.
-   logical function opens(material, group, effects) result(can)
-      class(material_t), intent(in) :: material      !! The material with its law read
-      type(group_t), intent(in) :: group             !! Its &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
-
-      can = group%given("spall") .or. (effects%damage .and. allocated(material%damage))
-      if (allocated(material%law)) can = can .or. material%law%least_pressure() >= 0.0_wp
-   end function opens
 
    !> How the material fails, and what is left then.
    subroutine read_failure(material, group, effects, run_group, method_group)

@@ -5,14 +5,13 @@ module material_viscosity
    implicit none
    private
 
-   public :: resist, sweep_up, viscosity_t, viscous_losses
+   public :: resist, viscosity_t, viscous_losses
 
    !> Artificial viscosity of a material.
    type :: viscosity_t
       real(wp) :: linear = 0.06_wp                   !! Coefficient of the wave speed [1]
       real(wp) :: quadratic = 4.0_wp                 !! Coefficient of the rate [1]
-      logical :: limited = .false.                   !! Is the jump less than the dilatation?
-      logical :: sweeps = .false.                    !! Is open matter swept up first?
+      logical :: limited = .false.                   !! Is the jump given, or all compression?
    end type viscosity_t
 
 contains
@@ -35,26 +34,8 @@ contains
       end do
    end subroutine viscous_losses
 
-   !> Jump over the matter in a cell: in open matter, which bears no pressure at less than its
-   !! density, the rest of the cell is void. Equation (V.3) of doc/theory/viscosity.md.
-   pure subroutine sweep_up(first, last, density, mass, volume, pressure, jump)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
-      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
-      real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
-      real(wp), contiguous, intent(in) :: pressure(:) !! Of the material (range) [Pa]
-      real(wp), contiguous, intent(inout) :: jump(:) !! Trace of strain (range) [1]
-      real(wp) :: solid
-      integer :: i
-
-      do concurrent (i=1:last - first + 1)
-         solid = min(1.0_wp, mass(first - 1 + i)/(density*volume(first - 1 + i)))
-         jump(i) = jump(i)*merge(1.0_wp, solid, pressure(i) > 0.0_wp)
-      end do
-   end subroutine sweep_up
-
-   !> Viscous pressure q = rho h D (q2 h D + q1 c) where the rate of compression D is positive.
+   !> Viscous pressure q = rho h D (q2 h D + q1 c) where the rate of compression D is positive. D is
+   !! that of the strain, or of what is left of it by (V.2) of doc/theory/viscosity.md.
    !!
    !! The wave speed on return limits the time step to spacing/wave_speed. For the highest mode of
    !! a row of cells, frequency w = 2 c/h, the viscosity is a damping ratio Q/c with
