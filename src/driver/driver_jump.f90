@@ -2,8 +2,8 @@
 !> The compression that artificial viscosity sees: what is left of it after the part that the
 !! gradients of the nodes around predict.
 !!
-!! In a cell whose neighbours are compressed at the same rate the velocity is linear, and there is no
-!! jump to resist, however fast the flow converges (R. B. Christensen, UCRL-JC-105269 (1990);
+!! In a cell whose neighbours are compressed at the same rate the velocity is linear, and there is
+!! no jump to resist, however fast the flow converges (R. B. Christensen, UCRL-JC-105269 (1990);
 !! E. J. Caramana, M. J. Shashkov, P. P. Whalen, J. Comput. Phys. 144 (1998) 70). A shock is
 !! compressed in a cell or two: some neighbour is not. On a line the node gradient is the mean of
 !! the two cells beside the node, so twice the least of the nodes less that of the cell is the

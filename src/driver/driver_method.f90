@@ -108,8 +108,8 @@ contains
       call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
          "material in a cell share their mean dilatation and pressure", default="none", &
          words="none bbar")
-      call schema%text("method", "viscosity_limiter", "what artificial viscosity resists: smooth, "// &
-         "compression less what the node gradients around predict, so that flow which "// &
+      call schema%text("method", "viscosity_limiter", "what artificial viscosity resists: "// &
+         "smooth, compression less what the node gradients around predict, so that flow which "// &
          "converges evenly is not heated; none, all compression", default="none", &
          words="none smooth", owner="effects.artificial_viscosity & run.method = ddmp")
       call schema%real("method", "heat_flux", "coefficient of an artificial heat flux in "// &

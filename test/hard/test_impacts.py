@@ -4,15 +4,15 @@
 Would catch: a run that ends for a particle of no account, energy made or lost in debris, particles that fly or heat
 without a cause, a line `trust` that is bad where nothing is wrong, or a healthy one where something is.
 
-A sphere 4 mm wide meets a plate, cells of 0.25 to 1 mm, all other keys at their defaults. Decks are in the plane, around the
-axis and in space, and run until the sphere would have flown ten of its radii.
+A sphere 4 mm wide meets a plate, cells of 0.25 to 1 mm, all other keys at their defaults. Decks are in the plane,
+around the axis and in space, and run until the sphere would have flown ten of its radii.
 
 Limits. Speed: the fastest jet of surfaces that close on each other (J. M. Walsh, R. G. Shreffler, F. J. Willig,
 J. Appl. Phys. 24 (1953) 349): a jet begins where the place of touch runs no faster than the shock, tan a = w/U with the
 normal speed w and U = c0 + s w/2, and leaves halfway between the surfaces; see doc/theory/viscosity.md. Energy per
-mass: what stops at rest from that speed. Energy balance: 1e-9; sand carries no internal energy, so
-what transfers filter is missing, a known miss held at the 10 % at which `trust` becomes bad. The verdict of `trust` must not be bad, of any entry;
-noise of pressure is a known miss where a thin sheet is hit, held at 1, beyond which nodes would see nothing.
+mass: what stops at rest from that speed. Energy balance: 1e-9; sand carries no internal energy, so what transfers
+filter is missing, a known miss held at the 10 % at which `trust` becomes bad. The verdict of `trust` must not be bad,
+of any entry; noise of pressure is a known miss of seven, held at 1, beyond which nodes would see nothing.
 """
 # tiers: full, long
 # timeout: 900
@@ -47,7 +47,7 @@ DECK = """
 """
 SECOND = "&body  name='second'  region='second'  material='{two}' /"
 MIRROR = "&boundary  face='{}'  type='symmetry' /"
-# name: ball, plate, speed in km/s, degrees from the plate, cells in mm, dimension, thickness of the plate, second plate?
+# name: ball, plate, speed in km/s, degrees from the plate, cells in mm, dimension, thickness of the plate, two plates?
 IMPACTS = {
     "al_al_2": ("al_2024_t351", "al_2024_t351", 2.0, 90, 0.5, "axisymmetric", 2, False),
     "al_al_7": ("al_2017_t4", "al_6061_t6", 7.0, 90, 0.25, "axisymmetric", 1, False),
@@ -69,9 +69,12 @@ IMPACTS = {
     "al_sand_3": ("al_2024_t351", "sand_dry", 3.0, 90, 0.5, "axisymmetric", 8, False),
 }
 FULL = ("al_al_2", "steel_lead_3", "al_al_5_oblique", "al_al_15_two")
-# c0 in km/s and slope of the shock speed, of the presets (of glass and sand the speed of waves); the jet of the stiffer of two materials begins first
-SHOCKS = {"al_2024_t351": (5.328, 1.338), "al_2017_t4": (5.328, 1.34), "al_6061_t6": (5.24, 1.40), "cu_ofhc": (3.94, 1.489),
-          "steel_4340": (3.574, 1.92), "lead": (2.092, 1.45), "glass_soda_lime": (5.828, 0.0), "sand_dry": (0.264, 0.0)}
+NOISY = ("al_al_12", "al_al_5_oblique", "al_al_7_plane", "steel_lead_3", "lead_lead_6", "al_steel_10", "al_sand_3")
+# c0 in km/s and slope of the shock speed of the presets, of glass and sand the speed of waves; the jet of the stiffer
+# of two materials begins first
+SHOCKS = {"al_2024_t351": (5.328, 1.338), "al_2017_t4": (5.328, 1.34), "al_6061_t6": (5.24, 1.40),
+          "cu_ofhc": (3.94, 1.489), "steel_4340": (3.574, 1.92), "lead": (2.092, 1.45), "glass_soda_lime": (5.828, 0.0),
+          "sand_dry": (0.264, 0.0)}
 
 
 def fastest_jet(one, two, speed, degrees):
@@ -106,8 +109,10 @@ def strike(options, sheet, name):
     materials = "\n".join(f"&material  name='{which}'  preset='{which}' /" for which in sorted({one, two}))
     run = case.Case(options, name, DECK.format(
         dimension=dimension, lo=low, hi=high, size=size, end=20.0 / speed, materials=materials, left=left, right=right,
-        thick=thick, gap=10, gap_end=10 + thick, one=one, two=two, along=round(speed * float(np.cos(np.radians(degrees))), 9),
-        down=round(speed * float(np.sin(np.radians(degrees))), 9), second=SECOND.format(two=two) if second else "", mirrors=mirrors))
+        thick=thick, gap=10, gap_end=10 + thick, one=one, two=two, mirrors=mirrors,
+        along=round(speed * float(np.cos(np.radians(degrees))), 9),
+        down=round(speed * float(np.sin(np.radians(degrees))), 9),
+        second=SECOND.format(two=two) if second else ""))
     run.run("-q", expect=None, timeout=800)
     sheet.require(run.code == 0, f"{name}: runs to the end, exit code {run.code} {run.output[-300:] if run.code else ''}")
     if run.code != 0:
@@ -130,8 +135,11 @@ def strike(options, sheet, name):
     sheet.below(f"{name}: greatest speed over that of the impact", fastest, jet)
     sheet.below(f"{name}: greatest energy per mass [v^2/2]", hottest, jet ** 2)
     sheet.require(not bad - {"noise"}, f"{name}: trust is not bad but for noise: {sorted(bad)}")
-    sheet.known(f"{name}: share of the pressure that nodes do not see", trust["noise"]["value"], limit=1.0,
-                target=float(np.sqrt(0.5)))
+    noise, target = trust["noise"]["value"], float(np.sqrt(0.5))
+    if name in NOISY:
+        sheet.known(f"{name}: share of the pressure that nodes do not see", noise, limit=1.0, target=target)
+    else:
+        sheet.below(f"{name}: share of the pressure that nodes do not see", noise, target)
 
 
 def main():
