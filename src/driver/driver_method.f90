@@ -108,13 +108,7 @@ contains
       call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
          "material in a cell share their mean dilatation and pressure", default="none", &
          words="none bbar")
-      call schema%text("method", "viscosity_limiter", "what artificial viscosity resists: "// &
-         "smooth, compression less what the node gradients around predict, so that flow which "// &
-         "converges evenly is not heated; none, all compression", default="none", &
-         words="none smooth", owner="effects.artificial_viscosity & run.method = ddmp")
-      call schema%real("method", "heat_flux", "coefficient of an artificial heat flux in "// &
-         "shocks, against walls that are too hot; about 2", default="0", range=">= 0 <= 100", &
-         owner="effects.artificial_viscosity")
+      call declare_shocks(schema)
       call schema%logical("method", "split", "particles that have become long are halved, so "// &
          "that stretched matter stays in one piece", default=".false.")
       call schema%real("method", "split_at", "edge of a particle in cells at which it is halved", &
@@ -122,6 +116,19 @@ contains
       call schema%integer("method", "split_max", "times that a particle and its parts are "// &
          "halved", default="10", range="> 0 <= 20", owner="split")
    end subroutine declare_method
+
+   !> Declare the keys of artificial viscosity and heat flux that concern nodes.
+   subroutine declare_shocks(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%text("method", "viscosity_limiter", "what artificial viscosity resists: "// &
+         "smooth, compression less what the node gradients around predict, so that flow which "// &
+         "converges evenly is not heated; none, all compression", default="none", &
+         words="none smooth", owner="effects.artificial_viscosity & run.method = ddmp")
+      call schema%real("method", "heat_flux", "coefficient of an artificial heat flux in "// &
+         "shocks, against walls that are too hot; about 2", default="0", range=">= 0 <= 100", &
+         owner="effects.artificial_viscosity")
+   end subroutine declare_shocks
 
    !> Make the method from the deck.
    subroutine method_read(self, deck)

@@ -114,7 +114,7 @@ def strike(options, sheet, name):
         down=round(speed * float(np.sin(np.radians(degrees))), 9),
         second=SECOND.format(two=two) if second else ""))
     run.run("-q", expect=None, timeout=800)
-    sheet.require(run.code == 0, f"{name}: runs to the end, exit code {run.code} {run.output[-300:] if run.code else ''}")
+    sheet.require(run.code == 0, f"{name}: runs to the end, exit code {run.code} {run.output[-300:] * (run.code > 0)}")
     if run.code != 0:
         return
     fastest = hottest = 0.0
