@@ -7,6 +7,7 @@ module driver_gather
    use driver_cost, only: book_cost, cost_clock
    use driver_culprit, only: tile_bounds
    use driver_dual_nodes, only: node_gradient
+   use driver_jump, only: find_jump
    use driver_ledger, only: dissipated
    use driver_losses, only: book_losses
    use driver_method, only: method_t, stress_before
@@ -456,6 +457,9 @@ contains
          else
             call centre_gradient(n, deformation%plane, deformation%gradient)
          end if
+         if (method%limited) call find_jump(simulation%grid, store%cell_start(:, tile), &
+            simulation%nodes%strain(:, :, view%slot), view%gradient, deformation%gradient, &
+            deformation%jump)
          call scratch%laps%update(simulation%materials(index), store%matter, deformation, &
             first, first + n - 1, dt, simulation%grid%spacing)
          call relax_pressures(simulation, index, tile, scratch%places%local, &

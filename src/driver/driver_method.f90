@@ -37,6 +37,7 @@ module driver_method
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
       logical :: smooth_turn = .false.               !! Is the rotation that of the tiles?
+      logical :: limited = .false.                   !! Does viscosity resist jumps only?
       real(wp) :: heat_flux = 0.0_wp                 !! Coefficient of artificial heat flux [1]
       type(splitting_t), allocatable :: splitting    !! When long particles are halved, if they are
       class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
@@ -108,9 +109,7 @@ contains
       call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
          "material in a cell share their mean dilatation and pressure", default="none", &
          words="none bbar")
-      call schema%real("method", "heat_flux", "coefficient of an artificial heat flux in "// &
-         "shocks, against walls that are too hot; about 2", default="0", range=">= 0 <= 100", &
-         owner="effects.artificial_viscosity")
+      call declare_shocks(schema)
       call schema%logical("method", "split", "particles that have become long are halved, so "// &
          "that stretched matter stays in one piece", default=".false.")
       call schema%real("method", "split_at", "edge of a particle in cells at which it is halved", &
@@ -118,6 +117,19 @@ contains
       call schema%integer("method", "split_max", "times that a particle and its parts are "// &
          "halved", default="10", range="> 0 <= 20", owner="split")
    end subroutine declare_method
+
+   !> Declare the keys of artificial viscosity and heat flux that concern nodes.
+   subroutine declare_shocks(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%text("method", "viscosity_limiter", "what artificial viscosity resists: "// &
+         "smooth, compression less what the node gradients around predict, so that flow which "// &
+         "converges evenly is not heated; none, all compression", default="none", &
+         words="none smooth", owner="effects.artificial_viscosity & run.method = ddmp")
+      call schema%real("method", "heat_flux", "coefficient of an artificial heat flux in "// &
+         "shocks, against walls that are too hot; about 2", default="0", range=">= 0 <= 100", &
+         owner="effects.artificial_viscosity")
+   end subroutine declare_shocks
 
    !> Make the method from the deck.
    subroutine method_read(self, deck)
@@ -155,6 +167,8 @@ contains
       call group%get("antilock", word)
       self%even = word == "bbar"
       call group%get("heat_flux", self%heat_flux)
+      call group%get("viscosity_limiter", word)
+      self%limited = self%dual .and. word == "smooth"
       call read_splitting(self, group)
       group = deck%group("time", 1)
       call group%get("cfl", self%cfl)

@@ -267,6 +267,8 @@ contains
       allocate (simulation%materials(deck%count("material")))
       do index = 1, size(simulation%materials)
          call simulation%materials(index)%read(deck, index)
+         if (allocated(simulation%materials(index)%viscosity)) &
+            simulation%materials(index)%viscosity%limited = simulation%method%limited
       end do
       simulation%materials%record = read_record(deck)
    end subroutine read_materials

@@ -51,6 +51,7 @@ contains
       if (last < first) return
       call deformation%reserve(last - first + 1)
       deformation%gradient = 0.0_wp
+      deformation%jump = 0.0_wp
       call self%update(matter, deformation, first, last, instant, 1.0_wp)
    end subroutine chain_settle
 
@@ -163,9 +164,15 @@ contains
          if (allocated(self%heat)) call update_temperature(self, matter, deformation, first, last)
       case (11)
          if (allocated(self%viscosity)) then
-            call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
-               deformation%dilatation, matter%viscous_pressure, deformation%pressure, &
-               deformation%wave_speed)
+            if (self%viscosity%limited) then
+               call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
+                  deformation%jump, matter%viscous_pressure, deformation%pressure, &
+                  deformation%wave_speed)
+            else
+               call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
+                  deformation%dilatation, matter%viscous_pressure, deformation%pressure, &
+                  deformation%wave_speed)
+            end if
          else
             call square_root(count, deformation%wave_speed)
          end if

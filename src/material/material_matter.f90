@@ -44,6 +44,7 @@ module material_matter
       real(wp), allocatable :: gradient(:, :)        !! dt du_k/dx_l, column k + 3 (l - 1) [1]
       real(wp), allocatable :: old_volume(:)         !! Volume before the step [m3]
       real(wp), allocatable :: dilatation(:)         !! Trace of the strain increment [1]
+      real(wp), allocatable :: jump(:) !! Part of it that viscosity resists, if that is less [1]
       real(wp), allocatable :: pressure(:)           !! Mean pressure of the material [Pa]
       real(wp), allocatable :: pressure_floor(:)     !! Least pressure the material can bear [Pa]
       real(wp), allocatable :: homologous(:)         !! Temperature, 0 reference to 1 melted [1]
@@ -110,13 +111,13 @@ contains
          deallocate (self%gradient, self%old_volume, self%dilatation, self%pressure, &
             self%pressure_floor, self%homologous, self%plastic_increment, self%loosening, &
             self%distension, self%modulus, self%share, self%gruneisen, self%whole_volume, &
-            self%wave_speed, self%plastic_work, self%viscous_work)
+            self%wave_speed, self%plastic_work, self%viscous_work, self%jump)
       end if
       n = 64*((particles + 63)/64) + 8
       allocate (self%gradient(n, 9), self%old_volume(n), self%dilatation(n), self%pressure(n), &
          self%pressure_floor(n), self%homologous(n), self%plastic_increment(n), &
          self%loosening(n), self%distension(n), self%modulus(n), self%wave_speed(n), &
          self%share(n), self%gruneisen(n), self%whole_volume(n), &
-         self%plastic_work(n), self%viscous_work(n))
+         self%plastic_work(n), self%viscous_work(n), self%jump(n))
    end subroutine deformation_reserve
 end module material_matter

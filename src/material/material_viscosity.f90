@@ -11,6 +11,7 @@ module material_viscosity
    type :: viscosity_t
       real(wp) :: linear = 0.06_wp                   !! Coefficient of the wave speed [1]
       real(wp) :: quadratic = 4.0_wp                 !! Coefficient of the rate [1]
+      logical :: limited = .false.                   !! Is the jump given, or all compression?
    end type viscosity_t
 
 contains
@@ -33,14 +34,15 @@ contains
       end do
    end subroutine viscous_losses
 
-   !> Viscous pressure q = rho h D (q2 h D + q1 c) where the rate of compression D is positive.
+   !> Viscous pressure q = rho h D (q2 h D + q1 c) where the rate of compression D is positive. D is
+   !! that of the strain, or of what is left of it by (V.2) of doc/theory/viscosity.md.
    !!
    !! The wave speed on return limits the time step to spacing/wave_speed. For the highest mode of
    !! a row of cells, frequency w = 2 c/h, the viscosity is a damping ratio Q/c with
    !! Q = q1 c + 2 q2 h D, the derivative of q to D. Explicit steps with a force that lags by
    !! half a step are stable up to 2/w (sqrt(1 + (Q/c)**2) - Q/c) = h/(Q + sqrt(Q**2 + c**2)).
    !! Equation (M.22) of doc/theory/method.md. Equation (S.2) of doc/theory/time_step.md.
-   pure subroutine resist(first, last, viscosity, dt, spacing, mass, volume, dilatation, &
+   pure subroutine resist(first, last, viscosity, dt, spacing, mass, volume, jump, &
       viscous_pressure, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -49,7 +51,7 @@ contains
       real(wp), intent(in) :: spacing                !! Cell size h [m]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
-      real(wp), contiguous, intent(in) :: dilatation(:)          !! Trace of strain (range) [1]
+      real(wp), contiguous, intent(in) :: jump(:)    !! Trace of strain resisted (range) [1]
       real(wp), contiguous, intent(inout) :: viscous_pressure(:) !! After the step (store) [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)         !! Plus q on return (range) [Pa]
       real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square in, speed out (range) [m/s]
@@ -60,7 +62,7 @@ contains
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          sound = sqrt(wave_speed(i))
-         damping = max(-dilatation(i), 0.0_wp)*rate
+         damping = max(-jump(i), 0.0_wp)*rate
          viscous_pressure(k) = mass(k)/volume(k)*damping &
             *(viscosity%quadratic*damping + viscosity%linear*sound)
          pressure(i) = pressure(i) + viscous_pressure(k)

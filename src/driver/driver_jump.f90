@@ -1,0 +1,79 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The compression that artificial viscosity sees: what is left of it after the part that the
+!! gradients of the nodes around predict.
+!!
+!! In a cell whose neighbours are compressed at the same rate the velocity is linear, and there is
+!! no jump to resist, however fast the flow converges (R. B. Christensen, UCRL-JC-105269 (1990);
+!! E. J. Caramana, M. J. Shashkov, P. P. Whalen, J. Comput. Phys. 144 (1998) 70). A shock is
+!! compressed in a cell or two: some neighbour is not. On a line the node gradient is the mean of
+!! the two cells beside the node, so twice the least of the nodes less that of the cell is the
+!! least of the neighbours, without another sum over nodes. Equations (V.1) and (V.2) of
+!! doc/theory/viscosity.md.
+module driver_jump
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t, lanes
+   implicit none
+   private
+
+   public :: find_jump
+
+   !> Compression of the least neighbour over that of the cell from which it counts as smooth; as
+   !! it reaches 1 nothing is left.
+   real(wp), parameter :: onset = 0.5_wp
+
+contains
+
+   !> Trace of the strain of the step that viscosity resists, for the particles of a tile. The hoop
+   !! strain of axisymmetry is no part of it: it is the same all the way around, never a jump.
+   pure subroutine find_jump(grid, start, velocity, gradient, strain, jump)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) That strains [m/s]
+      real(wp), contiguous, intent(in) :: gradient(:, :)     !! (9, node) Its node gradient [1/s]
+      real(wp), contiguous, intent(in) :: strain(:, :)       !! (particle, 9) Of the step [1]
+      real(wp), contiguous, intent(inout) :: jump(:)         !! (particle) [1]
+      real(wp) :: left
+      integer :: cell, p
+
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         left = share_left(grid, grid%first_node(cell), velocity, gradient)
+         do p = start(cell) + 1, start(cell + 1)
+            jump(p) = left*(strain(p, 1) + strain(p, 9))
+         end do
+         if (grid%axisymmetric) cycle
+         do p = start(cell) + 1, start(cell + 1)
+            jump(p) = jump(p) + left*strain(p, 5)
+         end do
+      end do
+   end subroutine find_jump
+
+   !> Share of the compression of a cell that is not smooth: 0 to 1. A node without cells of weight
+   !! has no gradient, so isolated particles keep all of it.
+   pure real(wp) function share_left(grid, base, velocity, gradient) result(left)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: base                            !! First node of the cell
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: gradient(:, :)     !! (9, node) [1/s]
+      integer, parameter :: component(3) = [1, 3, 2]         ! of the bits of a lane
+      real(wp) :: own, least, ratio
+      integer :: lane, node, bit, last
+
+      left = 1.0_wp
+      last = 2**grid%dimensions
+      own = 0.0_wp
+      least = huge(least)
+      do lane = 1, last
+         node = base + grid%lane_offset(lane)
+         do bit = 0, grid%dimensions - 1
+            own = own + merge(-1.0_wp, 1.0_wp, btest(lane - 1, bit)) &
+               *velocity(component(bit + 1), node)
+         end do
+         least = min(least, -(gradient(1, node) + gradient(5, node) + gradient(9, node)))
+      end do
+      own = own*2.0_wp/(real(last, wp)*grid%spacing)
+      if (.not. own > 0.0_wp) return
+      ratio = 2.0_wp*least/own - 1.0_wp
+      left = min(1.0_wp, max(0.0_wp, (1.0_wp - ratio)/(1.0_wp - onset)))
+   end function share_left
+end module driver_jump
