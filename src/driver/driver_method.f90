@@ -21,8 +21,8 @@ module driver_method
    integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
    integer, parameter, public :: stress_before = 2   !! usf: before the force
    integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
-   !> Half a step before the force, half with node velocities mapped anew (usavg)
-   integer, parameter, public :: stress_both = 4
+   !> usavg: by half of what particles bring to the nodes, by half of what they take from there
+   integer, parameter, public :: stress_average = 4
    character(len=5), parameter, public :: stress_names(4) = [character(len=5) :: "usl", "usf", &
       "musl", "usavg"]
 
@@ -48,7 +48,7 @@ module driver_method
       procedure :: controlled => method_controlled   !! Is a mean stress taken out?
       procedure :: strains_first => method_strains_first !! Is there strain before the force?
       procedure :: remaps => method_remaps           !! Are new velocities mapped for the strain?
-      procedure :: span => method_span               !! Share of a step that each of them strains
+      procedure :: averages => method_averages       !! Is the strain of two velocities?
       procedure :: differing => method_differing     !! Is the force of stress differences?
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
@@ -98,8 +98,9 @@ contains
          words="fluids none all", default="none", owner="run.method = ddmp")
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
-         "new velocities; or half before, half after mapping, which keeps energy best; default "// &
-         "usl with ddmp, musl with mpm", words="usl usf musl usavg")
+         "new velocities; or with the average of both maps, which keeps energy; default "// &
+         "usavg with ddmp where all matter is elastic, else usl; musl with mpm", &
+         words="usl usf musl usavg")
       call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
          "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
          "energy of thin bodies", default="point", words="point tiles", &
@@ -119,13 +120,14 @@ contains
    end subroutine declare_method
 
    !> Make the method from the deck.
-   subroutine method_read(self, deck)
+   subroutine method_read(self, deck, elastic)
       class(method_t), intent(inout) :: self         !! The method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
+      logical, intent(in) :: elastic                 !! Does all matter give back all work?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 
-      call settle_defaults(deck)
+      call settle_defaults(deck, elastic)
       call check_normalise(deck)
       group = deck%group("run", 1)
       call group%get("method", word)
@@ -174,8 +176,9 @@ contains
 
    !> Settle the defaults that depend on other keys; all are by measurement: see
    !! doc/theory/choice_of_defaults.md.
-   subroutine settle_defaults(deck)
+   subroutine settle_defaults(deck, elastic)
       type(deck_t), intent(inout) :: deck            !! The deck
+      logical, intent(in) :: elastic                 !! Does all matter give back all work?
       character(len=:), allocatable :: method, dimension, alpha
       logical :: paper
       type(group_t) :: run, group
@@ -198,9 +201,28 @@ contains
       call group%get("alpha", alpha)
       if (.not. group%given("blend")) call deck%settle("method", 1, "blend", &
          trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
-      if (.not. group%given("stress_update")) &
+      if (elastic .and. keeps_energy(group)) then
+         call deck%settle("method", 1, "stress_update", trim(stress_names(stress_average)))
+         if (.not. group%given("turn_from")) call deck%settle("method", 1, "turn_from", "tiles")
+         if (.not. group%given("flip")) call deck%settle("method", 1, "flip", 1.0_wp)
+      else if (.not. group%given("stress_update")) then
          call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
+      end if
    end subroutine settle_defaults
+
+   !> May a deck of elastic matter have the order and the transfer that keep energy?
+   logical function keeps_energy(group) result(keeps)
+      type(group_t), intent(in) :: group             !! &method
+      character(len=:), allocatable :: transfer, quadrature, antilock, update
+
+      call group%get("transfer", transfer)
+      call group%get("quadrature", quadrature)
+      call group%get("antilock", antilock)
+      keeps = transfer == "rflip" .and. quadrature == "point" .and. antilock == "none"
+      if (.not. group%given("stress_update")) return
+      call group%get("stress_update", update)
+      keeps = keeps .and. update == stress_names(stress_average)
+   end function keeps_energy
 
    !> Refuse normalised sums where the rule of the dual gradient does not allow them.
    subroutine check_normalise(deck)
@@ -338,22 +360,22 @@ contains
    pure logical function method_strains_first(self) result(first)
       class(method_t), intent(in) :: self            !! The method
 
-      first = self%stress == stress_before .or. self%stress == stress_both
+      first = self%stress == stress_before
    end function method_strains_first
 
    !> Are the new velocities of the particles mapped to the nodes for the strain?
    pure logical function method_remaps(self) result(remaps)
       class(method_t), intent(in) :: self            !! The method
 
-      remaps = self%stress == stress_remapped .or. self%stress == stress_both
+      remaps = self%stress == stress_remapped
    end function method_remaps
 
-   !> Share of a step that the strain before the force takes, and that after it [1].
-   pure real(wp) function method_span(self) result(span)
+   !> Is the strain of a step half of the velocity at its begin and half of that at its end?
+   pure logical function method_averages(self) result(averages)
       class(method_t), intent(in) :: self            !! The method
 
-      span = merge(0.5_wp, 1.0_wp, self%stress == stress_both)
-   end function method_span
+      averages = self%stress == stress_average
+   end function method_averages
 
    !> Layers of nodes beyond a tile that its particles reach.
    pure integer function method_margin(self) result(margin)
@@ -375,6 +397,7 @@ contains
       else
          traits%affine = self%transfer%affine()
       end if
+      traits%averaged = self%averages()
       if (allocated(self%quadrature)) call self%quadrature%request(traits)
    end subroutine method_request
 

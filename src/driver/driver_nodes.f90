@@ -63,7 +63,8 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run, without contact
       integer :: face
 
-      later = simulation%method%remaps() .and. .not. simulation%carries_energy
+      later = (simulation%method%remaps() .or. simulation%method%averages()) .and. &
+         .not. simulation%carries_energy
       if (later) later = allocated(simulation%gravity) .or. allocated(simulation%rigid) &
          .or. any([(simulation%boundary%ruled(face), face=1, 6)])
    end function books_later
@@ -192,6 +193,7 @@ contains
          call move_pieces(nodes%motion(2), nodes%gradient)
          call nodes%gradient%ensure(nodes%weighted%nodes())
          if (simulation%carries_energy) call nodes%middle%ensure(nodes%weighted%nodes())
+         if (simulation%method%averages()) call nodes%earlier%ensure(nodes%weighted%nodes())
       end associate
    end subroutine ensure_moved
 
@@ -244,6 +246,8 @@ contains
       call calm_tile(simulation, tile, slot, dt)
       associate (nodes => simulation%nodes)
          call put_gradient(simulation, tile, nodes%strain(:, :, slot), nodes%gradient)
+         if (simulation%method%averages()) call put_gradient(simulation, tile, &
+            nodes%velocity(:, :, slot), nodes%earlier)
          if (.not. simulation%carries_energy) return
          centre = nodes%velocity(:, :, slot) + 0.5_wp*dt*nodes%acceleration(:, :, slot)
          call put_gradient(simulation, tile, centre, nodes%middle)
@@ -352,8 +356,8 @@ contains
       end associate
    end subroutine book_strained
 
-   !> Node velocities from the momentum that was mapped a second time, as the velocity that strains
-   !! the particles, where no other body may change it.
+   !> Node velocities from the momentum that was mapped a second time, or from that before and what
+   !! was gained, as the velocity that strains the particles, where no other body may change it.
    subroutine remap_nodes(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp) :: none(3, simulation%grid%tile_nodes), mapped(3, simulation%grid%tile_nodes)
@@ -369,13 +373,17 @@ contains
             ! linear velocity fields bring the mass along, in front
             strain = momentum(size(momentum, 1) - 2:, :)
             call divide(simulation%nodes%mass(:, :, tile), 1, strain)
+            if (simulation%method%averages()) &
+               strain = strain + simulation%nodes%velocity(:, :, tile)
             mapped = strain
             none = 0.0_wp
             call stop_at_walls(simulation, tile, strain, none)
             call keep_at_walls(simulation, tile, strain)
-            if (allocated(simulation%nodes%taken) .and. tile <= simulation%tiles%own) &
-               call book_strained(simulation, simulation%scratch(omp_get_thread_num()), tile, &
-               mapped)
+            if (.not. allocated(simulation%nodes%taken) .or. tile > simulation%tiles%own) cycle
+            ! what was gained is added to a velocity that walls have changed already
+            if (simulation%method%averages()) &
+               mapped = mapped + simulation%nodes%taken(:, :, tile)
+            call book_strained(simulation, simulation%scratch(omp_get_thread_num()), tile, mapped)
          end associate
       end do
       !$omp end parallel do

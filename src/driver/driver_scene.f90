@@ -22,6 +22,7 @@ module driver_scene
       version_text
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_check_grid, only: axis_names
+   use material_matter, only: matter_t
    use material_record, only: read_record
    use material_type, only: material_t
    use material_wishes, only: wishes_t
@@ -50,11 +51,11 @@ contains
       type(traits_t) :: traits
       integer :: n
 
-      call simulation%method%read(deck)
+      call read_materials(deck, simulation)
+      call simulation%method%read(deck, stores_all(simulation%materials))
       call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
       if (present(coarser)) call coarsen(simulation%grid, coarser)
-      call read_materials(deck, simulation)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
       if (deck%sound("material")) then
@@ -270,6 +271,25 @@ contains
       end do
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
+
+   !> True if all matter gives back all the work that strains it.
+   pure logical function stores_all(materials) result(all_store)
+      type(material_t), intent(in) :: materials(:)   !! Those of the deck
+      type(matter_t) :: matter
+      integer :: index
+
+      all_store = size(materials) > 0
+      do index = 1, size(materials)
+         associate (material => materials(index))
+            if (.not. allocated(material%law)) all_store = .false.
+            if (allocated(material%damage) .or. allocated(material%fracture)) all_store = .false.
+            if (.not. all_store) return
+            all_store = .not. material%law%plastic()
+            call material%request(matter)
+            if (allocated(matter%energy)) all_store = .false.
+         end associate
+      end do
+   end function stores_all
 
    !> The bodies.
    subroutine read_bodies(deck, simulation, shapes, bodies)

@@ -152,8 +152,8 @@ contains
       end if
    end subroutine find_filtered
 
-   !> Momentum of the new particle velocities to a second patch, at the old places. The particles
-   !! themselves get these velocities later.
+   !> Momentum of the new particle velocities, or of what they gain, to a second patch, at the old
+   !! places. The particles themselves get these velocities later.
    subroutine scatter_again(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -161,7 +161,8 @@ contains
       integer :: part, n
 
       call simulation%timer%start(simulation%phase%scatter)
-      call ensure_patch(simulation%nodes%extra, merge(4, 3, simulation%method%transfer%affine()), &
+      call ensure_patch(simulation%nodes%extra, merge(4, 3, simulation%method%transfer%affine() &
+         .and. .not. simulation%method%averages()), &
          simulation%grid%tile_nodes, simulation%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
@@ -189,8 +190,9 @@ contains
       integer :: index
 
       call clear_patch(patch)
-      if (simulation%method%dual .and. simulation%method%transfer%affine()) &
-         call node_gradient(simulation, tile, simulation%nodes%gradient, gradient)
+      if (simulation%method%dual .and. simulation%method%transfer%affine() .and. .not. &
+         simulation%method%averages()) call node_gradient(simulation, tile, &
+         simulation%nodes%gradient, gradient)
       call find_filtered(simulation, tile, dt, filtered)
       call simulation%method%transfer%push(dt, simulation%nodes%acceleration(:, :, tile), &
          filtered, push)
@@ -204,7 +206,12 @@ contains
             call find_places(simulation, scratch, store, tile)
             call basis%collect(grid, start, places, push, places%vector)
             call keep_velocity(store, tile, simulation%method%transfer%keep(), places%vector)
-            if (simulation%method%transfer%affine()) then
+            if (simulation%method%averages()) then
+               ! rotations stay as they are in the step
+               call take_velocity(store, tile, places%vector)
+               call basis%scatter_product(grid, start, store%first(tile), places, &
+                  store%matter%mass, places%vector, 0, patch)
+            else if (simulation%method%transfer%affine()) then
                call scratch%deformation%reserve(store%count(tile))
                if (simulation%method%smooth_turn) then
                   call expand_spin(store%first(tile), store%count(tile), store%spin, &
@@ -262,6 +269,23 @@ contains
          end do
       end associate
    end subroutine keep_velocity
+
+   !> Leave of the new velocities of the particles what they have gained.
+   pure subroutine take_velocity(store, tile, vector)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: vector(:, :) !! (particle of the tile, 3) [m/s]
+      integer :: p, k
+
+      associate (before => store%first(tile) - 1, velocity => store%velocity)
+         do k = 1, 3
+            !$omp simd
+            do p = 1, store%count(tile)
+               vector(p, k) = vector(p, k) - velocity(before + p, k)
+            end do
+         end do
+      end associate
+   end subroutine take_velocity
 
    !> Mass and momentum of linear velocity fields that are in the scratch space.
    subroutine spread_fields(simulation, scratch, store, tile, patch)

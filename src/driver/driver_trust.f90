@@ -12,7 +12,7 @@ module driver_trust
    use driver_ledger, only: balance_t, external_work, mass, retired_mass
    use driver_look, only: bounds_look_t, find_greatest, look_at_bounds, look_at_shapes, &
       measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_look_t
-   use driver_method, only: method_t, stress_both
+   use driver_method, only: method_t
    use driver_simulation, only: simulation_t
    use driver_trust_record, only: apart, trust_bad, trust_energy, trust_heat, trust_noise, &
       trust_ok, trust_retired, trust_speed, trust_stretch, trust_t, trust_volume, verdict_of
@@ -337,7 +337,7 @@ contains
       if (trust%failed .or. .not. now%energy_error < 0.0_wp) return
       if (verdict_of(trust_energy, trust%worst(trust_energy)) == trust_ok) return
       remedy = ""
-      if (.not. method%stress == stress_both) remedy = " stress_update = 'usavg',"
+      if (.not. method%averages()) remedy = " stress_update = 'usavg',"
       if (method%transfer%turning() .and. .not. method%smooth_turn) &
          remedy = remedy//" turn_from = 'tiles',"
       if (method%transfer%keep() > 0.0_wp .and. method%transfer%keep() < 1.0_wp) &
