@@ -120,14 +120,15 @@ contains
    end subroutine declare_method
 
    !> Make the method from the deck.
-   subroutine method_read(self, deck, elastic)
+   subroutine method_read(self, deck, carried, stored)
       class(method_t), intent(inout) :: self         !! The method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      logical, intent(in) :: elastic                 !! Does all matter give back all work?
+      logical, intent(in) :: carried                 !! Does any matter carry an internal energy?
+      logical, intent(in) :: stored                  !! Does all matter give back all work?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 
-      call settle_defaults(deck, elastic)
+      call settle_defaults(deck, carried, stored)
       call check_normalise(deck)
       group = deck%group("run", 1)
       call group%get("method", word)
@@ -176,9 +177,10 @@ contains
 
    !> Settle the defaults that depend on other keys; all are by measurement: see
    !! doc/theory/choice_of_defaults.md.
-   subroutine settle_defaults(deck, elastic)
+   subroutine settle_defaults(deck, carried, stored)
       type(deck_t), intent(inout) :: deck            !! The deck
-      logical, intent(in) :: elastic                 !! Does all matter give back all work?
+      logical, intent(in) :: carried                 !! Does any matter carry an internal energy?
+      logical, intent(in) :: stored                  !! Does all matter give back all work?
       character(len=:), allocatable :: method, dimension, alpha
       logical :: paper
       type(group_t) :: run, group
@@ -201,10 +203,11 @@ contains
       call group%get("alpha", alpha)
       if (.not. group%given("blend")) call deck%settle("method", 1, "blend", &
          trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
-      if (elastic .and. keeps_energy(group)) then
+      if (.not. carried .and. keeps_energy(group)) then
          call deck%settle("method", 1, "stress_update", trim(stress_names(stress_average)))
          if (.not. group%given("turn_from")) call deck%settle("method", 1, "turn_from", "tiles")
-         if (.not. group%given("flip")) call deck%settle("method", 1, "flip", 1.0_wp)
+         if (stored .and. .not. group%given("flip")) &
+            call deck%settle("method", 1, "flip", 1.0_wp)
       else if (.not. group%given("stress_update")) then
          call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
       end if

@@ -245,9 +245,12 @@ contains
       slot = simulation%nodes%slot(tile)
       call calm_tile(simulation, tile, slot, dt)
       associate (nodes => simulation%nodes)
-         call put_gradient(simulation, tile, nodes%strain(:, :, slot), nodes%gradient)
-         if (simulation%method%averages()) call put_gradient(simulation, tile, &
-            nodes%velocity(:, :, slot), nodes%earlier)
+         if (simulation%method%averages()) then
+            ! the velocity that strains at the end of the step is mapped later
+            call put_gradient(simulation, tile, nodes%velocity(:, :, slot), nodes%earlier)
+         else
+            call put_gradient(simulation, tile, nodes%strain(:, :, slot), nodes%gradient)
+         end if
          if (.not. simulation%carries_energy) return
          centre = nodes%velocity(:, :, slot) + 0.5_wp*dt*nodes%acceleration(:, :, slot)
          call put_gradient(simulation, tile, centre, nodes%middle)

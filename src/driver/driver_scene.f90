@@ -49,10 +49,12 @@ contains
       type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
       integer, intent(in), optional :: coarser       !! Cells so many times as large as in the deck
       type(traits_t) :: traits
+      logical :: carried, stored
       integer :: n
 
       call read_materials(deck, simulation)
-      call simulation%method%read(deck, stores_all(simulation%materials))
+      call find_answers(simulation%materials, carried, stored)
+      call simulation%method%read(deck, carried, stored)
       call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
       if (present(coarser)) call coarsen(simulation%grid, coarser)
@@ -272,24 +274,31 @@ contains
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
 
-   !> True if all matter gives back all the work that strains it.
-   pure logical function stores_all(materials) result(all_store)
+   !> What matter does with the work that strains it.
+   pure subroutine find_answers(materials, carried, stored)
       type(material_t), intent(in) :: materials(:)   !! Those of the deck
-      type(matter_t) :: matter
+      logical, intent(out) :: carried                !! Does any of it carry an internal energy?
+      logical, intent(out) :: stored                 !! Does all of it give the work back?
+      type(matter_t), allocatable :: matter
       integer :: index
 
-      all_store = size(materials) > 0
+      carried = .false.
+      stored = .true.
       do index = 1, size(materials)
          associate (material => materials(index))
-            if (.not. allocated(material%law)) all_store = .false.
-            if (allocated(material%damage) .or. allocated(material%fracture)) all_store = .false.
-            if (.not. all_store) return
-            all_store = .not. material%law%plastic()
+            allocate (matter)
             call material%request(matter)
-            if (allocated(matter%energy)) all_store = .false.
+            carried = carried .or. allocated(matter%energy)
+            deallocate (matter)
+            if (allocated(material%damage) .or. allocated(material%fracture) .or. .not. &
+               allocated(material%law)) then
+               stored = .false.
+            else if (material%law%plastic()) then
+               stored = .false.
+            end if
          end associate
       end do
-   end function stores_all
+   end subroutine find_answers
 
    !> The bodies.
    subroutine read_bodies(deck, simulation, shapes, bodies)

@@ -187,6 +187,7 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp) :: push(3, simulation%grid%tile_nodes), after(3, simulation%grid%tile_nodes)
       real(wp), allocatable :: filtered(:, :), gradient(:, :)
+      real(wp) :: keep
       integer :: index
 
       call clear_patch(patch)
@@ -205,10 +206,14 @@ contains
             start => simulation%stores(index)%cell_start(:, tile))
             call find_places(simulation, scratch, store, tile)
             call basis%collect(grid, start, places, push, places%vector)
-            call keep_velocity(store, tile, simulation%method%transfer%keep(), places%vector)
             if (simulation%method%averages()) then
-               ! rotations stay as they are in the step
-               call take_velocity(store, tile, places%vector)
+               ! what they gain; rotations stay as they are in the step
+               keep = simulation%method%transfer%keep() - 1.0_wp
+            else
+               keep = simulation%method%transfer%keep()
+            end if
+            if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, places%vector)
+            if (simulation%method%averages()) then
                call basis%scatter_product(grid, start, store%first(tile), places, &
                   store%matter%mass, places%vector, 0, patch)
             else if (simulation%method%transfer%affine()) then
@@ -252,7 +257,7 @@ contains
       end associate
    end subroutine find_slopes
 
-   !> Add the share of their own velocity that particles keep.
+   !> Add a share of their own velocity to what particles get.
    pure subroutine keep_velocity(store, tile, keep, vector)
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile
@@ -269,23 +274,6 @@ contains
          end do
       end associate
    end subroutine keep_velocity
-
-   !> Leave of the new velocities of the particles what they have gained.
-   pure subroutine take_velocity(store, tile, vector)
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp), contiguous, intent(inout) :: vector(:, :) !! (particle of the tile, 3) [m/s]
-      integer :: p, k
-
-      associate (before => store%first(tile) - 1, velocity => store%velocity)
-         do k = 1, 3
-            !$omp simd
-            do p = 1, store%count(tile)
-               vector(p, k) = vector(p, k) - velocity(before + p, k)
-            end do
-         end do
-      end associate
-   end subroutine take_velocity
 
    !> Mass and momentum of linear velocity fields that are in the scratch space.
    subroutine spread_fields(simulation, scratch, store, tile, patch)
