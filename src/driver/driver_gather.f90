@@ -9,7 +9,7 @@ module driver_gather
    use driver_culprit, only: tile_bounds
    use driver_dual_nodes, only: node_gradient
    use driver_ledger, only: dissipated
-   use driver_losses, only: book_losses
+   use driver_losses, only: book_damping, book_losses, damps
    use driver_method, only: method_t, stress_before
    use driver_nodes, only: recall_seen
    use driver_packing, only: excess_fill, repack
@@ -351,12 +351,17 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), allocatable :: before(:, :)
 
       associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
          store => simulation%stores(index), start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile))
+         if (damps(method, simulation%carries_energy)) &
+            before = store%position(first:first + store%count(tile) - 1, :)
          call method%basis%gather_motion(grid, start, first, places, view%push, view%carry, &
             method%transfer%keep(), dt, store%velocity, store%position)
+         if (allocated(before)) call book_damping(scratch%ledger, store, tile, before, &
+            method%transfer%keep(), dt)
          if (.not. method%transfer%affine() .or. strained(simulation, index)) return
          call find_slopes(simulation, places, start, view%after, view%gradient, &
             scratch%deformation%gradient)

@@ -5,7 +5,8 @@ module driver_nodes
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
    use driver_dual_nodes, only: calm_tile, find_volumes, put_gradient
-   use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
+   use driver_ledger, only: cross, damped, dissipated, external_work, impulse, ledger_t, torque
+   use driver_losses, only: damps
    use driver_node_sums, only: divide, ensure_sums, find_sums, slots
    use driver_reach, only: look_at_tile, worse
    use driver_scatter, only: vector_rows
@@ -268,6 +269,7 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp) :: push(3, size(mass)), work(size(mass))
+      real(wp), allocatable :: brought(:, :)
       logical :: keeps, ruled
 
       ruled = walls_touch(simulation, tile)
@@ -276,7 +278,11 @@ contains
       keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%tiles%own &
          .and. allocated(simulation%nodes%taken)
       if (keeps) simulation%nodes%taken(:, :, tile) = velocity
+      if (ruled .and. dt > 0.0_wp .and. tile <= simulation%tiles%own .and. &
+         damps(simulation%method, simulation%carries_energy) .and. .not. keeps) brought = velocity
       if (ruled) call impose_walls(simulation, tile, dt, velocity, acceleration, push, work)
+      if (allocated(brought)) call book_stopped(simulation, scratch%ledger, tile, &
+         velocity - brought, velocity + dt*acceleration)
       if (keeps) simulation%nodes%taken(:, :, tile) = simulation%nodes%taken(:, :, tile) - velocity
       if (tile > simulation%tiles%own .or. .not. dt > 0.0_wp) return
       if (allocated(simulation%gravity)) then
@@ -294,6 +300,28 @@ contains
       call book_push(simulation, scratch%ledger, tile, push, &
          velocity + 0.5_wp*dt*acceleration, work)
    end subroutine constrain_tile
+
+   !> What walls take by the share of PIC is in their work, and in the velocities of the particles,
+   !! of which all that this share takes is booked: so that much of it is no work. Equation (L.13)
+   !! of doc/theory/ledger.md.
+   subroutine book_stopped(simulation, ledger, tile, change, velocity)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: change(:, :)           !! (3, node) What walls changed [m/s]
+      real(wp), intent(in) :: velocity(:, :)         !! (3, node) With which it is booked [m/s]
+      real(wp) :: own(simulation%nodes%motion(1)%rows, size(change, 2)), stopped
+      integer :: node
+
+      call simulation%nodes%motion(1)%get(simulation%grid, simulation%nodes%touched, tile, own)
+      stopped = 0.0_wp
+      do node = 1, size(change, 2)
+         stopped = stopped + own(1, node)*dot_product(change(:, node), velocity(:, node))
+      end do
+      stopped = (1.0_wp - simulation%method%transfer%keep())*stopped
+      call ledger%sums(damped)%add(stopped)
+      call ledger%sums(dissipated)%add(stopped)
+   end subroutine book_stopped
 
    !> Book impulse, its moment, and work of a push on the nodes of a tile.
    subroutine book_push(simulation, ledger, tile, push, velocity, more)
@@ -356,6 +384,9 @@ contains
          work = 0.5_wp*sum(gain*(nodes%taken(:, :, tile) + mapped - nodes%strain(:, :, tile)), &
             dim=1)
          call book_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre, work)
+         if (damps(simulation%method, simulation%carries_energy)) call book_stopped(simulation, &
+            scratch%ledger, tile, -nodes%taken(:, :, tile), 0.5_wp*(nodes%velocity(:, :, tile) &
+            + nodes%taken(:, :, tile) + mapped))
       end associate
    end subroutine book_strained
 

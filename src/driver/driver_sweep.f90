@@ -197,6 +197,13 @@ contains
       call find_filtered(simulation, tile, dt, filtered)
       call simulation%method%transfer%push(dt, simulation%nodes%acceleration(:, :, tile), &
          filtered, push)
+      keep = simulation%method%transfer%keep()
+      if (simulation%method%averages()) then
+         ! what particles gain; the share of PIC acts after the strain of the step, which does not
+         ! see it, and rotations stay as they are
+         if (keep > 0.0_wp) push = dt*simulation%nodes%acceleration(:, :, tile)
+         keep = merge(0.0_wp, -1.0_wp, keep > 0.0_wp)
+      end if
       after = simulation%nodes%velocity(:, :, tile) &
          + dt*simulation%nodes%acceleration(:, :, tile)
       do index = simulation%first_store, simulation%end_store()
@@ -206,12 +213,6 @@ contains
             start => simulation%stores(index)%cell_start(:, tile))
             call find_places(simulation, scratch, store, tile)
             call basis%collect(grid, start, places, push, places%vector)
-            if (simulation%method%averages()) then
-               ! what they gain; rotations stay as they are in the step
-               keep = simulation%method%transfer%keep() - 1.0_wp
-            else
-               keep = simulation%method%transfer%keep()
-            end if
             if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, places%vector)
             if (simulation%method%averages()) then
                call basis%scatter_product(grid, start, store%first(tile), places, &
