@@ -69,6 +69,7 @@ module driver_ledger
       real(wp) :: momentum_error = 0.0_wp            !! Relative to the greatest sum of m |v| so far
       real(wp) :: angular_error = 0.0_wp !! Relative to the greatest sum of m |x||v| so far
       real(wp) :: energy_error = 0.0_wp              !! Relative to the energy at the start
+      real(wp) :: damped_share = 0.0_wp              !! Of what the share of PIC took, the same
    end type balance_t
 
    !> Running sums since the start of the run.
@@ -210,6 +211,8 @@ contains
       now%angular_error = ratio(norm2(drift), self%angular_scale)
       now%energy_error = ratio(now%total - self%start%total - now%entry(external_work), &
          max(abs(self%start%total), abs(now%entry(external_work))))
+      now%damped_share = ratio(now%entry(damped), max(abs(self%start%total), &
+         abs(now%entry(external_work))))
    end subroutine ledger_balance
 
    !> Components that the scene does not have. In axisymmetry particles are rings: only the axial

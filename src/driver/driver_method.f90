@@ -34,6 +34,7 @@ module driver_method
       character(len=:), allocatable :: normalise     !! Whose sums are normalised: fluids, none, all
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
+      real(wp) :: unseen = 0.0_wp !! Share of node velocities that particles do not take, in strain
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
       logical :: smooth_turn = .false.               !! Is the rotation that of the tiles?
@@ -101,6 +102,9 @@ contains
          "new velocities; or with the average of both maps, which keeps energy; default "// &
          "usavg with ddmp where all matter is elastic, else usl; musl with mpm", &
          words="usl usf musl usavg")
+      call schema%real("method", "unseen_strain", "share of what nodes gain and particles do "// &
+         "not take that strains: damps differences of pressure between particles; 0 where all "// &
+         "matter is elastic", default="0.2", range=">= 0 <= 1", owner="stress_update = usavg")
       call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
          "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
          "energy of thin bodies", default="point", words="point tiles", &
@@ -143,6 +147,7 @@ contains
       if (self%controlled() .or. self%differing()) call refuse_axis(deck, group, quadrature)
       call group%get("stress_update", word)
       self%stress = max(position_of(word, stress_names), 1)
+      if (self%averages()) call group%get("unseen_strain", self%unseen)
       call group%get("transfer", word)
       call choose_velocity(word, self%transfer)
       if (.not. allocated(self%transfer)) call choose_velocity("flip", self%transfer)
@@ -208,6 +213,8 @@ contains
          if (.not. group%given("turn_from")) call deck%settle("method", 1, "turn_from", "tiles")
          if (stored .and. .not. group%given("flip")) &
             call deck%settle("method", 1, "flip", 1.0_wp)
+         if (stored .and. .not. group%given("unseen_strain")) &
+            call deck%settle("method", 1, "unseen_strain", 0.0_wp)
       else if (.not. group%given("stress_update")) then
          call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
       end if

@@ -407,8 +407,7 @@ contains
             ! linear velocity fields bring the mass along, in front
             strain = momentum(size(momentum, 1) - 2:, :)
             call divide(simulation%nodes%mass(:, :, tile), 1, strain)
-            if (simulation%method%averages()) &
-               strain = strain + simulation%nodes%velocity(:, :, tile)
+            if (simulation%method%averages()) call add_gained(simulation, tile, strain)
             mapped = strain
             none = 0.0_wp
             call stop_at_walls(simulation, tile, strain, none)
@@ -424,6 +423,19 @@ contains
       call simulation%timer%stop(simulation%phase%grid)
       call strain_nodes(simulation)
    end subroutine remap_nodes
+
+   !> The velocity of the nodes of a tile at the end of a step, from what particles gained and a
+   !! share of what they did not take. Equation (M.27) of doc/theory/method.md.
+   pure subroutine add_gained(simulation, tile, velocity)
+      type(simulation_t), intent(in) :: simulation   !! The run, or a velocity field of it
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) What they gained, in [m/s]
+
+      associate (nodes => simulation%nodes, share => simulation%method%unseen)
+         velocity = nodes%velocity(:, :, tile) + (1.0_wp - share)*velocity &
+            + share*simulation%kick*nodes%acceleration(:, :, tile)
+      end associate
+   end subroutine add_gained
 
    !> Node gradient of the velocity that strains the particles, which was mapped anew.
    subroutine strain_nodes(simulation)
