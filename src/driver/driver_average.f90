@@ -15,6 +15,10 @@ module driver_average
 
    public :: average_strain, keep_earlier
 
+   !> Greatest correction of a half strain [1]; where cells hold what they should it is far smaller,
+   !! and where streams of particles cross it must not turn them inside out
+   real(wp), parameter :: most = 0.1_wp
+
 contains
 
    !> Keep the half strain with the velocity that particles have brought, for now.
@@ -51,7 +55,8 @@ contains
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             half = 0.5_wp*gradient(p, k)
-            gradient(p, k) = gradient(p, k) + (earlier(p, k) - store%ahead(q, k))
+            gradient(p, k) = gradient(p, k) + min(most, max(-most, earlier(p, k) &
+               - store%ahead(q, k)))
             store%ahead(q, k) = half
          end do
       end do
