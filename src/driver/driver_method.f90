@@ -103,8 +103,9 @@ contains
          "usavg with ddmp where all matter is elastic, else usl; musl with mpm", &
          words="usl usf musl usavg")
       call schema%real("method", "unseen_strain", "share of what nodes gain and particles do "// &
-         "not take that strains: damps differences of pressure between particles; 0 where all "// &
-         "matter is elastic", default="0.2", range=">= 0 <= 1", owner="stress_update = usavg")
+         "not take that strains with stress_update = 'usavg': damps differences of pressure "// &
+         "between particles; default 0 where all matter is elastic, else 0.2", default="0.2", &
+         range=">= 0 <= 1")
       call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
          "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
          "energy of thin bodies", default="point", words="point tiles", &
@@ -133,6 +134,7 @@ contains
       character(len=:), allocatable :: word, basis, quadrature
 
       call settle_defaults(deck, carried, stored)
+      call settle_turn(deck)
       call check_normalise(deck)
       group = deck%group("run", 1)
       call group%get("method", word)
@@ -147,7 +149,12 @@ contains
       if (self%controlled() .or. self%differing()) call refuse_axis(deck, group, quadrature)
       call group%get("stress_update", word)
       self%stress = max(position_of(word, stress_names), 1)
-      if (self%averages()) call group%get("unseen_strain", self%unseen)
+      if (self%averages()) then
+         call group%get("unseen_strain", self%unseen)
+      else if (group%given("unseen_strain")) then
+         call deck%complain(group, "unseen_strain needs stress_update = 'usavg'; remove it", &
+            "unseen_strain")
+      end if
       call group%get("transfer", word)
       call choose_velocity(word, self%transfer)
       if (.not. allocated(self%transfer)) call choose_velocity("flip", self%transfer)
@@ -210,7 +217,6 @@ contains
          trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
       if (.not. carried .and. keeps_energy(group)) then
          call deck%settle("method", 1, "stress_update", trim(stress_names(stress_average)))
-         if (.not. group%given("turn_from")) call deck%settle("method", 1, "turn_from", "tiles")
          if (stored .and. .not. group%given("flip")) &
             call deck%settle("method", 1, "flip", 1.0_wp)
          if (stored .and. .not. group%given("unseen_strain")) &
@@ -233,6 +239,23 @@ contains
       call group%get("stress_update", update)
       keeps = keeps .and. update == stress_names(stress_average)
    end function keeps_energy
+
+   !> With two velocities the rotation is that of the surroundings: that of single particles makes
+   !! energy there.
+   subroutine settle_turn(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      character(len=:), allocatable :: transfer, update, turn
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("transfer", transfer)
+      call group%get("stress_update", update)
+      if (transfer /= "rflip" .or. update /= stress_names(stress_average)) return
+      if (.not. group%given("turn_from")) call deck%settle("method", 1, "turn_from", "tiles")
+      call group%get("turn_from", turn)
+      if (turn /= "tiles") call deck%complain(group, "stress_update = 'usavg' makes energy "// &
+         "with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
+   end subroutine settle_turn
 
    !> Refuse normalised sums where the rule of the dual gradient does not allow them.
    subroutine check_normalise(deck)
