@@ -238,6 +238,7 @@ contains
          if (allocated(store%domain)) bytes = bytes + 72
          if (allocated(store%affine)) bytes = bytes + 72
          if (allocated(store%spin)) bytes = bytes + 24
+         if (allocated(store%ahead)) bytes = bytes + 72
          if (allocated(store%bond)) bytes = bytes + 8
       end associate
       if (allocated(simulation%exact)) bytes = bytes + 24

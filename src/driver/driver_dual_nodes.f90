@@ -70,6 +70,7 @@ contains
          call nodes%force%keep(3, vector_rows(grid))
          call nodes%gradient%keep(9, tensor_rows(grid))
          call nodes%middle%keep(9, tensor_rows(grid))
+         call nodes%earlier%keep(9, tensor_rows(grid))
       end associate
    end subroutine ensure_dual
 

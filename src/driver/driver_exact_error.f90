@@ -36,8 +36,7 @@ contains
          if (case%seen == simulation%step) return
          times = simulation%time
          times(2) = simulation%time - simulation%method%lag(simulation%dt)
-         if (simulation%method%strains_first()) &
-            times(3) = simulation%time - simulation%method%span()*simulation%dt
+         if (simulation%method%strains_first()) times(3) = simulation%time - simulation%dt
          farthest = 0.0_wp
          do index = 1, size(simulation%stores)
             if (.not. allocated(case%material(index)%solution)) cycle

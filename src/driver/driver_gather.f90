@@ -3,13 +3,14 @@
 !! cache from the first to the last of these.
 module driver_gather
    use base_kinds, only: int64, wp
+   use driver_average, only: average_strain, keep_earlier
    use driver_bounds, only: count_bad, find_steepest, slow_nodes, steep_enough
    use driver_cost, only: book_cost, cost_clock
    use driver_culprit, only: tile_bounds
    use driver_dual_nodes, only: node_gradient
    use driver_jump, only: find_jump
    use driver_ledger, only: dissipated
-   use driver_losses, only: book_losses
+   use driver_losses, only: book_damping, book_losses, damps
    use driver_method, only: method_t, stress_before
    use driver_nodes, only: recall_seen
    use driver_packing, only: excess_fill, repack
@@ -37,7 +38,6 @@ module driver_gather
    type :: gather_parts_t
       logical :: work = .false.                      !! Work of the stress of the force
       logical :: strain = .false.                    !! Strain and stress
-      real(wp) :: span = 1.0_wp                      !! Share of the step that strains [1]
       logical :: motion = .false.                    !! Particle velocities, positions and cells
    end type gather_parts_t
 
@@ -49,6 +49,7 @@ module driver_gather
       real(wp), allocatable :: after(:, :)           !! (3, node) Velocity after the step [m/s]
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
+      real(wp), allocatable :: earlier(:, :)         !! (9, node) Of that before the step [1/s]
       real(wp), allocatable :: heat(:, :)            !! (column, node) For lost kinetic energy
       real(wp), allocatable :: scalar(:, :)          !! (1, node) The same [J/kg]
       real(wp), allocatable :: turn(:, :) !! (3, node) The same for linear velocity fields [m/s]
@@ -146,7 +147,7 @@ contains
             fastest = 0.0_wp
             steepest = scratch%steepest
             if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, &
-               parts%span*dt, .not. parts%motion, fastest)
+               dt, .not. parts%motion, fastest)
             if (parts%motion) then
                call move_particles(simulation, scratch, index, tile, view, dt)
                call place_tile(simulation%grid, simulation%boundary, &
@@ -240,6 +241,8 @@ contains
          call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
       if (parts%work .and. simulation%carries_energy) &
          call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
+      if (parts%strain .and. simulation%method%averages()) &
+         call node_gradient(simulation, tile, simulation%nodes%earlier, view%earlier)
    end subroutine look
 
    !> Which velocity gradients matter for the next step, and whether the nodes can have such. Only
@@ -349,12 +352,17 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), allocatable :: before(:, :)
 
       associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
          store => simulation%stores(index), start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile))
+         if (damps(method, simulation%carries_energy)) &
+            before = store%position(first:first + store%count(tile) - 1, :)
          call method%basis%gather_motion(grid, start, first, places, view%push, view%carry, &
             method%transfer%keep(), dt, store%velocity, store%position)
+         if (allocated(before)) call book_damping(scratch%ledger, store, tile, before, &
+            method%transfer%keep(), dt)
          if (.not. method%transfer%affine() .or. strained(simulation, index)) return
          call find_slopes(simulation, places, start, view%after, view%gradient, &
             scratch%deformation%gradient)
@@ -442,16 +450,23 @@ contains
       associate (store => simulation%stores(index), deformation => scratch%deformation, &
          method => simulation%method)
          deformation%plane = simulation%grid%dimensions < 3
+         if (method%averages()) then
+            call find_gradient(simulation, scratch, store, tile, &
+               simulation%nodes%velocity(:, :, view%slot), view%earlier, 0.5_wp*simulation%dt)
+            call keep_earlier(n, deformation%gradient, scratch%earlier)
+         end if
          call find_gradient(simulation, scratch, store, tile, &
             simulation%nodes%strain(:, :, view%slot), view%gradient, dt)
          if (.not. view%slow) call find_steepest(deformation%gradient, &
             store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
             scratch%steepest_identity)
+         if (method%transfer%affine() .and. strained(simulation, index) .and. .not. over) &
+            call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
+         if (method%averages()) call average_strain(store, tile, scratch%earlier, &
+            deformation%gradient)
          call stretch_tile(store, tile, deformation%gradient)
          if (allocated(method%splitting)) call find_opening(method%splitting, &
             simulation%grid%spacing, store, tile, deformation%gradient, dt)
-         if (method%transfer%affine() .and. strained(simulation, index) .and. .not. over) &
-            call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          if (over .and. method%leapfrog) then
             call centre_backward(n, deformation%plane, deformation%gradient)
          else

@@ -31,7 +31,8 @@ module driver_ledger
    integer, parameter, public :: failed_mass = 21    !! Mass of failed particles
    integer, parameter, public :: lost_angular = 22   !! First of three components of what left
    integer, parameter, public :: torque = 25 !! First of three components from walls and gravity
-   !> Viscous and plastic work in materials that carry no internal energy, since the start
+   !> Viscous and plastic work and what is damped in materials that carry no internal energy, since
+   !! the start
    integer, parameter, public :: dissipated = 28
    integer, parameter, public :: removed_mass = 29   !! Mass of particles that were taken out
    integer, parameter, public :: removed_momentum = 30 !! First of three components of its momentum
@@ -39,7 +40,9 @@ module driver_ledger
    integer, parameter, public :: removed_angular = 34 !! First of three components of the same
    integer, parameter, public :: removed_particles = 37 !! Number of these particles
    integer, parameter, public :: retired_mass = 38   !! Mass of those that had left their bounds
-   integer, parameter, public :: entries = 38        !! Number of entries
+   !> Kinetic energy that the share of PIC took, where no internal energy takes it, since the start
+   integer, parameter, public :: damped = 39
+   integer, parameter, public :: entries = 39        !! Number of entries
 
    character(len=26), parameter :: entry_names(entries) = [character(len=26) :: "mass", &
       "momentum_x", "momentum_y", "momentum_z", "angular_momentum_x", "angular_momentum_y", &
@@ -50,12 +53,12 @@ module driver_ledger
       "torque_impulse_y", "torque_impulse_z", "dissipated", "removed_mass", "removed_momentum_x", &
       "removed_momentum_y", "removed_momentum_z", "removed_energy", "removed_angular_momentum_x", &
       "removed_angular_momentum_y", "removed_angular_momentum_z", "removed_particles", &
-      "retired_mass"]
+      "retired_mass", "damped"]
    character(len=7), parameter :: entry_units(entries) = [character(len=7) :: "kg", &
       "kg m/s", "kg m/s", "kg m/s", "kg m2/s", "kg m2/s", "kg m2/s", "J", "J", "J", "J", "kg", &
       "kg m/s", "kg m/s", "kg m/s", "J", "N s", "N s", "N s", "J", "kg", "kg m2/s", "kg m2/s", &
       "kg m2/s", "N m s", "N m s", "N m s", "J", "kg", "kg m/s", "kg m/s", "kg m/s", "J", &
-      "kg m2/s", "kg m2/s", "kg m2/s", "1", "kg"]
+      "kg m2/s", "kg m2/s", "kg m2/s", "1", "kg", "J"]
 
    !> The entries at one time and the errors of the books.
    type :: balance_t
@@ -66,6 +69,7 @@ module driver_ledger
       real(wp) :: momentum_error = 0.0_wp            !! Relative to the greatest sum of m |v| so far
       real(wp) :: angular_error = 0.0_wp !! Relative to the greatest sum of m |x||v| so far
       real(wp) :: energy_error = 0.0_wp              !! Relative to the energy at the start
+      real(wp) :: damped_share = 0.0_wp              !! Of what the share of PIC took, the same
    end type balance_t
 
    !> Running sums since the start of the run.
@@ -83,12 +87,12 @@ module driver_ledger
       procedure :: load => ledger_load               !! From a checkpoint
    end type ledger_t
 
-   integer, parameter :: accumulated(28) = [viscous, plastic, lost_mass, lost_momentum, &
+   integer, parameter :: accumulated(29) = [viscous, plastic, lost_mass, lost_momentum, &
       lost_momentum + 1, lost_momentum + 2, lost_energy, impulse, impulse + 1, impulse + 2, &
       external_work, lost_angular, lost_angular + 1, lost_angular + 2, torque, torque + 1, &
       torque + 2, dissipated, removed_mass, removed_momentum, removed_momentum + 1, &
       removed_momentum + 2, removed_energy, removed_angular, removed_angular + 1, &
-      removed_angular + 2, removed_particles, retired_mass]
+      removed_angular + 2, removed_particles, retired_mass, damped]
 
 contains
 
@@ -207,6 +211,8 @@ contains
       now%angular_error = ratio(norm2(drift), self%angular_scale)
       now%energy_error = ratio(now%total - self%start%total - now%entry(external_work), &
          max(abs(self%start%total), abs(now%entry(external_work))))
+      now%damped_share = ratio(now%entry(damped), max(abs(self%start%total), &
+         abs(now%entry(external_work))))
    end subroutine ledger_balance
 
    !> Components that the scene does not have. In axisymmetry particles are rings: only the axial

@@ -1,14 +1,17 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What artificial viscosity and plastic flow take from motion in a step, in the books.
+!> What artificial viscosity, plastic flow and the share of PIC take from motion in a step, in the
+!! books.
 module driver_losses
    use base_kinds, only: wp
-   use driver_ledger, only: dissipated, ledger_t, plastic, viscous
+   use driver_ledger, only: damped, dissipated, ledger_t, plastic, viscous
+   use driver_method, only: method_t
    use material_matter, only: deformation_t, matter_t
    use material_type, only: material_t
+   use particle_store, only: store_t
    implicit none
    private
 
-   public :: book_losses
+   public :: book_damping, book_losses, damps
 
 contains
 
@@ -36,4 +39,42 @@ contains
       ! with an internal energy these are a part of it
       if (.not. allocated(matter%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
    end subroutine book_losses
+
+   !> Does the share of PIC take kinetic energy that nothing takes up, and that positions tell?
+   pure logical function damps(method, carries) result(told)
+      type(method_t), intent(in) :: method           !! Its transfer
+      logical, intent(in) :: carries                 !! Does some matter carry an internal energy?
+
+      ! with musl the strain sees it, so what it takes is not lost
+      told = .not. (carries .or. method%remaps()) .and. method%leapfrog .and. &
+         method%transfer%sweeps() == 0 .and. method%transfer%keep() > 0.0_wp .and. &
+         method%transfer%keep() < 1.0_wp
+   end function damps
+
+   !> Book the kinetic energy that the share of PIC took from the particles of a tile. With the
+   !! velocity c with which they moved they would have (v - (1 - f) c)/f without it, as FLIP gives
+   !! it. Equation (L.13) of doc/theory/ledger.md.
+   subroutine book_damping(ledger, store, tile, before, keep, dt)
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(store_t), intent(in) :: store             !! The particles after the step
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: before(:, :) !! (particle of the tile, 3) Position [m]
+      real(wp), intent(in) :: keep                   !! Share f of FLIP [1]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: taken, free
+      integer :: p, q, k
+
+      taken = 0.0_wp
+      do k = 1, 3
+         !$omp simd reduction(+:taken) private(q, free)
+         do p = 1, store%count(tile)
+            q = store%first(tile) + p - 1
+            free = (store%velocity(q, k) - (1.0_wp - keep)*(store%position(q, k) - before(p, k)) &
+               /dt)/keep
+            taken = taken + 0.5_wp*store%matter%mass(q)*(free**2 - store%velocity(q, k)**2)
+         end do
+      end do
+      call ledger%sums(damped)%add(taken)
+      call ledger%sums(dissipated)%add(taken)
+   end subroutine book_damping
 end module driver_losses

@@ -21,8 +21,8 @@ module driver_method
    integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
    integer, parameter, public :: stress_before = 2   !! usf: before the force
    integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
-   !> Half a step before the force, half with node velocities mapped anew (usavg)
-   integer, parameter, public :: stress_both = 4
+   !> usavg: by half of what particles bring to the nodes, by half of what they take from there
+   integer, parameter, public :: stress_average = 4
    character(len=5), parameter, public :: stress_names(4) = [character(len=5) :: "usl", "usf", &
       "musl", "usavg"]
 
@@ -34,6 +34,7 @@ module driver_method
       character(len=:), allocatable :: normalise     !! Whose sums are normalised: gases, ...
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
+      real(wp) :: unseen = 0.0_wp !! Share of node velocities that particles do not take, in strain
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
       logical :: smooth_turn = .false.               !! Is the rotation that of the tiles?
@@ -49,7 +50,7 @@ module driver_method
       procedure :: controlled => method_controlled   !! Is a mean stress taken out?
       procedure :: strains_first => method_strains_first !! Is there strain before the force?
       procedure :: remaps => method_remaps           !! Are new velocities mapped for the strain?
-      procedure :: span => method_span               !! Share of a step that each of them strains
+      procedure :: averages => method_averages       !! Is the strain of two velocities?
       procedure :: differing => method_differing     !! Is the force of stress differences?
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
@@ -100,8 +101,13 @@ contains
          words="gases fluids none all", default="gases", owner="run.method = ddmp")
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
-         "new velocities; or half before, half after mapping, which keeps energy best; default "// &
-         "usl with ddmp, musl with mpm", words="usl usf musl usavg")
+         "new velocities; or with the average of both maps, which keeps energy; default "// &
+         "usavg with ddmp where all matter is elastic, else usl; musl with mpm", &
+         words="usl usf musl usavg")
+      call schema%real("method", "unseen_strain", "share of what nodes gain and particles do "// &
+         "not take that strains with stress_update = 'usavg': damps differences of pressure "// &
+         "between particles; default 0 where all matter is elastic, else 0.2", default="0.2", &
+         range=">= 0 <= 1")
       call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
          "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
          "energy of thin bodies", default="point", words="point tiles", &
@@ -132,13 +138,16 @@ contains
    end subroutine declare_shocks
 
    !> Make the method from the deck.
-   subroutine method_read(self, deck)
+   subroutine method_read(self, deck, carried, stored)
       class(method_t), intent(inout) :: self         !! The method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
+      logical, intent(in) :: carried                 !! Does any matter carry an internal energy?
+      logical, intent(in) :: stored                  !! Does all matter give back all work?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 
-      call settle_defaults(deck)
+      call settle_defaults(deck, carried, stored)
+      call settle_turn(deck)
       call check_normalise(deck)
       group = deck%group("run", 1)
       call group%get("method", word)
@@ -153,6 +162,12 @@ contains
       if (self%controlled() .or. self%differing()) call refuse_axis(deck, group, quadrature)
       call group%get("stress_update", word)
       self%stress = max(position_of(word, stress_names), 1)
+      if (self%averages()) then
+         call group%get("unseen_strain", self%unseen)
+      else if (group%given("unseen_strain")) then
+         call deck%complain(group, "unseen_strain needs stress_update = 'usavg'; remove it", &
+            "unseen_strain")
+      end if
       call group%get("transfer", word)
       call choose_velocity(word, self%transfer)
       if (.not. allocated(self%transfer)) call choose_velocity("flip", self%transfer)
@@ -189,8 +204,10 @@ contains
 
    !> Settle the defaults that depend on other keys; all are by measurement: see
    !! doc/theory/choice_of_defaults.md.
-   subroutine settle_defaults(deck)
+   subroutine settle_defaults(deck, carried, stored)
       type(deck_t), intent(inout) :: deck            !! The deck
+      logical, intent(in) :: carried                 !! Does any matter carry an internal energy?
+      logical, intent(in) :: stored                  !! Does all matter give back all work?
       character(len=:), allocatable :: method, dimension, alpha
       logical :: paper, may
       type(group_t) :: run, group
@@ -216,9 +233,47 @@ contains
       call group%get("alpha", alpha)
       if (.not. group%given("blend")) call deck%settle("method", 1, "blend", &
          trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
-      if (.not. group%given("stress_update")) &
+      if (.not. carried .and. keeps_energy(group)) then
+         call deck%settle("method", 1, "stress_update", trim(stress_names(stress_average)))
+         if (stored .and. .not. group%given("flip")) &
+            call deck%settle("method", 1, "flip", 1.0_wp)
+         if (stored .and. .not. group%given("unseen_strain")) &
+            call deck%settle("method", 1, "unseen_strain", 0.0_wp)
+      else if (.not. group%given("stress_update")) then
          call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
+      end if
    end subroutine settle_defaults
+
+   !> May a deck of elastic matter have the order and the transfer that keep energy?
+   logical function keeps_energy(group) result(keeps)
+      type(group_t), intent(in) :: group             !! &method
+      character(len=:), allocatable :: transfer, quadrature, antilock, update
+
+      call group%get("transfer", transfer)
+      call group%get("quadrature", quadrature)
+      call group%get("antilock", antilock)
+      keeps = transfer == "rflip" .and. quadrature == "point" .and. antilock == "none"
+      if (.not. group%given("stress_update")) return
+      call group%get("stress_update", update)
+      keeps = keeps .and. update == stress_names(stress_average)
+   end function keeps_energy
+
+   !> With two velocities the rotation is that of the surroundings: that of single particles makes
+   !! energy there.
+   subroutine settle_turn(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      character(len=:), allocatable :: transfer, update, turn
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("transfer", transfer)
+      call group%get("stress_update", update)
+      if (transfer /= "rflip" .or. update /= stress_names(stress_average)) return
+      if (.not. group%given("turn_from")) call deck%settle("method", 1, "turn_from", "tiles")
+      call group%get("turn_from", turn)
+      if (turn /= "tiles") call deck%complain(group, "stress_update = 'usavg' makes energy "// &
+         "with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
+   end subroutine settle_turn
 
    !> Refuse normalised sums where the rule of the dual gradient does not allow them.
    subroutine check_normalise(deck)
@@ -368,22 +423,22 @@ contains
    pure logical function method_strains_first(self) result(first)
       class(method_t), intent(in) :: self            !! The method
 
-      first = self%stress == stress_before .or. self%stress == stress_both
+      first = self%stress == stress_before
    end function method_strains_first
 
    !> Are the new velocities of the particles mapped to the nodes for the strain?
    pure logical function method_remaps(self) result(remaps)
       class(method_t), intent(in) :: self            !! The method
 
-      remaps = self%stress == stress_remapped .or. self%stress == stress_both
+      remaps = self%stress == stress_remapped
    end function method_remaps
 
-   !> Share of a step that the strain before the force takes, and that after it [1].
-   pure real(wp) function method_span(self) result(span)
+   !> Is the strain of a step half of the velocity at its begin and half of that at its end?
+   pure logical function method_averages(self) result(averages)
       class(method_t), intent(in) :: self            !! The method
 
-      span = merge(0.5_wp, 1.0_wp, self%stress == stress_both)
-   end function method_span
+      averages = self%stress == stress_average
+   end function method_averages
 
    !> Layers of nodes beyond a tile that its particles reach.
    pure integer function method_margin(self) result(margin)
@@ -405,6 +460,7 @@ contains
       else
          traits%affine = self%transfer%affine()
       end if
+      traits%averaged = self%averages()
       if (allocated(self%quadrature)) call self%quadrature%request(traits)
    end subroutine method_request
 

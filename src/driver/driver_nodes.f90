@@ -5,7 +5,8 @@ module driver_nodes
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
    use driver_dual_nodes, only: calm_tile, find_volumes, put_gradient
-   use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
+   use driver_ledger, only: cross, damped, dissipated, external_work, impulse, ledger_t, torque
+   use driver_losses, only: damps
    use driver_node_sums, only: divide, ensure_sums, find_sums, slots
    use driver_reach, only: look_at_tile, worse
    use driver_scatter, only: vector_rows
@@ -63,7 +64,8 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run, without contact
       integer :: face
 
-      later = simulation%method%remaps() .and. .not. simulation%carries_energy
+      later = (simulation%method%remaps() .or. simulation%method%averages()) .and. &
+         .not. simulation%carries_energy
       if (later) later = allocated(simulation%gravity) .or. allocated(simulation%rigid) &
          .or. any([(simulation%boundary%ruled(face), face=1, 6)])
    end function books_later
@@ -192,6 +194,7 @@ contains
          call move_pieces(nodes%motion(2), nodes%gradient)
          call nodes%gradient%ensure(nodes%weighted%nodes())
          if (simulation%carries_energy) call nodes%middle%ensure(nodes%weighted%nodes())
+         if (simulation%method%averages()) call nodes%earlier%ensure(nodes%weighted%nodes())
       end associate
    end subroutine ensure_moved
 
@@ -243,7 +246,12 @@ contains
       slot = simulation%nodes%slot(tile)
       call calm_tile(simulation, tile, slot, dt)
       associate (nodes => simulation%nodes)
-         call put_gradient(simulation, tile, nodes%strain(:, :, slot), nodes%gradient)
+         if (simulation%method%averages()) then
+            ! the velocity that strains at the end of the step is mapped later
+            call put_gradient(simulation, tile, nodes%velocity(:, :, slot), nodes%earlier)
+         else
+            call put_gradient(simulation, tile, nodes%strain(:, :, slot), nodes%gradient)
+         end if
          if (.not. simulation%carries_energy) return
          centre = nodes%velocity(:, :, slot) + 0.5_wp*dt*nodes%acceleration(:, :, slot)
          call put_gradient(simulation, tile, centre, nodes%middle)
@@ -261,6 +269,7 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp) :: push(3, size(mass)), work(size(mass))
+      real(wp), allocatable :: brought(:, :)
       logical :: keeps, ruled
 
       ruled = walls_touch(simulation, tile)
@@ -269,7 +278,11 @@ contains
       keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%tiles%own &
          .and. allocated(simulation%nodes%taken)
       if (keeps) simulation%nodes%taken(:, :, tile) = velocity
+      if (ruled .and. dt > 0.0_wp .and. tile <= simulation%tiles%own .and. &
+         damps(simulation%method, simulation%carries_energy) .and. .not. keeps) brought = velocity
       if (ruled) call impose_walls(simulation, tile, dt, velocity, acceleration, push, work)
+      if (allocated(brought)) call book_stopped(simulation, scratch%ledger, tile, &
+         velocity - brought, velocity + dt*acceleration)
       if (keeps) simulation%nodes%taken(:, :, tile) = simulation%nodes%taken(:, :, tile) - velocity
       if (tile > simulation%tiles%own .or. .not. dt > 0.0_wp) return
       if (allocated(simulation%gravity)) then
@@ -287,6 +300,28 @@ contains
       call book_push(simulation, scratch%ledger, tile, push, &
          velocity + 0.5_wp*dt*acceleration, work)
    end subroutine constrain_tile
+
+   !> What walls take by the share of PIC is in their work, and in the velocities of the particles,
+   !! of which all that this share takes is booked: so that much of it is no work. Equation (L.13)
+   !! of doc/theory/ledger.md.
+   subroutine book_stopped(simulation, ledger, tile, change, velocity)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: change(:, :)           !! (3, node) What walls changed [m/s]
+      real(wp), intent(in) :: velocity(:, :)         !! (3, node) With which it is booked [m/s]
+      real(wp) :: own(simulation%nodes%motion(1)%rows, size(change, 2)), stopped
+      integer :: node
+
+      call simulation%nodes%motion(1)%get(simulation%grid, simulation%nodes%touched, tile, own)
+      stopped = 0.0_wp
+      do node = 1, size(change, 2)
+         stopped = stopped + own(1, node)*dot_product(change(:, node), velocity(:, node))
+      end do
+      stopped = (1.0_wp - simulation%method%transfer%keep())*stopped
+      call ledger%sums(damped)%add(stopped)
+      call ledger%sums(dissipated)%add(stopped)
+   end subroutine book_stopped
 
    !> Book impulse, its moment, and work of a push on the nodes of a tile.
    subroutine book_push(simulation, ledger, tile, push, velocity, more)
@@ -349,11 +384,14 @@ contains
          work = 0.5_wp*sum(gain*(nodes%taken(:, :, tile) + mapped - nodes%strain(:, :, tile)), &
             dim=1)
          call book_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre, work)
+         if (damps(simulation%method, simulation%carries_energy)) call book_stopped(simulation, &
+            scratch%ledger, tile, -nodes%taken(:, :, tile), 0.5_wp*(nodes%velocity(:, :, tile) &
+            + nodes%taken(:, :, tile) + mapped))
       end associate
    end subroutine book_strained
 
-   !> Node velocities from the momentum that was mapped a second time, as the velocity that strains
-   !! the particles, where no other body may change it.
+   !> Node velocities from the momentum that was mapped a second time, or from that before and what
+   !! was gained, as the velocity that strains the particles, where no other body may change it.
    subroutine remap_nodes(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp) :: none(3, simulation%grid%tile_nodes), mapped(3, simulation%grid%tile_nodes)
@@ -369,19 +407,35 @@ contains
             ! linear velocity fields bring the mass along, in front
             strain = momentum(size(momentum, 1) - 2:, :)
             call divide(simulation%nodes%mass(:, :, tile), 1, strain)
+            if (simulation%method%averages()) call add_gained(simulation, tile, strain)
             mapped = strain
             none = 0.0_wp
             call stop_at_walls(simulation, tile, strain, none)
             call keep_at_walls(simulation, tile, strain)
-            if (allocated(simulation%nodes%taken) .and. tile <= simulation%tiles%own) &
-               call book_strained(simulation, simulation%scratch(omp_get_thread_num()), tile, &
-               mapped)
+            if (.not. allocated(simulation%nodes%taken) .or. tile > simulation%tiles%own) cycle
+            ! what was gained is added to a velocity that walls have changed already
+            if (simulation%method%averages()) &
+               mapped = mapped + simulation%nodes%taken(:, :, tile)
+            call book_strained(simulation, simulation%scratch(omp_get_thread_num()), tile, mapped)
          end associate
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
       call strain_nodes(simulation)
    end subroutine remap_nodes
+
+   !> The velocity of the nodes of a tile at the end of a step, from what particles gained and a
+   !! share of what they did not take. Equation (M.27) of doc/theory/method.md.
+   pure subroutine add_gained(simulation, tile, velocity)
+      type(simulation_t), intent(in) :: simulation   !! The run, or a velocity field of it
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) What they gained, in [m/s]
+
+      associate (nodes => simulation%nodes, share => simulation%method%unseen)
+         velocity = nodes%velocity(:, :, tile) + (1.0_wp - share)*velocity &
+            + share*simulation%kick*nodes%acceleration(:, :, tile)
+      end associate
+   end subroutine add_gained
 
    !> Node gradient of the velocity that strains the particles, which was mapped anew.
    subroutine strain_nodes(simulation)

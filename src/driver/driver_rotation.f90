@@ -21,6 +21,7 @@ module driver_rotation
 
    integer, parameter :: corners = 8                 !! Of a tile
    integer, parameter :: columns = 4                 !! Mass times rotation, and mass
+   integer, parameter :: chunk = 128                 !! Particles whose weights stay in cache
 
 contains
 
@@ -72,23 +73,36 @@ contains
       end do
    end subroutine add_tile
 
-   !> Those of one material.
+   !> Those of one material, by chunks that stay in cache.
    pure subroutine add_store(store, tile, lower, inverse, sums)
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
       real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
       real(wp), intent(inout) :: sums(columns, corners) !! At the corners [kg/s], [kg]
-      real(wp) :: weight(corners), value(columns), place(3)
-      integer :: p, corner
+      real(wp) :: weight(chunk, corners), value(chunk, columns), total
+      integer :: before, count, corner, column, p
 
-      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-         place = store%position(p, :)
-         call weigh_corners(place, lower, inverse, weight)
-         value(1:3) = store%matter%mass(p)*store%spin(p, :)
-         value(4) = store%matter%mass(p)
+      do before = store%first(tile) - 1, store%first(tile) + store%count(tile) - 2, chunk
+         count = min(chunk, store%first(tile) + store%count(tile) - 1 - before)
+         call weigh_corners(count, before, store%position, lower, inverse, weight)
+         do p = 1, count
+            value(p, columns) = store%matter%mass(before + p)
+         end do
+         do column = 1, columns - 1
+            do p = 1, count
+               value(p, column) = value(p, columns)*store%spin(before + p, column)
+            end do
+         end do
          do corner = 1, corners
-            sums(:, corner) = sums(:, corner) + weight(corner)*value
+            do column = 1, columns
+               total = 0.0_wp
+               !$omp simd reduction(+:total)
+               do p = 1, count
+                  total = total + value(p, column)*weight(p, corner)
+               end do
+               sums(column, corner) = sums(column, corner) + total
+            end do
          end do
       end do
    end subroutine add_store
@@ -97,9 +111,9 @@ contains
    subroutine turn_tile(simulation, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: total(columns, simulation%grid%tile_nodes), turn(3, corners), weight(corners)
-      real(wp) :: lower(3), inverse(3), place(3), spin(3)
-      integer :: node(corners), corner, index, p
+      real(wp) :: total(columns, simulation%grid%tile_nodes), turn(3, corners)
+      real(wp) :: lower(3), inverse(3)
+      integer :: node(corners), corner, index
 
       call assemble(simulation%grid, simulation%tiles, simulation%nodes%turn, tile, total)
       call find_corners(simulation, tile, node)
@@ -110,19 +124,35 @@ contains
             turn(:, corner) = total(1:3, node(corner))/total(4, node(corner))
       end do
       do index = 1, size(simulation%stores)
-         associate (store => simulation%stores(index))
-            do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-               place = store%position(p, :)
-               call weigh_corners(place, lower, inverse, weight)
-               spin = 0.0_wp
-               do corner = 1, corners
-                  spin = spin + weight(corner)*turn(:, corner)
-               end do
-               store%spin(p, :) = spin
-            end do
-         end associate
+         if (simulation%stores(index)%count(tile) > 0) &
+            call turn_store(simulation%stores(index), tile, lower, inverse, turn)
       end do
    end subroutine turn_tile
+
+   !> That of the particles of one material.
+   pure subroutine turn_store(store, tile, lower, inverse, turn)
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
+      real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
+      real(wp), intent(in) :: turn(3, corners)       !! Rotation at the corners [1/s]
+      real(wp) :: weight(chunk, corners), spin
+      integer :: before, count, corner, k, p
+
+      do before = store%first(tile) - 1, store%first(tile) + store%count(tile) - 2, chunk
+         count = min(chunk, store%first(tile) + store%count(tile) - 1 - before)
+         call weigh_corners(count, before, store%position, lower, inverse, weight)
+         do k = 1, 3
+            do p = 1, count
+               spin = 0.0_wp
+               do corner = 1, corners
+                  spin = spin + weight(p, corner)*turn(k, corner)
+               end do
+               store%spin(before + p, k) = spin
+            end do
+         end do
+      end do
+   end subroutine turn_store
 
    !> Nodes at the corners of a tile; those of a missing direction fall together.
    pure subroutine find_corners(simulation, tile, node)
@@ -156,19 +186,31 @@ contains
       end associate
    end subroutine measure_tile
 
-   !> Weights of the corners of a tile at a place in it: products of linear functions.
-   pure subroutine weigh_corners(place, lower, inverse, weight)
-      real(wp), intent(in) :: place(3)               !! [m]
+   !> Weights of the corners of a tile at particles: products of linear functions, whose sum is 1;
+   !! 0 for missing directions.
+   pure subroutine weigh_corners(count, before, position, lower, inverse, weight)
+      integer, intent(in) :: count                   !! Particles of the chunk
+      integer, intent(in) :: before                  !! Particles of the store before them
+      real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) [m]
       real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
       real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
-      real(wp), intent(out) :: weight(corners)       !! Their sum is 1; 0 for missing directions
-      real(wp) :: high(3), plane(4)
+      real(wp), intent(inout) :: weight(chunk, corners) !! (particle of the chunk, corner)
+      real(wp) :: x, y, z
+      integer :: p
 
-      high = min(1.0_wp, max(0.0_wp, (place - lower)*inverse))
-      plane(1:2) = [1.0_wp - high(1), high(1)]
-      plane(3:4) = plane(1:2)*high(2)
-      plane(1:2) = plane(1:2) - plane(3:4)
-      weight(5:8) = plane*high(3)
-      weight(1:4) = plane - weight(5:8)
+      !$omp simd private(x, y, z)
+      do p = 1, count
+         x = min(1.0_wp, max(0.0_wp, (position(before + p, 1) - lower(1))*inverse(1)))
+         y = min(1.0_wp, max(0.0_wp, (position(before + p, 2) - lower(2))*inverse(2)))
+         z = min(1.0_wp, max(0.0_wp, (position(before + p, 3) - lower(3))*inverse(3)))
+         weight(p, 1) = (1.0_wp - x)*(1.0_wp - y)*(1.0_wp - z)
+         weight(p, 2) = x*(1.0_wp - y)*(1.0_wp - z)
+         weight(p, 3) = (1.0_wp - x)*y*(1.0_wp - z)
+         weight(p, 4) = x*y*(1.0_wp - z)
+         weight(p, 5) = (1.0_wp - x)*(1.0_wp - y)*z
+         weight(p, 6) = x*(1.0_wp - y)*z
+         weight(p, 7) = (1.0_wp - x)*y*z
+         weight(p, 8) = x*y*z
+      end do
    end subroutine weigh_corners
 end module driver_rotation

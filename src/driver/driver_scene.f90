@@ -22,6 +22,7 @@ module driver_scene
       version_text
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_check_grid, only: axis_names
+   use material_matter, only: matter_t
    use material_record, only: read_record
    use material_type, only: material_t
    use material_wishes, only: wishes_t
@@ -48,13 +49,15 @@ contains
       type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
       integer, intent(in), optional :: coarser       !! Cells so many times as large as in the deck
       type(traits_t) :: traits
+      logical :: carried, stored
       integer :: n
 
-      call simulation%method%read(deck)
+      call read_materials(deck, simulation)
+      call find_answers(simulation%materials, carried, stored)
+      call simulation%method%read(deck, carried, stored)
       call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
       if (present(coarser)) call coarsen(simulation%grid, coarser)
-      call read_materials(deck, simulation)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
       if (deck%sound("material")) then
@@ -272,6 +275,32 @@ contains
       end do
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
+
+   !> What matter does with the work that strains it.
+   pure subroutine find_answers(materials, carried, stored)
+      type(material_t), intent(in) :: materials(:)   !! Those of the deck
+      logical, intent(out) :: carried                !! Does any of it carry an internal energy?
+      logical, intent(out) :: stored                 !! Does all of it give the work back?
+      type(matter_t), allocatable :: matter
+      integer :: index
+
+      carried = .false.
+      stored = .true.
+      do index = 1, size(materials)
+         associate (material => materials(index))
+            allocate (matter)
+            call material%request(matter)
+            carried = carried .or. allocated(matter%energy)
+            deallocate (matter)
+            if (allocated(material%damage) .or. allocated(material%fracture) .or. .not. &
+               allocated(material%law)) then
+               stored = .false.
+            else if (material%law%plastic()) then
+               stored = .false.
+            end if
+         end associate
+      end do
+   end subroutine find_answers
 
    !> The bodies.
    subroutine read_bodies(deck, simulation, shapes, bodies)

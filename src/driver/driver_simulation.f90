@@ -79,8 +79,9 @@ module driver_simulation
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
       real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if asked for [m3]
       type(pieces_t) :: force                        !! (3) Force of the node stress [N]
-      !> (9) Node gradient of strain, and of the mid-step velocity [m3/s]
-      type(pieces_t) :: gradient, middle
+      !> (9) Node gradient of strain, of the mid-step velocity, and, where the strain is the average
+      !! of two, of the velocity before the step [m3/s]
+      type(pieces_t) :: gradient, middle, earlier
       !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): first sum
       real(wp), allocatable :: heat(:, :, :), flux(:, :, :), warmth(:, :, :)
       !> (3) What faces and gravity add to the velocities, where it is booked later: with contact,
@@ -147,6 +148,8 @@ module driver_simulation
       type(places_t) :: places                       !! Particles of the tile as the basis sees them
       type(pushed_t) :: pushed                       !! Their stress, if changed on its way to nodes
       type(deformation_t) :: deformation             !! Step of the particles of the tile
+      !> (particle, 9) Half of the strain with the velocity before the step, if it counts [1]
+      real(wp), allocatable :: earlier(:, :)
       type(ledger_t) :: ledger                       !! Sums of this thread
       type(laps_t) :: laps                           !! Times of effects
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
@@ -308,6 +311,7 @@ contains
       call self%force%move_to(other%force)
       call self%gradient%move_to(other%gradient)
       call self%middle%move_to(other%middle)
+      call self%earlier%move_to(other%earlier)
       call move_alloc(self%push, other%push)
       call move_alloc(self%taken, other%taken)
       call move_alloc(self%rubbed, other%rubbed)

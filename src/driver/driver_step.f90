@@ -38,14 +38,12 @@ contains
       associate (method => simulation%method)
          ! time for which positions have moved already with the velocity before the step
          moved = merge(simulation%dt, dt, method%leapfrog)
-         if (method%strains_first() .and. moved > 0.0_wp) &
-            call strain_before(simulation, method%span()*moved)
+         if (method%strains_first() .and. moved > 0.0_wp) call strain_before(simulation, moved)
          call push_nodes(simulation, dt, error)
          if (allocated(error)) return
          if (allocated(simulation%conduction)) call conduct_heat(simulation, dt)
          if (method%heat_flux > 0.0_wp) call smear_heat(simulation, dt)
          parts%strain = method%stress /= stress_before
-         parts%span = method%span()
          parts%motion = .true.
          call gather_all(simulation, parts, dt)
       end associate

@@ -209,7 +209,8 @@ contains
          + length(nodes%loss) + length(nodes%mean) + length(nodes%star) + length(nodes%unit) &
          + length(nodes%difference) + length(nodes%push) + length(nodes%rubbed) &
          + sum(nodes%motion%length()) + sum(nodes%seen%length()) + nodes%share%length() &
-         + nodes%force%length() + nodes%gradient%length() + nodes%middle%length())
+         + nodes%force%length() + nodes%gradient%length() + nodes%middle%length() &
+         + nodes%earlier%length())
       if (allocated(nodes%touched%box)) bytes = bytes + 28_int64*size(nodes%touched%box, 3)
       if (allocated(nodes%weighted%box)) bytes = bytes + 28_int64*size(nodes%weighted%box, 3)
       if (allocated(nodes%weight)) bytes = bytes + 8_int64*size(nodes%weight, kind=int64)

@@ -152,8 +152,8 @@ contains
       end if
    end subroutine find_filtered
 
-   !> Momentum of the new particle velocities to a second patch, at the old places. The particles
-   !! themselves get these velocities later.
+   !> Momentum of the new particle velocities, or of what they gain, to a second patch, at the old
+   !! places. The particles themselves get these velocities later.
    subroutine scatter_again(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -161,7 +161,8 @@ contains
       integer :: part, n
 
       call simulation%timer%start(simulation%phase%scatter)
-      call ensure_patch(simulation%nodes%extra, merge(4, 3, simulation%method%transfer%affine()), &
+      call ensure_patch(simulation%nodes%extra, merge(4, 3, simulation%method%transfer%affine() &
+         .and. .not. simulation%method%averages()), &
          simulation%grid%tile_nodes, simulation%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
@@ -186,14 +187,23 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp) :: push(3, simulation%grid%tile_nodes), after(3, simulation%grid%tile_nodes)
       real(wp), allocatable :: filtered(:, :), gradient(:, :)
+      real(wp) :: keep
       integer :: index
 
       call clear_patch(patch)
-      if (simulation%method%dual .and. simulation%method%transfer%affine()) &
-         call node_gradient(simulation, tile, simulation%nodes%gradient, gradient)
+      if (simulation%method%dual .and. simulation%method%transfer%affine() .and. .not. &
+         simulation%method%averages()) call node_gradient(simulation, tile, &
+         simulation%nodes%gradient, gradient)
       call find_filtered(simulation, tile, dt, filtered)
       call simulation%method%transfer%push(dt, simulation%nodes%acceleration(:, :, tile), &
          filtered, push)
+      keep = simulation%method%transfer%keep()
+      if (simulation%method%averages()) then
+         ! what particles gain; the share of PIC acts after the strain of the step, which does not
+         ! see it, and rotations stay as they are
+         if (keep > 0.0_wp) push = dt*simulation%nodes%acceleration(:, :, tile)
+         keep = merge(0.0_wp, -1.0_wp, keep > 0.0_wp)
+      end if
       after = simulation%nodes%velocity(:, :, tile) &
          + dt*simulation%nodes%acceleration(:, :, tile)
       do index = simulation%first_store, simulation%end_store()
@@ -203,8 +213,11 @@ contains
             start => simulation%stores(index)%cell_start(:, tile))
             call find_places(simulation, scratch, store, tile)
             call basis%collect(grid, start, places, push, places%vector)
-            call keep_velocity(store, tile, simulation%method%transfer%keep(), places%vector)
-            if (simulation%method%transfer%affine()) then
+            if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, places%vector)
+            if (simulation%method%averages()) then
+               call basis%scatter_product(grid, start, store%first(tile), places, &
+                  store%matter%mass, places%vector, 0, patch)
+            else if (simulation%method%transfer%affine()) then
                call scratch%deformation%reserve(store%count(tile))
                if (simulation%method%smooth_turn) then
                   call expand_spin(store%first(tile), store%count(tile), store%spin, &
@@ -245,7 +258,7 @@ contains
       end associate
    end subroutine find_slopes
 
-   !> Add the share of their own velocity that particles keep.
+   !> Add a share of their own velocity to what particles get.
    pure subroutine keep_velocity(store, tile, keep, vector)
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile

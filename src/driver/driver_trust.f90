@@ -12,9 +12,9 @@ module driver_trust
    use driver_ledger, only: balance_t, external_work, mass, retired_mass
    use driver_look, only: bounds_look_t, find_greatest, look_at_bounds, look_at_shapes, &
       measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_look_t
-   use driver_method, only: method_t, stress_both
+   use driver_method, only: method_t
    use driver_simulation, only: simulation_t
-   use driver_trust_record, only: apart, trust_bad, trust_energy, trust_heat, trust_noise, &
+   use driver_trust_record, only: apart, trust_bad, trust_damped, trust_energy, trust_heat, trust_noise, &
       trust_ok, trust_retired, trust_speed, trust_stretch, trust_t, trust_volume, verdict_of
    use mesh_motion, only: motion_t
    use particle_body, only: body_t
@@ -142,6 +142,7 @@ contains
          call note_shapes(shapes, trust)
       end if
       trust%worst(trust_energy) = abs(now%energy_error)
+      trust%worst(trust_damped) = now%damped_share
       if (simulation%ledger%start%entry(mass) > 0.0_wp) trust%worst(trust_retired) = &
          now%entry(retired_mass)/simulation%ledger%start%entry(mass)
    end subroutine final_trust
@@ -333,12 +334,17 @@ contains
       type(log_t), intent(inout) :: log              !! Gets the warning
       character(len=:), allocatable :: remedy
       character(len=16) :: share
+      real(wp) :: lost
+      logical :: strays
 
-      if (trust%failed .or. .not. now%energy_error < 0.0_wp) return
-      if (verdict_of(trust_energy, trust%worst(trust_energy)) == trust_ok) return
+      lost = max(0.0_wp, now%damped_share) - min(0.0_wp, now%energy_error)
+      if (trust%failed .or. .not. lost > 0.0_wp) return
+      strays = now%energy_error < 0.0_wp .and. &
+         verdict_of(trust_energy, trust%worst(trust_energy)) /= trust_ok
+      if (.not. strays .and. verdict_of(trust_damped, now%damped_share) == trust_ok) return
       remedy = ""
-      if (.not. method%stress == stress_both) remedy = " stress_update = 'usavg',"
-      if (method%transfer%turning() .and. .not. method%smooth_turn) &
+      if (strays .and. .not. method%averages()) remedy = " stress_update = 'usavg',"
+      if (strays .and. method%transfer%turning() .and. .not. method%smooth_turn) &
          remedy = remedy//" turn_from = 'tiles',"
       if (method%transfer%keep() > 0.0_wp .and. method%transfer%keep() < 1.0_wp) &
          remedy = remedy//" flip = 1,"
@@ -347,10 +353,10 @@ contains
       else
          remedy = "write"//remedy(:len(remedy) - 1)//" in &method"
       end if
-      if (now%energy_error > -1.0e6_wp) then
-         write (share, "(f0.1)") -100.0_wp*now%energy_error
+      if (lost < 1.0e6_wp) then
+         write (share, "(f0.1)") 100.0_wp*lost
       else
-         write (share, "(es8.1)") -100.0_wp*now%energy_error
+         write (share, "(es8.1)") 100.0_wp*lost
       end if
       call log%warn("warning: "//trim(share)//" % of the energy is lost: where matter carries "// &
          "no internal energy nothing takes up what straining and transfers filter; "//remedy)

@@ -26,6 +26,10 @@ module io_fields
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
       "velocity", "pressure", "mises", "temperature", "plastic_strain", "damage", "failed"]
 
+   !> Carried, but not for another run: places are written anyway, and what belongs to a step.
+   character(len=field_name_length), parameter :: passing_names(2) = &
+      [character(len=field_name_length) :: "position", "ahead"]
+
    !> One field of an output.
    type :: column_t
       character(len=field_name_length) :: name = ""      !! Name in files
@@ -115,7 +119,7 @@ contains
       call find_column(carried, "material", column, found)
       call append(columns, column)
       do index = 1, size(carried)
-         if (carried(index)%name /= "position") call append(columns, carried(index))
+         if (all(passing_names /= carried(index)%name)) call append(columns, carried(index))
       end do
    end subroutine append_state
 

@@ -26,6 +26,7 @@ module particle_store
       logical :: domain = .false.                     !! Half the edges of its parallelepiped
       logical :: affine = .false.                     !! Linear velocity field round it
       logical :: spin = .false.                       !! Rotation of the velocity round it
+      logical :: averaged = .false.                   !! Half of a strain, taken ahead
    end type traits_t
 
    !> Particles of one material.
@@ -43,6 +44,8 @@ module particle_store
       !> (particle, 9) Slope (k, l) of the velocity round it in column k + 3 (l - 1) [1/s]
       real(wp), allocatable :: affine(:, :)
       real(wp), allocatable :: spin(:, :)             !! (particle, 3) Rotation round it [1/s]
+      !> (particle, 9) Half of the strain of the last step, taken ahead of the move [1]
+      real(wp), allocatable :: ahead(:, :)
       real(wp), allocatable :: bond(:)                !! 1 = bonds to other bodies hold, 0 = broken
       real(wp), allocatable :: reference(:, :) !! (particle, 3) Position at rest (if asked for) [m]
       !> Rate at which the longest edge grows, from the strain of a step to its end only [1/s]
@@ -110,6 +113,7 @@ contains
       if (traits%domain) allocate (self%domain(0, 9))
       if (traits%affine) allocate (self%affine(0, 9))
       if (traits%spin) allocate (self%spin(0, 3))
+      if (traits%averaged) allocate (self%ahead(0, 9))
       call self%clear(cells)
    end subroutine store_start
 
@@ -154,6 +158,7 @@ contains
       if (allocated(self%domain)) call worker%vector("domain", "m", self%domain)
       if (allocated(self%affine)) call worker%vector("affine", "1/s", self%affine)
       if (allocated(self%spin)) call worker%vector("spin", "1/s", self%spin)
+      if (allocated(self%ahead)) call worker%vector("ahead", "1", self%ahead)
       if (allocated(self%bond)) call worker%scalar("bond", "1", self%bond)
       if (allocated(self%reference)) call worker%vector("reference", "m", self%reference)
       call self%matter%walk(worker)
