@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Bodies without internal energy keep what they have: rings and blocks collide; a ring, a disc and a ball vibrate.
 
-With the defaults. Would catch: straining with velocities that the
-particles do not take up, halves of the strain with each other's velocity or for a wrong time, a half that is taken ahead and never put right, rotations that are not smoothed or smoothed at the
-wrong places (bits that depend on ranks or a restart), angular momentum that is given for the energy, a loss without a
-warning.
+With the defaults. Would catch: straining with velocities that the particles do not take up, halves of the strain with
+each other's velocity or for a wrong time, a half that is taken ahead and never put right, rotations that are not
+smoothed or smoothed at the wrong places (bits that depend on ranks or a restart), angular momentum that is given for
+the energy, a loss without a warning, damping that nobody books.
 
 A neo-Hookean body loses nothing, so all that is lost is an error. Targets: two rings of five cells 2 %, soft blocks
-3 %, free vibration of ten cells 1 % in nine periods, angular momentum 1e-4 a turn. Disc and ball are
-known misses, held at ten times that: the half strain that is taken ahead costs 2 % at a step of 0.4 of the
-time that a signal needs for a cell, and 0.3 to 1.2 % at half of it. The control is the order `usl`, which must lose
-more than a tenth in the rings, or they no longer show what is cured. What the share of PIC takes is booked: with `flip = 0.999` the balance must close as well, and it takes more than
-a tenth.
+3 %, free vibration of ten cells 1 % in nine periods, angular momentum 1e-4 a turn. Disc and ball are known misses,
+held at ten times that: the half strain that is taken ahead costs 2 % at a step of 0.4 of the time that a signal needs
+for a cell, and 0.3 to 1.2 % at half of it. The control is the order `usl`, which must lose more than a tenth in the
+rings, or they no longer show what is cured. What the share of PIC takes is booked: with `flip = 0.999` the balance must
+close as well, and it takes more than a tenth.
 """
 # tiers: smoke, full
 # timeout: 300
