@@ -269,7 +269,10 @@ contains
       call group%get("transfer", transfer)
       call group%get("stress_update", update)
       if (transfer /= "rflip" .or. update /= stress_names(stress_average)) return
-      if (.not. group%given("turn_from")) call deck%settle("method", 1, "turn_from", "tiles")
+      if (.not. group%given("turn_from")) then
+         call deck%settle("method", 1, "turn_from", "tiles")
+         return
+      end if
       call group%get("turn_from", turn)
       if (turn /= "tiles") call deck%complain(group, "stress_update = 'usavg' makes energy "// &
          "with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
