@@ -36,7 +36,7 @@ BLOCK = """&run dimension = 'plane_strain' /
 """
 FREE = "&time t_end = 2 /\n"
 INSIDE_OUT = BLOCK.replace("dt_fixed = 0.08", "dt_fixed = 0.08  dt_collapse = 0  volume_ratio_min = 0").replace(
-    "0.3 /", "0.3  strength_model = 'neo_hookean' /")
+    "0.3 /", "0.3  strength_model = 'neo_hookean' /") + "&method stress_update = 'usl' /\n"
 CUBE = """&run dimension = '3d' /
 &grid lo = 0 0 0  hi = 8 8 8  dx = 1 /
 &time t_end = 10  dt_fixed = 0.08  dt_collapse = 0 /
