@@ -5,8 +5,8 @@
 !! Stress and motion then work with the same mean velocities, so the energy that one gives the other
 !! takes (J. A. Nairn, Comput. Model. Eng. Sci. 4 (2003) 649). The second half is known only when
 !! the particles have moved, after the force of the next step. So each step takes it ahead with the
-!! places it has, keeps it, and the next step puts what it finds in its place. Equation (M.26) of
-!! doc/theory/method.md.
+!! places it has, keeps it, and the next step puts what it finds in its place. Equation (T.14) of
+!! doc/theory/transfers.md.
 module driver_average
    use base_kinds, only: wp
    use particle_store, only: store_t
@@ -21,7 +21,9 @@ module driver_average
 
 contains
 
-   !> Keep the half strain with the velocity that particles have brought, for now.
+   !> Keep half of the strain with the velocity that particles have brought, for now. Both strains
+   !! refer to the middle of their step: places are those at the end of the one and at the begin of
+   !! the other.
    pure subroutine keep_earlier(count, gradient, earlier)
       integer, intent(in) :: count                   !! Particles of the tile
       real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle of the tile, 9) [1]
@@ -34,7 +36,7 @@ contains
       if (.not. allocated(earlier)) allocate (earlier(size(gradient, 1), 9))
       do k = 1, 9
          do p = 1, count
-            earlier(p, k) = gradient(p, k)
+            earlier(p, k) = 0.5_wp*gradient(p, k)
          end do
       end do
    end subroutine keep_earlier

@@ -452,7 +452,8 @@ contains
          deformation%plane = simulation%grid%dimensions < 3
          if (method%averages()) then
             call find_gradient(simulation, scratch, store, tile, &
-               simulation%nodes%velocity(:, :, view%slot), view%earlier, 0.5_wp*simulation%dt)
+               simulation%nodes%velocity(:, :, view%slot), view%earlier, simulation%dt)
+            call centre_backward(n, deformation%plane, deformation%gradient)
             call keep_earlier(n, deformation%gradient, scratch%earlier)
          end if
          call find_gradient(simulation, scratch, store, tile, &
@@ -462,8 +463,6 @@ contains
             scratch%steepest_identity)
          if (method%transfer%affine() .and. strained(simulation, index) .and. .not. over) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
-         if (method%averages()) call average_strain(store, tile, scratch%earlier, &
-            deformation%gradient)
          call stretch_tile(store, tile, deformation%gradient)
          if (allocated(method%splitting)) call find_opening(method%splitting, &
             simulation%grid%spacing, store, tile, deformation%gradient, dt)
@@ -472,6 +471,8 @@ contains
          else
             call centre_gradient(n, deformation%plane, deformation%gradient)
          end if
+         if (method%averages()) call average_strain(store, tile, scratch%earlier, &
+            deformation%gradient)
          if (method%limited) call find_jump(simulation%grid, store%cell_start(:, tile), &
             simulation%nodes%strain(:, :, view%slot), view%gradient, deformation%gradient, &
             deformation%jump)

@@ -8,6 +8,8 @@ module driver_method
    use ddmp_catalogue, only: choose_quadrature, quadrature_names
    use ddmp_dual, only: surface_fill, surface_names
    use ddmp_quadrature, only: quadrature_t
+   use driver_method_defaults, only: settle_method, stress_after, stress_average, stress_before, &
+      stress_names, stress_remapped
    use particle_store, only: traits_t
    use transfer_basis, only: basis_t
    use particle_split, only: splitting_t
@@ -17,14 +19,7 @@ module driver_method
    private
 
    public :: declare_method, method_t, position_of
-
-   integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
-   integer, parameter, public :: stress_before = 2   !! usf: before the force
-   integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
-   !> usavg: by half of what particles bring to the nodes, by half of what they take from there
-   integer, parameter, public :: stress_average = 4
-   character(len=5), parameter, public :: stress_names(4) = [character(len=5) :: "usl", "usf", &
-      "musl", "usavg"]
+   public :: stress_after, stress_before
 
    !> Choices of the numerical method.
    type :: method_t
@@ -99,19 +94,7 @@ contains
          "strength that carries an internal energy, all without strength, none, all; default "// &
          "none where the rule of the dual gradient forbids it", &
          words="gases fluids none all", default="gases", owner="run.method = ddmp")
-      call schema%text("method", "stress_update", &
-         "after the step, before it, or after mapping the "// &
-         "new velocities; or with the average of both maps, which keeps energy; default "// &
-         "usavg with ddmp where all matter is elastic, else usl; musl with mpm", &
-         words="usl usf musl usavg")
-      call schema%real("method", "unseen_strain", "share of what nodes gain and particles do "// &
-         "not take that strains with stress_update = 'usavg': damps differences of pressure "// &
-         "between particles; default 0 where all matter is elastic, else 0.2", default="0.2", &
-         range=">= 0 <= 1")
-      call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
-         "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
-         "energy of thin bodies", default="point", words="point tiles", &
-         owner="transfer = rflip")
+      call declare_strain(schema)
       call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
          "material in a cell share their mean dilatation and pressure", default="none", &
          words="none bbar")
@@ -123,6 +106,24 @@ contains
       call schema%integer("method", "split_max", "times that a particle and its parts are "// &
          "halved", default="10", range="> 0 <= 20", owner="split")
    end subroutine declare_method
+
+   !> Declare what strains the particles, and whose rotation they carry.
+   subroutine declare_strain(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%text("method", "stress_update", &
+         "after the step, before it, or after mapping the "// &
+         "new velocities; or with the average of both maps, which keeps energy; default usl "// &
+         "with ddmp, musl with mpm", words="usl usf musl usavg")
+      call schema%real("method", "unseen_strain", "share of what nodes gain and particles do "// &
+         "not take that strains with stress_update = 'usavg': damps differences of pressure "// &
+         "between particles; default 0 where all matter is elastic", default="0.2", &
+         range=">= 0 <= 1")
+      call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
+         "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
+         "energy of thin bodies", default="point", words="point tiles", &
+         owner="transfer = rflip")
+   end subroutine declare_strain
 
    !> Declare the keys of artificial viscosity and heat flux that concern nodes.
    subroutine declare_shocks(schema)
@@ -138,17 +139,14 @@ contains
    end subroutine declare_shocks
 
    !> Make the method from the deck.
-   subroutine method_read(self, deck, carried, stored)
+   subroutine method_read(self, deck, stored)
       class(method_t), intent(inout) :: self         !! The method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      logical, intent(in) :: carried                 !! Does any matter carry an internal energy?
       logical, intent(in) :: stored                  !! Does all matter give back all work?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 
-      call settle_defaults(deck, carried, stored)
-      call settle_turn(deck)
-      call check_normalise(deck)
+      call settle_method(deck, stored)
       group = deck%group("run", 1)
       call group%get("method", word)
       group = deck%group("method", 1)
@@ -162,12 +160,7 @@ contains
       if (self%controlled() .or. self%differing()) call refuse_axis(deck, group, quadrature)
       call group%get("stress_update", word)
       self%stress = max(position_of(word, stress_names), 1)
-      if (self%averages()) then
-         call group%get("unseen_strain", self%unseen)
-      else if (group%given("unseen_strain")) then
-         call deck%complain(group, "unseen_strain needs stress_update = 'usavg'; remove it", &
-            "unseen_strain")
-      end if
+      if (self%averages()) call group%get("unseen_strain", self%unseen)
       call group%get("transfer", word)
       call choose_velocity(word, self%transfer)
       if (.not. allocated(self%transfer)) call choose_velocity("flip", self%transfer)
@@ -201,151 +194,6 @@ contains
       call group%get("split_at", method%splitting%longest)
       call group%get("split_max", method%splitting%generations)
    end subroutine read_splitting
-
-   !> Settle the defaults that depend on other keys; all are by measurement: see
-   !! doc/theory/choice_of_defaults.md.
-   subroutine settle_defaults(deck, carried, stored)
-      type(deck_t), intent(inout) :: deck            !! The deck
-      logical, intent(in) :: carried                 !! Does any matter carry an internal energy?
-      logical, intent(in) :: stored                  !! Does all matter give back all work?
-      character(len=:), allocatable :: method, dimension, alpha
-      logical :: paper, may
-      type(group_t) :: run, group
-
-      run = deck%group("run", 1)
-      call run%get("method", method)
-      call run%get("dimension", dimension)
-      group = deck%group("method", 1)
-      call group%get("paper", paper)
-      if (method /= "ddmp") then
-         if (.not. group%given("transfer")) call deck%settle("method", 1, "transfer", "flip")
-         if (.not. group%given("stress_update")) &
-            call deck%settle("method", 1, "stress_update", trim(stress_names(stress_remapped)))
-         return
-      end if
-      may = may_normalise(deck)
-      if (.not. (group%given("normalise") .or. may)) &
-         call deck%settle("method", 1, "normalise", "none")
-      if (paper) then
-         call settle_paper(deck, group)
-         return
-      end if
-      call group%get("alpha", alpha)
-      if (.not. group%given("blend")) call deck%settle("method", 1, "blend", &
-         trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
-      if (.not. carried .and. keeps_energy(group)) then
-         call deck%settle("method", 1, "stress_update", trim(stress_names(stress_average)))
-         if (stored .and. .not. group%given("flip")) &
-            call deck%settle("method", 1, "flip", 1.0_wp)
-         if (stored .and. .not. group%given("unseen_strain")) &
-            call deck%settle("method", 1, "unseen_strain", 0.0_wp)
-      else if (.not. group%given("stress_update")) then
-         call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
-      end if
-   end subroutine settle_defaults
-
-   !> May a deck of elastic matter have the order and the transfer that keep energy?
-   logical function keeps_energy(group) result(keeps)
-      type(group_t), intent(in) :: group             !! &method
-      character(len=:), allocatable :: transfer, quadrature, antilock, update
-
-      call group%get("transfer", transfer)
-      call group%get("quadrature", quadrature)
-      call group%get("antilock", antilock)
-      keeps = transfer == "rflip" .and. quadrature == "point" .and. antilock == "none"
-      if (.not. group%given("stress_update")) return
-      call group%get("stress_update", update)
-      keeps = keeps .and. update == stress_names(stress_average)
-   end function keeps_energy
-
-   !> With two velocities the rotation is that of the surroundings: that of single particles makes
-   !! energy there.
-   subroutine settle_turn(deck)
-      type(deck_t), intent(inout) :: deck            !! The deck
-      character(len=:), allocatable :: transfer, update, turn
-      type(group_t) :: group
-
-      group = deck%group("method", 1)
-      call group%get("transfer", transfer)
-      call group%get("stress_update", update)
-      if (transfer /= "rflip" .or. update /= stress_names(stress_average)) return
-      if (.not. group%given("turn_from")) then
-         call deck%settle("method", 1, "turn_from", "tiles")
-         return
-      end if
-      call group%get("turn_from", turn)
-      if (turn /= "tiles") call deck%complain(group, "stress_update = 'usavg' makes energy "// &
-         "with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
-   end subroutine settle_turn
-
-   !> Refuse normalised sums where the rule of the dual gradient does not allow them.
-   subroutine check_normalise(deck)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      character(len=:), allocatable :: method, word
-      logical :: may
-      type(group_t) :: run, group
-
-      run = deck%group("run", 1)
-      call run%get("method", method)
-      if (method /= "ddmp") return
-      group = deck%group("method", 1)
-      call group%get("normalise", word)
-      may = may_normalise(deck)
-      if (word /= "none" .and. .not. may) call deck%complain(group, &
-         "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and "// &
-         "no dimension = 'axisymmetric' or paper = .true.; write 'none'", "normalise")
-   end subroutine check_normalise
-
-   !> Does the rule of the dual gradient allow normalised sums?
-   logical function may_normalise(deck) result(may)
-      type(deck_t), intent(in) :: deck               !! The deck
-      character(len=:), allocatable :: dimension, quadrature, surface
-      logical :: paper
-      type(group_t) :: run, group
-
-      run = deck%group("run", 1)
-      call run%get("dimension", dimension)
-      group = deck%group("method", 1)
-      call group%get("quadrature", quadrature)
-      call group%get("free_surface", surface)
-      call group%get("paper", paper)
-      may = dimension /= "axisymmetric" .and. .not. paper .and. quadrature == "point" .and. &
-         surface == "fill"
-   end function may_normalise
-
-   !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.
-   subroutine settle_paper(deck, group)
-      type(deck_t), intent(inout) :: deck            !! The deck
-      type(group_t), intent(in) :: group             !! &method
-      character(len=13), parameter :: keys(6) = [character(len=13) :: "transfer", "alpha", &
-         "blend", "free_surface", "quadrature", "stress_update"]
-      character(len=7), parameter :: fixed(6) = [character(len=7) :: "flip", "product", "linear", &
-         "none", "point", "usf"]
-      character(len=:), allocatable :: word
-      real(wp) :: number
-      integer :: n
-
-      do n = 1, size(keys)
-         if (group%given(trim(keys(n)))) then
-            call group%get(trim(keys(n)), word)
-            if (word /= fixed(n)) call deck%complain(group, "paper = .true. needs "// &
-               trim(keys(n))//" = '"//trim(fixed(n))//"'; remove one of the two", trim(keys(n)))
-         else
-            call deck%settle("method", 1, trim(keys(n)), trim(fixed(n)))
-         end if
-      end do
-      do n = 1, 2
-         associate (key => merge("flip   ", "alpha_0", n == 1))
-            if (.not. group%given(trim(key))) then
-               call deck%settle("method", 1, trim(key), 1.0_wp)
-               cycle
-            end if
-            call group%get(trim(key), number)
-            if (abs(number - 1.0_wp) > 0.0_wp) call deck%complain(group, &
-               "paper = .true. needs "//trim(key)//" = 1; remove one of the two", trim(key))
-         end associate
-      end do
-   end subroutine settle_paper
 
    !> What belongs to the dual domain gradient.
    subroutine read_dual(method, deck, group)

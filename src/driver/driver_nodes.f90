@@ -425,7 +425,7 @@ contains
    end subroutine remap_nodes
 
    !> The velocity of the nodes of a tile at the end of a step, from what particles gained and a
-   !! share of what they did not take. Equation (M.26) of doc/theory/method.md.
+   !! share of what they did not take. Equation (T.14) of doc/theory/transfers.md.
    pure subroutine add_gained(simulation, tile, velocity)
       type(simulation_t), intent(in) :: simulation   !! The run, or a velocity field of it
       integer, intent(in) :: tile                    !! Which tile

@@ -49,12 +49,10 @@ contains
       type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
       integer, intent(in), optional :: coarser       !! Cells so many times as large as in the deck
       type(traits_t) :: traits
-      logical :: carried, stored
       integer :: n
 
       call read_materials(deck, simulation)
-      call find_answers(simulation%materials, carried, stored)
-      call simulation%method%read(deck, carried, stored)
+      call simulation%method%read(deck, stores_work(simulation%materials))
       call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
       if (present(coarser)) call coarsen(simulation%grid, coarser)
@@ -276,31 +274,25 @@ contains
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
 
-   !> What matter does with the work that strains it.
-   pure subroutine find_answers(materials, carried, stored)
+   !> True if all matter stores what strains it and gives it back: no flow, failure or heat.
+   pure logical function stores_work(materials) result(stored)
       type(material_t), intent(in) :: materials(:)   !! Those of the deck
-      logical, intent(out) :: carried                !! Does any of it carry an internal energy?
-      logical, intent(out) :: stored                 !! Does all of it give the work back?
       type(matter_t), allocatable :: matter
       integer :: index
 
-      carried = .false.
-      stored = .true.
+      stored = size(materials) > 0
       do index = 1, size(materials)
          associate (material => materials(index))
+            stored = stored .and. allocated(material%law) .and. .not. &
+               (allocated(material%damage) .or. allocated(material%fracture))
+            if (.not. stored) return
             allocate (matter)
             call material%request(matter)
-            carried = carried .or. allocated(matter%energy)
+            stored = .not. (material%law%plastic() .or. allocated(matter%energy))
             deallocate (matter)
-            if (allocated(material%damage) .or. allocated(material%fracture) .or. .not. &
-               allocated(material%law)) then
-               stored = .false.
-            else if (material%law%plastic()) then
-               stored = .false.
-            end if
          end associate
       end do
-   end subroutine find_answers
+   end function stores_work
 
    !> The bodies.
    subroutine read_bodies(deck, simulation, shapes, bodies)

@@ -14,8 +14,9 @@ module driver_trust
       measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_look_t
    use driver_method, only: method_t
    use driver_simulation, only: simulation_t
-   use driver_trust_record, only: apart, trust_bad, trust_damped, trust_energy, trust_heat, trust_noise, &
-      trust_ok, trust_retired, trust_speed, trust_stretch, trust_t, trust_volume, verdict_of
+   use driver_trust_record, only: apart, trust_bad, trust_damped, trust_energy, trust_heat, &
+      trust_noise, trust_ok, trust_retired, trust_speed, trust_stretch, trust_t, trust_volume, &
+      verdict_of
    use mesh_motion, only: motion_t
    use particle_body, only: body_t
    use particle_neighbours, only: lattice_t
@@ -344,8 +345,6 @@ contains
       if (.not. strays .and. verdict_of(trust_damped, now%damped_share) == trust_ok) return
       remedy = ""
       if (strays .and. .not. method%averages()) remedy = " stress_update = 'usavg',"
-      if (strays .and. method%transfer%turning() .and. .not. method%smooth_turn) &
-         remedy = remedy//" turn_from = 'tiles',"
       if (method%transfer%keep() > 0.0_wp .and. method%transfer%keep() < 1.0_wp) &
          remedy = remedy//" flip = 1,"
       if (len(remedy) == 0) then

@@ -106,7 +106,8 @@ class Runner(unittest.TestCase):
             names = [one.name for one in run_tests.choose(tests, choice(*words, share=share), filtered)[0]]
             self.assertEqual(names, expected)
         self.assertEqual([one.name for one in run_tests.choose(tests[4:], choice(), True)[0]], ["d"])
-        found = [one.name for share in range(3) for one in run_tests.choose(tests, choice("full", share=share), False)[0]]
+        found = [one.name for share in range(3)
+                 for one in run_tests.choose(tests, choice("full", share=share), False)[0]]
         self.assertEqual((found.count("a"), found.count("c")), (3, 1))
 
     def test_time(self):

@@ -1,17 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Bodies without internal energy keep what they have: rings and blocks collide; a ring, a disc and a ball vibrate.
 
-With the defaults. Would catch: straining with velocities that the particles do not take up, halves of the strain with
-each other's velocity or for a wrong time, a half that is taken ahead and never put right, rotations that are not
-smoothed or smoothed at the wrong places (bits that depend on ranks or a restart), angular momentum that is given for
-the energy, a loss without a warning, damping that nobody books.
+With `stress_update = 'usavg'`. Would catch: straining with velocities that the particles do not take up, halves of the
+strain with each other's velocity or for a wrong time, a half that is taken ahead and never put right, rotations that
+are not smoothed or smoothed at the wrong places (bits that depend on ranks or a restart), angular momentum that is
+given for the energy, a loss without a warning, damping that nobody books.
 
 A neo-Hookean body loses nothing, so all that is lost is an error. Targets: two rings of five cells 2 %, soft blocks
-3 %, free vibration of ten cells 1 % in nine periods, angular momentum 1e-4 a turn. Disc and ball are known misses,
-held at ten times that: the half strain that is taken ahead costs 2 % at a step of 0.4 of the time that a signal needs
-for a cell, and 0.3 to 1.2 % at half of it. The control is the order `usl`, which must lose more than a tenth in the
-rings, or they no longer show what is cured. What the share of PIC takes is booked: with `flip = 0.999` the balance must
-close as well, and it takes more than a tenth.
+3 %, free vibration of ten cells 1 % in nine periods, angular momentum 1e-4 a turn. The ball is a known
+miss, held at ten times that. The control is the default, which must
+lose more than a tenth in the rings, or they no longer show what is cured. What the share of PIC takes is booked: with
+`flip = 0.999` the balance must close as well, and it takes more than a tenth.
 """
 # tiers: smoke, full
 # timeout: 300
@@ -36,7 +35,7 @@ DECK = """
 &effects  eos=.false.  artificial_viscosity=.false. /
 &material  name='rubber'  density={density}  bulk={bulk}  shear={shear}  strength_model='neo_hookean' /
 {bodies}
-&output  name='h'  kind='history'  every=50 /
+&output  name='h'  kind='history'  every=20 /
 &checkpoint  at_end=.true. /
 """
 RINGS = """
@@ -65,10 +64,11 @@ POINTS = """
 """
 
 
+KEEPS = "stress_update='usavg'"
 SMALL = (0.25, 0.5, 0.1), 0.004, 4e-4
 
 
-def run(options, name, bodies, size, dx, end, method="", dimension="plane_strain", points=None, ranks=1, more=()):
+def run(options, name, bodies, size, dx, end, method=KEEPS, dimension="plane_strain", points=None, ranks=1, more=()):
     """Run a body in a box of half edges `size` [m]."""
     x, y, z = size
     deck = DECK.format(dimension=dimension, lo=f"{-x},{-y},{-z}", hi=f"{x},{y},{z}", dx=dx, end=end, method=method,
@@ -115,11 +115,14 @@ def vibrations(options, sheet):
         good = run(options, f"vibrating_{name}", POINTS.format(volume=volume),
                    (half, half if dimensions == 3 else dx / 2, half), dx, end,
                    dimension="plane_strain" if dimensions == 2 else "3d", points=points)
-        error = good.summary["ledger"]["energy_error"]
-        if name == "ring":
-            sheet.below(f"vibrating {name}: energy in nine periods", error, 0.01)
-        else:
+        # velocities stand half a step before places, so the balance swings; its mean over two periods does not
+        table = good.history
+        late = table["time"] > 7.0 / 9.0 * end
+        error = float(table["energy_error"][late].mean())
+        if name == "ball":
             sheet.known(f"vibrating {name}: energy in nine periods", error, limit=0.1, target=0.01)
+        else:
+            sheet.below(f"vibrating {name}: energy in nine periods", error, 0.01)
 
 
 def same_bits(options, sheet):
@@ -140,12 +143,12 @@ def rings(options, sheet):
     box = (0.25, 0.5, 0.1), 0.002, 6e-3
     good = run(options, "rings", RINGS, *box)
     sheet.below("rings: energy", good.summary["ledger"]["energy_error"], 0.02)
-    bad = run(options, "rings_usl", RINGS, *box, method="stress_update='usl'")
-    sheet.above("rings, usl: energy that is lost", -bad.summary["ledger"]["energy_error"], 0.1)
+    bad = run(options, "rings_default", RINGS, *box, method="")
+    sheet.above("rings, default: energy that is lost", -bad.summary["ledger"]["energy_error"], 0.1)
     said = [line for line in bad.path(".log").read_text().splitlines() if "of the energy is lost" in line]
-    sheet.require(len(said) == 1 and "usavg" in said[0] and "tiles" in said[0],
-                  f"rings, usl: one warning with the remedy: {said}")
-    some = run(options, "rings_damped", RINGS, *box, method="flip=0.999").summary
+    sheet.require(len(said) == 1 and "usavg" in said[0],
+                  f"rings, default: one warning with the remedy: {said}")
+    some = run(options, "rings_damped", RINGS, *box, method=KEEPS + "  flip=0.999").summary
     sheet.below("rings, damped: energy", some["ledger"]["energy_error"], 0.02)
     sheet.above("rings, damped: what is booked", some["trust"]["damped"]["value"], 0.1)
 

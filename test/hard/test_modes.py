@@ -61,7 +61,8 @@ def in_cells(options, sheet):
     """Particles of a cell against each other."""
     def sign(n):
         return (-1) ** n
-    for name, words, kept in (("default", "", 1.0), ("damped", "flip=0.999", 0.999), ("flip", "transfer='flip' flip=1", 1.0),
+    for name, words, kept in (("default", "", 0.999),
+                              ("average", "stress_update='usavg'", 1.0), ("flip", "transfer='flip' flip=1", 1.0),
                               ("xpic", "transfer='xpic' order_k=2", None),
                               ("xpic5", "transfer='xpic' order_k=5", None),
                               ("fmpm", "transfer='fmpm' order_k=3", None),
