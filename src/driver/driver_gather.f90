@@ -352,17 +352,16 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), allocatable :: before(:, :)
 
       associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
          store => simulation%stores(index), start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile))
-         if (damps(method, simulation%carries_energy)) &
-            before = store%position(first:first + store%count(tile) - 1, :)
          call method%basis%gather_motion(grid, start, first, places, view%push, view%carry, &
             method%transfer%keep(), dt, store%velocity, store%position)
-         if (allocated(before)) call book_damping(scratch%ledger, store, tile, before, &
-            method%transfer%keep(), dt)
+         if (damps(method, simulation%carries_energy)) then
+            call method%basis%collect(grid, start, places, view%carry, places%vector)
+            call book_damping(scratch%ledger, store, tile, places%vector, method%transfer%keep())
+         end if
          if (.not. method%transfer%affine() .or. strained(simulation, index)) return
          call find_slopes(simulation, places, start, view%after, view%gradient, &
             scratch%deformation%gradient)

@@ -53,25 +53,23 @@ contains
 
    !> Book the kinetic energy that the share of PIC took from the particles of a tile. With the
    !! velocity c with which they moved they would have (v - (1 - f) c)/f without it, as FLIP gives
-   !! it. Equation (L.13) of doc/theory/ledger.md.
-   subroutine book_damping(ledger, store, tile, before, keep, dt)
+   !! it: more by (1 - f)/f (v - c). Equation (L.13) of doc/theory/ledger.md.
+   subroutine book_damping(ledger, store, tile, moved, keep)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(store_t), intent(in) :: store             !! The particles after the step
       integer, intent(in) :: tile                    !! Which tile
-      real(wp), contiguous, intent(in) :: before(:, :) !! (particle of the tile, 3) Position [m]
+      real(wp), contiguous, intent(in) :: moved(:, :) !! (particle of the tile, 3) c [m/s]
       real(wp), intent(in) :: keep                   !! Share f of FLIP [1]
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: taken, free
+      real(wp) :: taken, lost
       integer :: p, q, k
 
       taken = 0.0_wp
       do k = 1, 3
-         !$omp simd reduction(+:taken) private(q, free)
+         !$omp simd reduction(+:taken) private(q, lost)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
-            free = (store%velocity(q, k) - (1.0_wp - keep)*(store%position(q, k) - before(p, k)) &
-               /dt)/keep
-            taken = taken + 0.5_wp*store%matter%mass(q)*(free**2 - store%velocity(q, k)**2)
+            lost = (1.0_wp - keep)/keep*(store%velocity(q, k) - moved(p, k))
+            taken = taken + store%matter%mass(q)*lost*(store%velocity(q, k) + 0.5_wp*lost)
          end do
       end do
       call ledger%sums(damped)%add(taken)

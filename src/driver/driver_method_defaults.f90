@@ -132,7 +132,8 @@ contains
       may = may_normalise(deck)
       if (word /= "none" .and. .not. may) call deck%complain(group, &
          "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and "// &
-         "no dimension = 'axisymmetric' or paper = .true.; write 'none'", "normalise")
+         "no dimension = 'axisymmetric', viscosity_limiter = 'smooth' or paper = .true.; "// &
+         "write 'none'", "normalise")
    end subroutine check_normalise
 
    !> Does the rule of the dual gradient allow normalised sums?

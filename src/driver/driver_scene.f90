@@ -53,6 +53,10 @@ contains
 
       call read_materials(deck, simulation)
       call simulation%method%read(deck, stores_work(simulation%materials))
+      do n = 1, size(simulation%materials)
+         if (allocated(simulation%materials(n)%viscosity)) &
+            simulation%materials(n)%viscosity%limited = simulation%method%limited
+      end do
       call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
       if (present(coarser)) call coarsen(simulation%grid, coarser)
@@ -268,8 +272,6 @@ contains
       allocate (simulation%materials(deck%count("material")))
       do index = 1, size(simulation%materials)
          call simulation%materials(index)%read(deck, index)
-         if (allocated(simulation%materials(index)%viscosity)) &
-            simulation%materials(index)%viscosity%limited = simulation%method%limited
       end do
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
