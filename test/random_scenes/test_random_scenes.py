@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# tiers: smoke, long
+# tiers: smoke, full, long
 # timeout: 1800
 # timeout long: 18000
 """Random legal decks, each judged by invariants alone; see generate.py for what is drawn and judge.py for the limits.
