@@ -174,7 +174,8 @@ def energy(verdict, scene, table, told):
     if made > limit:
         verdict.find("bad", "energy made" + (" (carried)" if exact else ""), number(made, exact))
     if lost > limit and (exact or not scene.method.filters):
-        verdict.find("look" if told and not exact else "bad", "energy lost" + (" (carried)" if exact else ""), number(lost, exact))
+        verdict.find("look" if told and not exact else "bad", "energy lost" + (" (carried)" if exact else ""),
+                     number(lost, exact))
 
 
 def number(share, exact):
