@@ -14,8 +14,8 @@ lie within 1 % of that, radii between 6.97 and 7.24 mm. Limits: 1 % and 2 %. Gre
 in the finite elements; limit 6 %, twice their difference. At the end the bar rests: kinetic energy 4e-4 in the
 finite elements, limit 1e-3; the measured bar of three cells rings longer, limit 4e-3.
 
-The measured bar carries its energy and keeps it to rounding; the classic one carries none, so what transfers take is
-lost to its books: target 1 %, a known miss with eight cells on the radius, held at twice that.
+The measured bar carries its energy and keeps it to rounding; the classic one carries none, so what the order of update
+takes is lost to its books: 1 %.
 
 Tier long: both bars with three sizes of cells by several methods, figures in doc/theory/verification_metals.md. Would
 catch results that change with the cells without end, and a method that locks or loses its foot in fine grids. Cells of
@@ -90,7 +90,7 @@ def main():
         result = taylor.strike(options, "classic", taylor.CLASSIC)
         classic(sheet, "classic", result)
         sheet.near("classic: greatest plastic strain", result["strain"], 3.265, 0.06)
-        sheet.known("classic: energy", result["energy"], limit=0.02, target=0.01)
+        sheet.below("classic: energy", result["energy"], 0.01)
         sheet.below("classic: kinetic energy left", result["kinetic"], 1.0e-3)
     if tier.NAME == "long":
         fine(options, sheet)
