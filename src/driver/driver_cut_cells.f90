@@ -14,7 +14,7 @@ module driver_cut_cells
    implicit none
    private
 
-   public :: cut_cells
+   public :: cut_cells, ramp
 
    integer, parameter :: halvings = 30               !! Of an edge, to find where it is cut
    !> From where on nodes beyond a surface carry pressure along it, as a place on the edge that it

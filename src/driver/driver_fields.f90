@@ -71,8 +71,7 @@ contains
          call move_nodes(simulation, simulation%kick, dt)
          if (simulation%method%transfer%sweeps() > 0) &
             call filter_nodes(simulation, simulation%kick)
-         if (simulation%method%remaps() .or. simulation%method%averages()) &
-            call map_again(simulation)
+         if (simulation%method%remaps()) call map_again(simulation)
          call judge_nodes(simulation, dt, again, error)
          if (allocated(error)) return
          if (.not. again) exit
@@ -90,7 +89,7 @@ contains
       call touch_bodies(simulation, dt)
       if (simulation%contact%bonded) call break_bonds(simulation)
       call finish_velocities(simulation, dt)
-      if (.not. (simulation%method%remaps() .or. simulation%method%averages())) return
+      if (.not. simulation%method%remaps()) return
       do field = 1, size(simulation%contact%field)
          call simulation%take_field(field)
          call map_again(simulation)

@@ -11,7 +11,7 @@ module driver_losses
    implicit none
    private
 
-   public :: book_damping, book_losses, damps
+   public :: book_damped, book_damping, book_losses, damps
 
 contains
 
@@ -40,15 +40,15 @@ contains
       if (.not. allocated(matter%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
    end subroutine book_losses
 
-   !> Does the share of PIC take kinetic energy that nothing takes up, and that positions tell?
+   !> Does the share of PIC take kinetic energy that nothing takes up, and that can be told?
    pure logical function damps(method, carries) result(told)
       type(method_t), intent(in) :: method           !! Its transfer
       logical, intent(in) :: carries                 !! Does some matter carry an internal energy?
 
       ! with musl the strain sees it, so what it takes is not lost
-      told = .not. (carries .or. method%remaps()) .and. method%leapfrog .and. &
-         method%transfer%sweeps() == 0 .and. method%transfer%keep() > 0.0_wp .and. &
-         method%transfer%keep() < 1.0_wp
+      told = .not. carries .and. (method%averages() .or. .not. method%remaps()) .and. &
+         method%leapfrog .and. method%transfer%sweeps() == 0 .and. &
+         method%transfer%keep() > 0.0_wp .and. method%transfer%keep() < 1.0_wp
    end function damps
 
    !> Book the kinetic energy that the share of PIC took from the particles of a tile. With the
@@ -72,7 +72,15 @@ contains
             taken = taken + store%matter%mass(q)*lost*(store%velocity(q, k) + 0.5_wp*lost)
          end do
       end do
-      call ledger%sums(damped)%add(taken)
-      call ledger%sums(dissipated)%add(taken)
+      call book_damped(ledger, taken)
    end subroutine book_damping
+
+   !> Book energy that the share of PIC took.
+   subroutine book_damped(ledger, energy)
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      real(wp), intent(in) :: energy                 !! [J]
+
+      call ledger%sums(damped)%add(energy)
+      call ledger%sums(dissipated)%add(energy)
+   end subroutine book_damped
 end module driver_losses

@@ -277,11 +277,11 @@ contains
       first = self%stress == stress_before
    end function method_strains_first
 
-   !> Are the new velocities of the particles mapped to the nodes for the strain?
+   !> Are new velocities of particles, or what they gain, mapped to the nodes for the strain?
    pure logical function method_remaps(self) result(remaps)
       class(method_t), intent(in) :: self            !! The method
 
-      remaps = self%stress == stress_remapped
+      remaps = self%stress == stress_remapped .or. self%stress == stress_average
    end function method_remaps
 
    !> Is the strain of a step half of the velocity at its begin and half of that at its end?

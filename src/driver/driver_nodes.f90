@@ -5,8 +5,8 @@ module driver_nodes
    use base_kinds, only: wp
    use driver_cost, only: book_cost, cost_clock
    use driver_dual_nodes, only: calm_tile, find_volumes, put_gradient
-   use driver_ledger, only: cross, damped, dissipated, external_work, impulse, ledger_t, torque
-   use driver_losses, only: damps
+   use driver_ledger, only: cross, external_work, impulse, ledger_t, torque
+   use driver_losses, only: book_damped, damps
    use driver_node_sums, only: divide, ensure_sums, find_sums, slots
    use driver_reach, only: look_at_tile, worse
    use driver_scatter, only: vector_rows
@@ -64,8 +64,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run, without contact
       integer :: face
 
-      later = (simulation%method%remaps() .or. simulation%method%averages()) .and. &
-         .not. simulation%carries_energy
+      later = simulation%method%remaps() .and. .not. simulation%carries_energy
       if (later) later = allocated(simulation%gravity) .or. allocated(simulation%rigid) &
          .or. any([(simulation%boundary%ruled(face), face=1, 6)])
    end function books_later
@@ -318,9 +317,7 @@ contains
       do node = 1, size(change, 2)
          stopped = stopped + own(1, node)*dot_product(change(:, node), velocity(:, node))
       end do
-      stopped = (1.0_wp - simulation%method%transfer%keep())*stopped
-      call ledger%sums(damped)%add(stopped)
-      call ledger%sums(dissipated)%add(stopped)
+      call book_damped(ledger, (1.0_wp - simulation%method%transfer%keep())*stopped)
    end subroutine book_stopped
 
    !> Book impulse, its moment, and work of a push on the nodes of a tile.

@@ -12,12 +12,11 @@ module driver_normalise
    use base_kinds, only: wp
    use ddmp_alpha, only: mean_alpha
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use driver_cut_cells, only: cut_cells
+   use driver_cut_cells, only: cut_cells, ramp
    use driver_relax, only: evens_pressure
    use driver_scatter, only: find_plain_places
    use driver_simulation, only: empty_mass, scratch_t, simulation_t
    use driver_walls, only: stand_walls
-   use material_matter, only: matter_t
    use material_type, only: material_t
    use mesh_rigid, only: held_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
@@ -54,7 +53,7 @@ contains
          simulation%flows = [(flows(simulation%materials(n)), n=1, size(simulation%materials))]
          simulation%normalises = simulation%flows .or. method%normalise == "all"
          if (method%normalise == "gases") simulation%normalises = simulation%flows .and. &
-            [(carries(simulation%materials(n)), n=1, size(simulation%materials))]
+            [(simulation%materials(n)%carries_energy(), n=1, size(simulation%materials))]
          if (.not. any(simulation%normalises)) then
             deallocate (simulation%normalises, simulation%flows)
             return
@@ -70,15 +69,6 @@ contains
 
       columns = merge(foreign - 1, foreign, all(simulation%normalises))
    end function plain_columns
-
-   !> Do particles of a material carry an internal energy?
-   logical function carries(material) result(yes)
-      type(material_t), intent(in) :: material       !! The material
-      type(matter_t) :: matter
-
-      call material%request(matter)
-      yes = allocated(matter%energy)
-   end function carries
 
    !> Is a material without strength? Loose grains have some.
    pure logical function flows(material) result(yes)
@@ -337,12 +327,4 @@ contains
          due(node) = present(1, node)
       end associate
    end subroutine find_due
-
-   !> Smooth way from 0 to 1 [1].
-   pure real(wp) function ramp(x) result(y)
-      real(wp), intent(in) :: x                      !! Below 0: 0, above 1: 1
-
-      y = min(max(x, 0.0_wp), 1.0_wp)
-      y = y*y*(3.0_wp - 2.0_wp*y)
-   end function ramp
 end module driver_normalise

@@ -33,7 +33,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
 
       associate (method => simulation%method)
-         asked = method%remaps() .or. method%averages() .or. (method%dual .and. &
+         asked = method%remaps() .or. (method%dual .and. &
             method%stress == stress_after)
       end associate
       asked = asked .and. simulation%guard%bounds%dt_free

@@ -99,7 +99,7 @@ contains
             allocated(simulation%exact) .or. simulation%repacks .or. &
             allocated(simulation%normalises) .or. &
             method%transfer%sweeps() > 0 .or. method%controlled() .or. method%differing() .or. &
-            method%remaps() .or. method%averages())
+            method%remaps())
       end associate
    end function may_be_lean
 

@@ -22,10 +22,8 @@ module driver_scene
       version_text
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_check_grid, only: axis_names
-   use material_matter, only: matter_t
    use material_record, only: read_record
    use material_type, only: material_t
-   use material_wishes, only: wishes_t
    use mesh_boundary, only: face_names, face_outflow, face_periodic, face_symmetry, face_types
    use mesh_grid, only: grid_t
    use particle_disks, only: disks_t, start_disks
@@ -213,13 +211,11 @@ contains
    subroutine check_heat_flux(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
-      type(wishes_t) :: wishes
       integer :: n
 
       if (.not. simulation%method%heat_flux > 0.0_wp) return
       do n = 1, size(simulation%materials)
-         wishes = simulation%materials(n)%wishes()
-         if (wishes%asked("energy")) return
+         if (simulation%materials(n)%carries_energy()) return
       end do
       call deck%complain(deck%group("method", 1), "no material carries an internal energy; "// &
          "remove heat_flux", "heat_flux")
@@ -279,7 +275,6 @@ contains
    !> True if all matter stores what strains it and gives it back: no flow, failure or heat.
    pure logical function stores_work(materials) result(stored)
       type(material_t), intent(in) :: materials(:)   !! Those of the deck
-      type(matter_t), allocatable :: matter
       integer :: index
 
       stored = size(materials) > 0
@@ -288,10 +283,7 @@ contains
             stored = stored .and. allocated(material%law) .and. .not. &
                (allocated(material%damage) .or. allocated(material%fracture))
             if (.not. stored) return
-            allocate (matter)
-            call material%request(matter)
-            stored = .not. (material%law%plastic() .or. allocated(matter%energy))
-            deallocate (matter)
+            stored = .not. (material%law%plastic() .or. material%carries_energy())
          end associate
       end do
    end function stores_work
@@ -389,11 +381,9 @@ contains
       type(group_t), intent(in) :: group             !! The &body
       type(material_t), intent(in) :: material       !! Its material
       type(body_t), intent(inout) :: body            !! Gets the energy
-      type(wishes_t) :: wishes
 
       call group%get("specific_energy", body%energy)
-      wishes = material%wishes()
-      if (body%energy > 0.0_wp .and. .not. wishes%asked("energy")) call deck%complain(group, &
+      if (body%energy > 0.0_wp .and. .not. material%carries_energy()) call deck%complain(group, &
          "material '"//material%name//"' carries no internal energy; remove specific_energy or "// &
          "choose an eos_model that depends on it", "specific_energy")
    end subroutine read_energy

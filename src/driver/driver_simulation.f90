@@ -53,9 +53,9 @@ module driver_simulation
       real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
-      !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
       !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]
       real(wp), allocatable :: turn(:, :, :)
+      !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
       real(wp), allocatable :: extra(:, :, :)
       real(wp), allocatable :: filtered(:, :, :) !! (3) Sum of the series of velocities [m/s]
       real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]

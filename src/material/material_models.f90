@@ -50,6 +50,7 @@ module material_models
    contains
       procedure :: wishes => models_wishes           !! Fields to be carried, and why
       procedure :: request => models_request         !! Allocates these fields
+      procedure :: carries_energy => models_carries_energy !! Is an internal energy among them?
       procedure :: start => models_start             !! Initial state of particles
       procedure :: scatter => models_scatter         !! Random strength of particles
       procedure :: has => models_has                 !! Is an effect on?
@@ -82,6 +83,15 @@ contains
          if (self%law%has_grains()) call wishes%ask("inertial_number", "output", 1)
       end if
    end function models_wishes
+
+   !> Do its particles carry an internal energy?
+   pure logical function models_carries_energy(self) result(carries)
+      class(models_t), intent(in) :: self            !! The material
+      type(wishes_t) :: wishes
+
+      wishes = self%wishes()
+      carries = wishes%asked("energy")
+   end function models_carries_energy
 
    !> Allocate exactly the fields that the chain needs.
    pure subroutine models_request(self, matter, particles)

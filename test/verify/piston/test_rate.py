@@ -15,8 +15,7 @@ are printed); their mean is right to 1e-4. The solid has bulk_q1 = 0.5 as in tes
 between the two shocks.
 
 Limits. Ratio of the errors of a halving: at most 2**(-1/2) = 0.71, as the heated wall is a contact, which schemes of
-first order resolve at order 1/2. The mean of a cell must be better than single particles in the solid; in the fluid
-normalised sums leave no such scatter. Error of the finest run: the
+first order resolve at order 1/2. The mean of a cell must be better than single particles. Error of the finest run: the
 scatter of 3 % that single particles have. The solid with the default viscosity, which rings, misses the second ratio:
 a known miss; its error must fall.
 """
@@ -80,8 +79,11 @@ def main():
                   f"of single particles {errors[-1][1]:.4f}", flush=True)
         ratios = [fine[0] / coarse[0] for coarse, fine in zip(errors, errors[1:])]
         sheet.below(f"{name}: first ratio of the errors of the density", ratios[0], ORDER_HALF)
-        if solid:
-            sheet.below(f"{name}: error of cells over that of particles", max(one / two for one, two in errors), 1.0)
+        worst = max(one / two for one, two in errors)
+        if name == "fluid":     # pressures in a cell are brought together: its mean has nothing to average
+            sheet.known(f"{name}: error of cells over that of particles", worst, limit=1.1, target=1.0)
+        else:
+            sheet.below(f"{name}: error of cells over that of particles", worst, 1.0)
         if tier.NAME == "smoke":
             continue
         if name == "solid default":
