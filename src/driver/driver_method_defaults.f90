@@ -132,26 +132,23 @@ contains
       may = may_normalise(deck)
       if (word /= "none" .and. .not. may) call deck%complain(group, &
          "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and "// &
-         "no dimension = 'axisymmetric', viscosity_limiter = 'smooth' or paper = .true.; "// &
-         "write 'none'", "normalise")
+         "no viscosity_limiter = 'smooth' or paper = .true.; write 'none'", "normalise")
    end subroutine check_normalise
 
    !> Does the rule of the dual gradient allow normalised sums?
    logical function may_normalise(deck) result(may)
       type(deck_t), intent(in) :: deck               !! The deck
-      character(len=:), allocatable :: limiter, dimension, quadrature, surface
+      character(len=:), allocatable :: limiter, quadrature, surface
       logical :: paper
-      type(group_t) :: run, group
+      type(group_t) :: group
 
-      run = deck%group("run", 1)
-      call run%get("dimension", dimension)
       group = deck%group("method", 1)
       call group%get("quadrature", quadrature)
       call group%get("free_surface", surface)
       call group%get("viscosity_limiter", limiter)
       call group%get("paper", paper)
-      may = dimension /= "axisymmetric" .and. .not. paper .and. quadrature == "point" .and. &
-         surface == "fill" .and. limiter == "none"
+      may = .not. paper .and. quadrature == "point" .and. surface == "fill" .and. &
+         limiter == "none"
    end function may_normalise
 
    !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.

@@ -21,7 +21,8 @@ module driver_normalise
    use mesh_rigid, only: held_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
-   use transfer_edges, only: add_edge_sums, cell_edges
+   use transfer_edges, only: add_edge_sums, cell_edges, edge_integrals
+   use transfer_hoop, only: add_hoop_sums, hoop_edges
    use transfer_moments, only: add_moments, divide_moments, moments
    use transfer_scatter, only: scatter_values
    implicit none
@@ -31,7 +32,7 @@ module driver_normalise
 
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
    !! matter beyond the scope
-   integer, parameter :: mass = 1, volume = 2, rest = 2, foreign = 6
+   integer, parameter :: mass = 1, volume = 2, unblended = 2, foreign = 6
    integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
    real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
@@ -160,6 +161,8 @@ contains
                places%blend, 1, places%values, foreign - 1, patch)
             call add_edge_sums(grid, start, first, places%blend, places%alpha, &
                store%matter%volume, sums)
+            if (grid%axisymmetric) call add_hoop_sums(grid, start, first, places%local, &
+               store%position, store%matter%volume, sums)
             if (evens_pressure(simulation, index)) call add_moments(grid, start, first, &
                places%local, store%matter%volume, store%matter%stress, plain_columns(simulation), &
                patch)
@@ -175,14 +178,14 @@ contains
       real(wp) :: sums(size(simulation%nodes%counted, 1), simulation%grid%tile_nodes)
       real(wp) :: filled(volume, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
       real(wp) :: shares(cell_edges, simulation%grid%tile_cells)
-      real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells), whole, mean
-      real(wp) :: own(simulation%grid%tile_cells)
+      real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells)
+      real(wp) :: whole(cell_edges), rest(cell_edges), own(simulation%grid%tile_cells)
       integer :: cell
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile))
          call assemble(grid, simulation%tiles, nodes%counted, tile, sums)
-         nodes%normal(:3, :, tile) = sums(rest + 1:rest + 3, :)
+         nodes%normal(:3, :, tile) = sums(unblended + 1:unblended + 3, :)
          call grid%node_volume(coordinate, around)
          call simulation%dual%cell_weights(grid, sums, volume, around, weight)
          ! by the fill alone, with the same density everywhere
@@ -194,10 +197,11 @@ contains
          if (.not. all(simulation%normalises)) then
             nodes%normal(5, :, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, :) &
                /max(sums(volume, :), empty_mass))
-            filled(volume, :) = 0.5_wp*nodes%normal(5, :, tile)*around
+            filled(volume, :) = simulation%dual%enough*nodes%normal(5, :, tile)*around
             call simulation%dual%cell_weights(grid, filled, volume, around, own)
          end if
-         filled(volume, :) = nodes%normal(5, :, tile)*sums(volume, :)
+         ! full from half of the room on, as in doc/theory/method.md, in axisymmetry too
+         filled(volume, :) = 2.0_wp*simulation%dual%enough*nodes%normal(5, :, tile)*sums(volume, :)
          call simulation%boundary%raise(grid, coordinate, beside, filled(volume, :))
          if (allocated(simulation%rigid)) call fill_held(simulation%rigid%held(tile), around, &
             filled(volume, :))
@@ -220,11 +224,18 @@ contains
          end if
          nodes%weight(:size(weight), tile) = weight
          if (tile > simulation%tiles%own) return
-         whole = grid%depth*grid%spacing**grid%dimensions/real(2**(grid%dimensions - 1), wp)
-         mean = simulation%mean_alpha
+         whole = edge_integrals(grid, 0)
          do cell = 1, size(full)
-            call find_edges(full(cell), own(cell), whole, (1.0_wp - mean)*weight(cell), &
-               shares(:, cell), nodes%factor(:, cell, tile))
+            rest = (1.0_wp - simulation%mean_alpha)*weight(cell)
+            if (grid%axisymmetric) then
+               whole = edge_integrals(grid, coordinate(1)*grid%width(1) &
+                  + mod(cell - 1, grid%width(1)))
+               ! no part of the hoop terms is on nodes; towards walls they balance the radial ones
+               rest(hoop_edges) = 0.0_wp
+               shares(hoop_edges, cell) = shares([1, 1, 2, 2], cell)
+            end if
+            call find_edges(full(cell), own(cell), whole, rest, shares(:, cell), &
+               nodes%factor(:, cell, tile))
          end do
       end associate
    end subroutine judge_cells
@@ -262,15 +273,15 @@ contains
    pure subroutine find_edges(full, own, whole, rest, share, factor)
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
       real(wp), intent(in) :: own                    !! How far its matter is in the scope, 0 to 1
-      real(wp), intent(in) :: whole                  !! Integral of the weight of an edge [m3]
-      real(wp), intent(in) :: rest                   !! Share of it that nodes carry [1]
+      real(wp), intent(in) :: whole(:)               !! (edge) Integral of its weight [m3]
+      real(wp), intent(in) :: rest(:)                !! (edge) Share of it that nodes carry [1]
       real(wp), intent(in) :: share(:)               !! (edge) What walls leave of it [1]
       real(wp), intent(inout) :: factor(:)           !! (edge) Sums [m3] in, factors [1] out
       real(wp) :: target, ratio
       integer :: e
 
       do e = 1, size(factor)
-         target = whole*max(share(e) - rest, 0.0_wp)
+         target = whole(e)*max(share(e) - rest(e), 0.0_wp)
          ratio = 0.0_wp
          if (target > 0.0_wp) ratio = target/min(max(factor(e), target/greatest), target/least)
          factor(e) = 1.0_wp + merge(own, full, ratio < 1.0_wp)*(ratio - 1.0_wp)
@@ -290,7 +301,8 @@ contains
       associate (grid => simulation%grid, nodes => simulation%nodes)
          call assemble(grid, simulation%tiles, nodes%covered, tile, covered)
          call grid%node_volume(simulation%tiles%coordinate(:, tile), around)
-         cells = real(2**grid%dimensions, wp)
+         ! a cell without matter, that with the smaller share beside the axis too, ends the scope
+         cells = merge(6.0_wp, real(2**grid%dimensions, wp), grid%axisymmetric)
          call find_due(simulation, tile, around, due)
          do node = 1, size(around)
             associate (normal => nodes%normal(:, node, tile))

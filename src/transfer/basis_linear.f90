@@ -9,6 +9,7 @@ module basis_linear
    use transfer_basis, only: basis_t
    use transfer_gather, only: gather_gradient, gather_hoop, gather_motion, gather_values, &
       gather_vector, locate
+   use transfer_hoop, only: gather_factored_hoop
    use transfer_places, only: places_t
    use transfer_scatter, only: scatter_affine, scatter_force, scatter_motion, &
       scatter_turning, scatter_values
@@ -186,7 +187,7 @@ contains
       call gather_vector(grid, start, first, places%local, nodes, keep, scale, values)
    end subroutine linear_gather_vector
 
-   !> Hoop rate into component (2, 2) of the gradient.
+   !> Hoop rate into component (2, 2) of the gradient, with factors where sums are normalised.
    ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine linear_gather_hoop(self, grid, start, first, places, position, nodes, &
       scale, gradient)
@@ -200,6 +201,11 @@ contains
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
 
-      call gather_hoop(grid, start, first, places%local, position, nodes, scale, gradient)
+      if (allocated(places%factor)) then
+         call gather_factored_hoop(grid, start, first, places%local, places%factor, position, &
+            nodes, scale, gradient)
+      else
+         call gather_hoop(grid, start, first, places%local, position, nodes, scale, gradient)
+      end if
    end subroutine linear_gather_hoop
 end module basis_linear

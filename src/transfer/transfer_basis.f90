@@ -9,6 +9,7 @@ module transfer_basis
    use base_schema, only: schema_t
    use mesh_grid, only: grid_t
    use particle_store, only: store_t, traits_t
+   use transfer_hoop, only: scatter_factored_hoop
    use transfer_places, only: places_t
    implicit none
    private
@@ -266,7 +267,7 @@ contains
    end subroutine basis_scatter_product
 
    !> Add the force of the hoop stress in axisymmetry, - sum v sigma_yy S / r, to column 5. Equation
-   !! (M.25) of doc/theory/method.md.
+   !! (M.25) of doc/theory/method.md; with factors where sums are normalised.
    pure subroutine basis_scatter_hoop(self, grid, start, first, places, position, volume, stress, &
       patch)
       class(basis_t), intent(in) :: self                     !! The basis
@@ -280,6 +281,11 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: p, q
 
+      if (allocated(places%factor)) then
+         call scatter_factored_hoop(grid, start, first, places%local, places%factor, position, &
+            volume, stress, patch)
+         return
+      end if
       do p = 1, start(grid%tile_cells)
          q = first + p - 1
          places%values(p, 1) = -(volume(q)*stress(q, 2)/position(q, 1))

@@ -12,7 +12,7 @@ module transfer_edges
    implicit none
    private
 
-   public :: add_edge_sums, gather_edge_gradient, low_end
+   public :: add_edge_sums, edge_integrals, gather_edge_gradient, low_end
 
    integer, parameter, public :: edges = lanes/2     !! Of a cell along a direction
    integer, parameter, public :: cell_edges = 3*edges !! Of a cell, direction by direction
@@ -91,6 +91,31 @@ contains
          end do
       end do
    end subroutine gather_edge_gradient
+
+   !> Integrals over a cell of what weighs the slopes of its edges, 0 for edges that the scene lacks.
+   !! In axisymmetry edges along the missing direction are rings through the nodes of the cell, with
+   !! the weight of one over the radius.
+   pure function edge_integrals(grid, cell) result(whole)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, intent(in) :: cell                            !! Cell of the box along x, from 0
+      real(wp) :: whole(cell_edges)                          !! (edge) [m3], of rings [m2]
+      real(wp) :: line(0:1, 3)
+      integer :: l, e
+
+      whole = 0.0_wp
+      do l = 1, 3
+         line(:, l) = grid%line_weight(l, merge(cell, 0, l == 1))
+      end do
+      do l = 1, 3
+         if (.not. grid%active(l)) cycle
+         do e = 1, edges
+            whole(edges*(l - 1) + e) = grid%depth*(sum(line(:, l)) &
+               *line(ibits(e - 1, 0, 1), one(l))*line(ibits(e - 1, 1, 1), other(l)))
+         end do
+      end do
+      if (.not. grid%axisymmetric) return
+      whole(edges + 1:2*edges) = grid%depth*(0.5_wp*grid%spacing)**2
+   end function edge_integrals
 
    !> Lane of the lower end of an edge; that of the upper end has one bit more.
    pure integer function low_end(direction, edge) result(lane)
