@@ -100,7 +100,8 @@ contains
          words="none bbar")
       call declare_shocks(schema)
       call schema%logical("method", "split", "particles that have become long are halved, so "// &
-         "that stretched matter stays in one piece", default=".false.")
+         "that stretched matter stays in one piece; default .true. with normalise = 'gases' where "// &
+         "all matter is gas", default=".false.")
       call schema%real("method", "split_at", "edge of a particle in cells at which it is halved", &
          default="0.55", range="> 0 <= 2", owner="split")
       call schema%integer("method", "split_max", "times that a particle and its parts are "// &
@@ -139,14 +140,15 @@ contains
    end subroutine declare_shocks
 
    !> Make the method from the deck.
-   subroutine method_read(self, deck, stored)
+   subroutine method_read(self, deck, stored, gases)
       class(method_t), intent(inout) :: self         !! The method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Does all matter give back all work?
+      logical, intent(in) :: gases                   !! Is all matter a gas?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 
-      call settle_method(deck, stored)
+      call settle_method(deck, stored, gases)
       group = deck%group("run", 1)
       call group%get("method", word)
       group = deck%group("method", 1)

@@ -23,15 +23,17 @@ contains
 
    !> Settle the defaults of &method that depend on other keys and on the matter, and refuse keys
    !! that do not go together.
-   subroutine settle_method(deck, stored)
+   subroutine settle_method(deck, stored, gases)
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Does all matter give back all work?
+      logical, intent(in) :: gases                   !! Is all matter a gas?
 
       call settle_defaults(deck)
       if (stored) call settle_elastic(deck)
       call settle_turn(deck)
       call check_unseen(deck)
       call check_normalise(deck)
+      if (gases) call settle_split(deck)
    end subroutine settle_method
 
    !> Settle the defaults that depend on other keys.
@@ -98,6 +100,21 @@ contains
       if (turn /= "tiles") call deck%complain(group, "stress_update = 'usavg' makes energy "// &
          "with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
    end subroutine settle_turn
+
+   !> Gas expands without bound, and cells from which all particles have gone hold no volume. An exact
+   !! solution needs whole particles.
+   subroutine settle_split(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck, gets the default
+      character(len=:), allocatable :: normalise, solution
+      type(group_t) :: group, exact
+
+      group = deck%group("method", 1)
+      if (group%given("split")) return
+      call group%get("normalise", normalise)
+      exact = deck%group("exact")
+      call exact%get("solution", solution)
+      if (normalise /= "none" .and. solution == "none") call deck%settle("method", 1, "split", .true.)
+   end subroutine settle_split
 
    !> Refuse a share of unseen velocities where no strain takes it.
    subroutine check_unseen(deck)

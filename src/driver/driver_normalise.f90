@@ -13,11 +13,11 @@ module driver_normalise
    use ddmp_alpha, only: mean_alpha
    use driver_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use driver_cut_cells, only: cut_cells, ramp
+   use driver_matter, only: flows
    use driver_relax, only: evens_pressure
    use driver_scatter, only: find_plain_places
    use driver_simulation, only: empty_mass, scratch_t, simulation_t
    use driver_walls, only: stand_walls
-   use material_type, only: material_t
    use mesh_rigid, only: held_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
@@ -70,15 +70,6 @@ contains
 
       columns = merge(foreign - 1, foreign, all(simulation%normalises))
    end function plain_columns
-
-   !> Is a material without strength? Loose grains have some.
-   pure logical function flows(material) result(yes)
-      type(material_t), intent(in) :: material       !! The material
-
-      yes = .true.
-      if (allocated(material%law)) yes = .not. (material%law%has_shear() .or. &
-         material%law%has_grains() .or. material%law%whole())
-   end function flows
 
    !> Factors of all edges and nodes for the particles as they are.
    subroutine find_factors(simulation)

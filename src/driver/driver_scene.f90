@@ -10,6 +10,7 @@ module driver_scene
    use driver_contact_deck, only: read_contact
    use driver_exact_deck, only: read_exact
    use driver_lithostatic, only: read_lithostatic
+   use driver_matter, only: all_gases, stores_work
    use driver_method, only: position_of
    use driver_output, only: outputs_t
    use driver_point_clock, only: check_clocks
@@ -50,7 +51,7 @@ contains
       integer :: n
 
       call read_materials(deck, simulation)
-      call simulation%method%read(deck, stores_work(simulation%materials))
+      call simulation%method%read(deck, stores_work(simulation%materials), all_gases(simulation%materials))
       do n = 1, size(simulation%materials)
          if (allocated(simulation%materials(n)%viscosity)) &
             simulation%materials(n)%viscosity%limited = simulation%method%limited
@@ -271,22 +272,6 @@ contains
       end do
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
-
-   !> True if all matter stores what strains it and gives it back: no flow, failure or heat.
-   pure logical function stores_work(materials) result(stored)
-      type(material_t), intent(in) :: materials(:)   !! Those of the deck
-      integer :: index
-
-      stored = size(materials) > 0
-      do index = 1, size(materials)
-         associate (material => materials(index))
-            stored = stored .and. allocated(material%law) .and. .not. &
-               (allocated(material%damage) .or. allocated(material%fracture))
-            if (.not. stored) return
-            stored = .not. (material%law%plastic() .or. material%carries_energy())
-         end associate
-      end do
-   end function stores_work
 
    !> The bodies.
    subroutine read_bodies(deck, simulation, shapes, bodies)

@@ -44,8 +44,10 @@ module particle_split
 contains
 
    !> Halve the particles of a store that are too long, before it is put in order.
-   subroutine split_store(splitting, grid, boundary, tiles, store, gain)
+   ! gate: long kernel because matter, space and faces say where halves may lie
+   subroutine split_store(splitting, flows, grid, boundary, tiles, store, gain)
       type(splitting_t), intent(in) :: splitting     !! When
+      logical, intent(in) :: flows                   !! Is the material without strength?
       type(grid_t), intent(in) :: grid               !! The grid
       type(boundary_t), intent(in) :: boundary       !! The faces
       type(tiles_t), intent(in) :: tiles             !! The tiles of this rank
@@ -56,7 +58,7 @@ contains
       type(copier_t) :: copier
       integer :: tile, p, n, halved
 
-      call list_long(splitting, grid, store, copier%from, edge, wish)
+      call list_long(splitting, flows, grid, store, copier%from, edge, wish)
       halved = size(edge)
       allocate (gain(halved))
       if (halved == 0) return
@@ -69,7 +71,7 @@ contains
       if (any(wish > store%room)) then
          ! particles move, so they are listed anew
          call store%layout(wish)
-         call list_long(splitting, grid, store, copier%from, edge, wish)
+         call list_long(splitting, flows, grid, store, copier%from, edge, wish)
       end if
       allocate (copier%to(halved))
       n = 0
@@ -142,8 +144,9 @@ contains
    end subroutine find_longest
 
    !> Particles that are too long, those of the first tile first, and how many each tile will hold.
-   subroutine list_long(splitting, grid, store, particle, edge, wish)
+   subroutine list_long(splitting, flows, grid, store, particle, edge, wish)
       type(splitting_t), intent(in) :: splitting     !! What is too long
+      logical, intent(in) :: flows                   !! Is the material without strength?
       type(grid_t), intent(in) :: grid               !! The grid
       type(store_t), intent(in) :: store             !! The particles
       integer, allocatable, intent(out) :: particle(:) !! Indices
@@ -153,12 +156,12 @@ contains
       integer :: tile, p, n
 
       allocate (longest(size(store%home)), wish(size(store%count)))
-      !$omp parallel do default(none) shared(splitting, grid, store, longest, wish) &
+      !$omp parallel do default(none) shared(splitting, flows, grid, store, longest, wish) &
       !$omp private(tile, p) schedule(static)
       do tile = 1, size(store%count)
          wish(tile) = store%count(tile)
          do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-            longest(p) = too_long(splitting, grid, store, p)
+            longest(p) = too_long(splitting, flows, grid, store, p)
             if (longest(p) > 0) wish(tile) = wish(tile) + 1
          end do
       end do
@@ -178,13 +181,16 @@ contains
 
    !> Edge along which a particle is to be halved, 0 = none. It waits until it is in its tile, and
    !! where a half would lie outside of the box or hardly have a radius. Failed ones have come apart
-   !! for good. Equation (P.1) of doc/theory/splitting.md.
-   pure integer function too_long(splitting, grid, store, p) result(edge)
+   !! for good. Matter without strength shears without end, and its particles stay close to each
+   !! other then: only those that are large as well are halved. Equation (P.1) of
+   !! doc/theory/splitting.md.
+   pure integer function too_long(splitting, flows, grid, store, p) result(edge)
       type(splitting_t), intent(in) :: splitting     !! What is too long
+      logical, intent(in) :: flows                   !! Is the material without strength?
       type(grid_t), intent(in) :: grid               !! The grid
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: p                       !! Which one
-      real(wp) :: square, reach
+      real(wp) :: square, reach, large
       real(wp), parameter :: least_share = 0.1_wp    ! of the mass of the whole
       integer :: k
 
@@ -194,6 +200,11 @@ contains
       end if
       call find_longest(store, p, k, square)
       if (.not. 4.0_wp*square > (splitting%longest*grid%spacing)**2) return
+      if (flows) then
+         large = grid%depth*(splitting%longest*grid%spacing)**grid%dimensions
+         if (grid%axisymmetric) large = large*store%position(p, 1)
+         if (.not. store%matter%volume(p) > large) return
+      end if
       if (store%home(p) < 0) return
       if (generation_of(store%identity(p)) >= splitting%generations) return
       edge = k

@@ -1,0 +1,47 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Kinds of material that choose defaults of the method.
+module driver_matter
+   use material_type, only: material_t
+   implicit none
+   private
+
+   public :: all_gases, flows, stores_work
+
+contains
+
+   !> Is a material without strength? Loose grains have some.
+   pure logical function flows(material) result(yes)
+      type(material_t), intent(in) :: material       !! The material
+
+      yes = .true.
+      if (allocated(material%law)) yes = .not. (material%law%has_shear() .or. &
+         material%law%has_grains() .or. material%law%whole())
+   end function flows
+
+   !> True if all materials are without strength and carry an internal energy.
+   pure logical function all_gases(materials) result(yes)
+      type(material_t), intent(in) :: materials(:)   !! Those of the deck
+      integer :: index
+
+      yes = size(materials) > 0
+      do index = 1, size(materials)
+         yes = yes .and. flows(materials(index)) .and. materials(index)%carries_energy()
+      end do
+   end function all_gases
+
+   !> True if all materials store the work of strain and give it back: no flow, failure or heat.
+   pure logical function stores_work(materials) result(stored)
+      type(material_t), intent(in) :: materials(:)   !! Those of the deck
+      integer :: index
+
+      stored = size(materials) > 0
+      do index = 1, size(materials)
+         associate (material => materials(index))
+            stored = stored .and. allocated(material%law) .and. .not. &
+               (allocated(material%damage) .or. allocated(material%fracture))
+            if (.not. stored) return
+            stored = .not. (material%law%plastic() .or. material%carries_energy())
+         end associate
+      end do
+   end function stores_work
+end module driver_matter
