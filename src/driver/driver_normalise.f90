@@ -28,7 +28,7 @@ module driver_normalise
    implicit none
    private
 
-   public :: choose_normalised, find_factors
+   public :: choose_normalised, find_factors, find_full
 
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
    !! matter beyond the scope
@@ -120,6 +120,31 @@ contains
          call simulation%timer%stop(simulation%phase%grid)
       end associate
    end subroutine find_factors
+
+   !> Cells whose nodes count as full, of a material without strength; others are not halved by the
+   !! place there is.
+   subroutine find_full(simulation, index, full)
+      type(simulation_t), intent(in) :: simulation   !! The run after its forces
+      integer, intent(in) :: index                   !! Which material
+      logical, allocatable, intent(out) :: full(:, :) !! (0:cells - 1, tile)
+      integer :: tile, cell, lane
+
+      if (.not. allocated(simulation%flows)) return
+      if (.not. simulation%flows(index)) return
+      allocate (full(0:simulation%grid%tile_cells - 1, simulation%tiles%own), source=.true.)
+      !$omp parallel do default(none) shared(simulation, full) private(tile, cell, lane) &
+      !$omp schedule(static)
+      do tile = 1, simulation%tiles%own
+         do cell = 0, simulation%grid%tile_cells - 1
+            do lane = 1, 2**simulation%grid%dimensions
+               full(cell, tile) = full(cell, tile) .and. simulation%nodes%normal(4, &
+                  simulation%grid%first_node(cell) + simulation%grid%lane_offset(lane), &
+                  tile) > 0.0_wp
+            end do
+         end do
+      end do
+      !$omp end parallel do
+   end subroutine find_full
 
    !> Sums of the particles of a tile round its nodes and the edges of its cells.
    subroutine count_tile(simulation, scratch, tile, patch, sums)

@@ -10,8 +10,8 @@ module driver_step
    use driver_heat, only: conduct_heat, conduction_step, greatest_diffusivity
    use driver_heat_flux, only: smear_heat
    use driver_ledger, only: dissipated
-   use driver_matter, only: flows
    use driver_method, only: stress_before
+   use driver_normalise, only: find_full
    use driver_retire, only: check_retired
    use driver_rotation, only: smooth_rotation
    use driver_simulation, only: simulation_t
@@ -62,12 +62,14 @@ contains
    subroutine halve_particles(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), allocatable :: gain(:)
+      logical, allocatable :: full(:, :)
       integer :: index, n
 
       call simulation%timer%start(simulation%phase%sort)
       do index = 1, size(simulation%stores)
-         call split_store(simulation%method%splitting, flows(simulation%materials(index)), &
-            simulation%grid, simulation%boundary, simulation%tiles, simulation%stores(index), gain)
+         call find_full(simulation, index, full)
+         call split_store(simulation%method%splitting, full, simulation%grid, &
+            simulation%boundary, simulation%tiles, simulation%stores(index), gain)
          simulation%halved = simulation%halved + size(gain)
          do n = 1, size(gain)
             call simulation%ledger%sums(dissipated)%add(-gain(n))

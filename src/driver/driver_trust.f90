@@ -8,6 +8,7 @@ module driver_trust
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_log, only: log_t
+   use ddmp_dual, only: surface_fill
    use driver_culprit, only: name_particle, step_text
    use driver_ledger, only: balance_t, external_work, mass, retired_mass
    use driver_look, only: bounds_look_t, find_greatest, look_at_bounds, look_at_shapes, &
@@ -15,16 +16,19 @@ module driver_trust
    use driver_method, only: method_t
    use driver_simulation, only: simulation_t
    use driver_trust_record, only: apart, trust_bad, trust_damped, trust_energy, trust_heat, &
-      trust_noise, trust_ok, trust_retired, trust_speed, trust_stretch, trust_t, trust_volume, &
-      verdict_of
+      trust_momentum, trust_noise, trust_ok, trust_retired, trust_speed, trust_stretch, trust_t, &
+      trust_volume, verdict_of
    use mesh_motion, only: motion_t
    use particle_body, only: body_t
    use particle_neighbours, only: lattice_t
    implicit none
    private
 
-   public :: begin_trust, final_trust, number_lattices, warn_of_energy, watch_trust
+   public :: begin_trust, final_trust, number_lattices, warn_of_energy, &
+      warn_of_momentum, watch_trust
 
+   !> Slower than this share of the speed of waves matter is at rest, and its momentum rounding [1]
+   real(wp), parameter :: slow = 1.0e-3_wp
    integer(int64), parameter :: bounds_every = 5     !! Steps between looks at speed and energy
    integer(int64), parameter :: work_every = 50      !! ... between sums of the work
    integer(int64), parameter :: shapes_every = 250   !! Steps between looks at distances and volumes
@@ -144,6 +148,11 @@ contains
       end if
       trust%worst(trust_energy) = abs(now%energy_error)
       trust%worst(trust_damped) = now%damped_share
+      associate (ledger => simulation%ledger)
+         if (ledger%momentum_scale > 0.0_wp) trust%worst(trust_momentum) = now%momentum_error &
+            *ledger%momentum_scale/max(ledger%momentum_scale, slow*ledger%start%entry(mass) &
+            *sqrt(greatest_wave_square(simulation)))
+      end associate
       if (simulation%ledger%start%entry(mass) > 0.0_wp) trust%worst(trust_retired) = &
          now%entry(retired_mass)/simulation%ledger%start%entry(mass)
    end subroutine final_trust
@@ -360,6 +369,26 @@ contains
       call log%warn("warning: "//trim(share)//" % of the energy is lost: where matter carries "// &
          "no internal energy nothing takes up what straining and transfers filter; "//remedy)
    end subroutine warn_of_energy
+
+   !> Say at the end that momentum is not conserved, and by what. Collective.
+   subroutine warn_of_momentum(method, trust, log)
+      type(method_t), intent(in) :: method           !! How the run was computed
+      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      character(len=:), allocatable :: remedy
+      character(len=16) :: share
+
+      if (trust%failed) return
+      if (verdict_of(trust_momentum, trust%worst(trust_momentum)) == trust_ok) return
+      remedy = "look for the step from which on it is off in the history"
+      if (method%surface /= surface_fill) remedy = "a cell with an empty node puts force where "// &
+         "no mass is; write free_surface = 'fill' in &method"
+      if (method%differing()) remedy = "each node has a mean stress of its own taken out; write "// &
+         "quadrature = 'point' in &method"
+      write (share, "(es8.1)") abs(trust%worst(trust_momentum))
+      call log%warn("warning: momentum is not conserved, error"//trim(share)//" of the greatest "// &
+         "sum of m |v|: "//remedy)
+   end subroutine warn_of_momentum
 
    !> Is a warning due? It is given once.
    logical function warns(trust, entry, from) result(due)

@@ -20,17 +20,18 @@ module driver_trust_record
    integer, parameter, public :: trust_heat = 6      !! Energy of a particle, in the same way
    integer, parameter, public :: trust_retired = 7   !! Mass taken out for leaving its bounds
    integer, parameter, public :: trust_damped = 8    !! Kinetic energy that the share of PIC took
-   integer, parameter, public :: trust_entries = 8   !! Number of these
-   character(len=7), parameter, public :: trust_names(trust_entries) = [character(len=7) :: &
+   integer, parameter, public :: trust_momentum = 9  !! Error of the momentum balance at the end
+   integer, parameter, public :: trust_entries = 9   !! Number of these
+   character(len=8), parameter, public :: trust_names(trust_entries) = [character(len=8) :: &
       "energy", "volume", "stretch", "noise", "speed", "heat", "retired", &
-      "damped"]
+      "damped", "momentum"]
    integer, parameter, public :: trust_ok = 1, trust_look = 2, trust_bad = 3
    character(len=4), parameter, public :: trust_words(3) = [character(len=4) :: "ok", "look", "bad"]
    !> Values up to here are ok, beyond the next ones bad
    real(wp), parameter :: ok_until(trust_entries) = &
-      [0.02_wp, 0.1_wp, 0.01_wp, 0.5_wp, 2.0_wp, 4.0_wp, 0.0_wp, 0.05_wp]
+      [0.02_wp, 0.1_wp, 0.01_wp, 0.5_wp, 2.0_wp, 4.0_wp, 0.0_wp, 0.05_wp, 1.0e-9_wp]
    real(wp), parameter :: bad_beyond(trust_entries) = &
-      [0.1_wp, 0.25_wp, 0.1_wp, sqrt(0.5_wp), 4.0_wp, 16.0_wp, 0.01_wp, 0.5_wp]
+      [0.1_wp, 0.25_wp, 0.1_wp, sqrt(0.5_wp), 4.0_wp, 16.0_wp, 0.01_wp, 0.5_wp, 0.01_wp]
    !> Energy below the least at the start, in the same unit as the heat above
    real(wp), parameter :: cold_ok = 1.0_wp, cold_bad = 4.0_wp
    !> Neighbours are apart from this distance on [cells]: one in ten pairs then has no common node

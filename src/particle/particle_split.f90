@@ -25,6 +25,9 @@ module particle_split
    integer, parameter :: root_bits = 40              !! Lower bits: the identity of the first whole
    integer, parameter, public :: most_generations = 20 !! For which the upper bits have room
 
+   !> Of the energy of a gas that its halves may part with: pressures stay of the same size [1]
+   real(wp), parameter :: greatest_share = 0.5_wp
+
    !> When particles are halved.
    type :: splitting_t
       real(wp) :: longest = 0.55_wp                  !! Greatest edge of a particle [cells]
@@ -45,9 +48,10 @@ contains
 
    !> Halve the particles of a store that are too long, before it is put in order.
    ! gate: long kernel because matter, space and faces say where halves may lie
-   subroutine split_store(splitting, flows, grid, boundary, tiles, store, gain)
+   subroutine split_store(splitting, full, grid, boundary, tiles, store, gain)
       type(splitting_t), intent(in) :: splitting     !! When
-      logical, intent(in) :: flows                   !! Is the material without strength?
+      !> (0:cells - 1, tile) Cells that are full, of a material without strength; else not allocated
+      logical, allocatable, intent(in) :: full(:, :)
       type(grid_t), intent(in) :: grid               !! The grid
       type(boundary_t), intent(in) :: boundary       !! The faces
       type(tiles_t), intent(in) :: tiles             !! The tiles of this rank
@@ -58,7 +62,7 @@ contains
       type(copier_t) :: copier
       integer :: tile, p, n, halved
 
-      call list_long(splitting, flows, grid, store, copier%from, edge, wish)
+      call list_long(splitting, full, grid, store, copier%from, edge, wish)
       halved = size(edge)
       allocate (gain(halved))
       if (halved == 0) return
@@ -71,7 +75,7 @@ contains
       if (any(wish > store%room)) then
          ! particles move, so they are listed anew
          call store%layout(wish)
-         call list_long(splitting, flows, grid, store, copier%from, edge, wish)
+         call list_long(splitting, full, grid, store, copier%from, edge, wish)
       end if
       allocate (copier%to(halved))
       n = 0
@@ -86,7 +90,7 @@ contains
       do tile = 1, size(store%count)
          do p = store%count(tile) + 1, wish(tile)
             n = n + 1
-            call halve(grid, store, copier%from(n), copier%to(n), edge(n), opening(n), &
+            call halve(grid, allocated(full), store, copier%from(n), copier%to(n), edge(n), opening(n), &
                gain(n))
             store%count(tile) = p
             call place_particle(grid, boundary, tiles%coordinate(:, tile), store, tile, &
@@ -144,9 +148,9 @@ contains
    end subroutine find_longest
 
    !> Particles that are too long, those of the first tile first, and how many each tile will hold.
-   subroutine list_long(splitting, flows, grid, store, particle, edge, wish)
+   subroutine list_long(splitting, full, grid, store, particle, edge, wish)
       type(splitting_t), intent(in) :: splitting     !! What is too long
-      logical, intent(in) :: flows                   !! Is the material without strength?
+      logical, allocatable, intent(in) :: full(:, :) !! As above
       type(grid_t), intent(in) :: grid               !! The grid
       type(store_t), intent(in) :: store             !! The particles
       integer, allocatable, intent(out) :: particle(:) !! Indices
@@ -156,12 +160,16 @@ contains
       integer :: tile, p, n
 
       allocate (longest(size(store%home)), wish(size(store%count)))
-      !$omp parallel do default(none) shared(splitting, flows, grid, store, longest, wish) &
+      !$omp parallel do default(none) shared(splitting, full, grid, store, longest, wish) &
       !$omp private(tile, p) schedule(static)
       do tile = 1, size(store%count)
          wish(tile) = store%count(tile)
          do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-            longest(p) = too_long(splitting, flows, grid, store, p)
+            longest(p) = too_long(splitting, grid, store, p)
+            if (allocated(full) .and. longest(p) > 0) then
+               if (.not. (full(store%home(p), tile) .and. is_large(splitting, grid, store, p))) &
+                  longest(p) = 0
+            end if
             if (longest(p) > 0) wish(tile) = wish(tile) + 1
          end do
       end do
@@ -181,16 +189,13 @@ contains
 
    !> Edge along which a particle is to be halved, 0 = none. It waits until it is in its tile, and
    !! where a half would lie outside of the box or hardly have a radius. Failed ones have come apart
-   !! for good. Matter without strength shears without end, and its particles stay close to each
-   !! other then: only those that are large as well are halved. Equation (P.1) of
-   !! doc/theory/splitting.md.
-   pure integer function too_long(splitting, flows, grid, store, p) result(edge)
+   !! for good. Equation (P.1) of doc/theory/splitting.md.
+   pure integer function too_long(splitting, grid, store, p) result(edge)
       type(splitting_t), intent(in) :: splitting     !! What is too long
-      logical, intent(in) :: flows                   !! Is the material without strength?
       type(grid_t), intent(in) :: grid               !! The grid
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: p                       !! Which one
-      real(wp) :: square, reach, large
+      real(wp) :: square, reach
       real(wp), parameter :: least_share = 0.1_wp    ! of the mass of the whole
       integer :: k
 
@@ -200,11 +205,6 @@ contains
       end if
       call find_longest(store, p, k, square)
       if (.not. 4.0_wp*square > (splitting%longest*grid%spacing)**2) return
-      if (flows) then
-         large = grid%depth*(splitting%longest*grid%spacing)**grid%dimensions
-         if (grid%axisymmetric) large = large*store%position(p, 1)
-         if (.not. store%matter%volume(p) > large) return
-      end if
       if (store%home(p) < 0) return
       if (generation_of(store%identity(p)) >= splitting%generations) return
       edge = k
@@ -222,6 +222,20 @@ contains
       if (minval(shares_of_halves(grid, store%position(p, 1), reach)) < least_share) edge = 0
    end function too_long
 
+   !> Is a particle larger than a cube of the longest edge? Matter without strength shears without
+   !! end, and its particles stay close to each other then: only large ones are halved.
+   pure logical function is_large(splitting, grid, store, p) result(yes)
+      type(splitting_t), intent(in) :: splitting     !! What is too long
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: p                       !! Which one
+      real(wp) :: large
+
+      large = grid%depth*(splitting%longest*grid%spacing)**grid%dimensions
+      if (grid%axisymmetric) large = large*store%position(p, 1)
+      yes = store%matter%volume(p) > large
+   end function is_large
+
    !> Shares of mass and volume of the half against the edge and that along it. Equation (P.4).
    pure function shares_of_halves(grid, radius, shift) result(share)
       type(grid_t), intent(in) :: grid               !! The grid
@@ -235,8 +249,10 @@ contains
 
    !> Make halves of two equal particles. Their velocities leave the momentum of the whole.
    !! Equations (P.2) and (P.3).
-   pure subroutine halve(grid, store, low, high, edge, opening, gain)
+   ! gate: long kernel because a halving is told by its two particles, edge and rate
+   pure subroutine halve(grid, flows, store, low, high, edge, opening, gain)
       type(grid_t), intent(in) :: grid               !! The grid
+      logical, intent(in) :: flows                   !! Is the material without strength?
       type(store_t), intent(inout) :: store          !! The particles
       integer, intent(in) :: low                     !! The whole, will lie against the edge
       integer, intent(in) :: high                    !! Its copy, will lie along it
@@ -244,7 +260,7 @@ contains
       real(wp), intent(in) :: opening                !! Rate at which it grows [1/s]
       real(wp), intent(out) :: gain                  !! Kinetic energy that nothing pays for [J]
       integer(int64) :: whole
-      real(wp) :: half(3), share(2), part
+      real(wp) :: half(3), share(2), part, rate, most
       integer :: k
 
       whole = store%identity(low)
@@ -255,14 +271,21 @@ contains
       end do
       where (.not. grid%active) half = 0.0_wp
       share = shares_of_halves(grid, store%position(low, 1), half(1))
+      rate = opening
+      if (flows .and. allocated(store%matter%energy)) then
+         ! gas that is thin and cold has less energy than its velocities differ by
+         most = greatest_share*max(store%matter%energy(low), 0.0_wp)
+         if (2.0_wp*share(1)*share(2)*opening**2*sum(half**2) > most) rate = sign(sqrt(most &
+            /(2.0_wp*share(1)*share(2)*sum(half**2))), opening)
+      end if
       do k = 1, 3
          store%position(high, k) = store%position(low, k) + half(k)
          store%position(low, k) = store%position(low, k) - half(k)
          store%domain([low, high], 3*(edge - 1) + k) = half(k)
-         store%velocity(high, k) = store%velocity(low, k) + 2.0_wp*share(1)*opening*half(k)
-         store%velocity(low, k) = store%velocity(low, k) - 2.0_wp*share(2)*opening*half(k)
+         store%velocity(high, k) = store%velocity(low, k) + 2.0_wp*share(1)*rate*half(k)
+         store%velocity(low, k) = store%velocity(low, k) - 2.0_wp*share(2)*rate*half(k)
       end do
-      part = 2.0_wp*share(1)*share(2)*opening**2*sum(half**2)
+      part = 2.0_wp*share(1)*share(2)*rate**2*sum(half**2)
       gain = store%matter%mass(low)*part
       if (allocated(store%matter%energy)) then
          store%matter%energy([low, high]) = store%matter%energy(low) - part

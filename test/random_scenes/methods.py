@@ -20,6 +20,8 @@ class Method:
     cfl: float = 0.4
     filters: bool = False         # loses kinetic energy by intent
     unstable: bool = False        # doc/theory/matrix_of_methods.md says that it is
+    loses_momentum: bool = False  # doc/theory/quadratures.md says that it does
+    open_books: bool = False      # doc/theory/quadratures.md says that its energy is not exact
     split: bool = False
 
     @property
@@ -72,6 +74,9 @@ def draw(chance, plan):
         method.time["strain_max"] = chance.choose([0.1, 0.2, 0.5])
     method.filters = word in FILTERS or keys.get("flip", 1.0) < 0.999
     update = keys.get("stress_update", "usl" if dual else "musl")
+    method.loses_momentum = (keys.get("quadrature") == "lsd" or keys.get("paper", False)
+                             or keys.get("free_surface", "fill") == "none")
+    method.open_books = keys.get("quadrature") in ("control", "lsd")
     # plain linear functions, and the stress first or last with slopes or at large steps
     method.unstable = (not dual and keys.get("basis", "linear") == "linear") or (
         update == "usf" and word in ("aflip", "apic")) or method.cfl > 0.5 or keys.get("alpha_0", 1.0) == 0.0

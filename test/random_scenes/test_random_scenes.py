@@ -79,7 +79,7 @@ def run(options, first, count, jobs):
 
 def share(verdicts, condition):
     """Percent of decks."""
-    return 100.0 * sum(1 for verdict in verdicts if condition(verdict)) / len(verdicts)
+    return 100.0 * sum(1 for verdict in verdicts if condition(verdict)) / max(1, len(verdicts))
 
 
 def judge_all(sheet, verdicts):
@@ -89,11 +89,14 @@ def judge_all(sheet, verdicts):
         seeds = [verdict.seed for verdict in verdicts if any(finding[1] == name for finding in verdict.findings)]
         sheet.require(not seeds, f"{name}: no deck {seeds or ''}")
     sheet.require(sum(verdict.steps > 10 for verdict in verdicts) > 0.5 * len(verdicts), "decks make steps")
-    bad = share(verdicts, lambda verdict: verdict.result == "bad")
+    usual = [verdict for verdict in verdicts if "other method" not in verdict.who]
+    bad = share(usual, lambda verdict: verdict.result == "bad")
     silent = share(verdicts, lambda verdict: any(
         finding[0] == "bad" and not finding[1].startswith("ends") for finding in verdict.findings))
     sheet.note("decks to look at [%]", share(verdicts, lambda verdict: verdict.result == "look"))
-    for name, value, target in (("bad decks [%]", bad, TARGET),
+    sheet.note("bad decks with other methods than the default [%]", share(
+        [verdict for verdict in verdicts if verdict not in usual], lambda verdict: verdict.result == "bad"))
+    for name, value, target in (("bad decks with the default method [%]", bad, TARGET),
                                 ("decks that end with exit code 0 and break an invariant [%]", silent, 0.0)):
         if len(verdicts) < ENOUGH:
             sheet.below(name, value, LIMIT)
