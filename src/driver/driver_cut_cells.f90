@@ -11,6 +11,7 @@ module driver_cut_cells
    use mesh_rigid, only: rigid_t
    use mesh_wall, only: node_place, wall_t
    use transfer_edges, only: edges, low_end
+   use transfer_hoop, only: hoop_edges
    implicit none
    private
 
@@ -26,13 +27,16 @@ module driver_cut_cells
 contains
 
    !> Shares of the edges of the cells that regions cut.
-   pure subroutine cut_cells(grid, coordinate, rigid, tile, smooth, shares)
+   pure subroutine cut_cells(grid, coordinate, rigid, tile, smooth, shares, ring)
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       type(rigid_t), intent(in) :: rigid             !! The regions, nodes in them found
       integer, intent(in) :: tile                    !! Index of the tile
       logical, intent(in) :: smooth                  !! Do places enter smoothly?
       real(wp), intent(inout) :: shares(:, 0:)       !! (edge, cell) [1]
+      !> (lane in a plane, cell) Of the hoop terms of nodes beyond the surface: with it the flux
+      !! through the end of the cell becomes that through the surface, at its radius [1]
+      real(wp), intent(inout) :: ring(:, 0:)
       integer :: owner(grid%tile_nodes), ends(lanes), cell, n
 
       owner = 0
@@ -52,14 +56,14 @@ contains
             cycle
          end if
          call cut_cell(grid, coordinate, rigid%wall, grid%first_node(cell), ends, smooth, &
-            shares(:, cell))
+            shares(:, cell), ring(:, cell))
       end do
    end subroutine cut_cells
 
    !> Shares of the edges of one cell: along each of the two other directions the mean over the ends
    !! of an edge of what lies outside of the region, weighed with the function of the end.
    ! gate: long kernel because a cell is told by its grid, tile and node
-   pure subroutine cut_cell(grid, coordinate, wall, node, ends, smooth, share)
+   pure subroutine cut_cell(grid, coordinate, wall, node, ends, smooth, share, ring)
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       type(wall_t), intent(in) :: wall(:)            !! The regions
@@ -67,6 +71,7 @@ contains
       integer, intent(in) :: ends(lanes)             !! (lane) Region that covers the node, 0 = none
       logical, intent(in) :: smooth                  !! Do places enter smoothly?
       real(wp), intent(inout) :: share(:)            !! (edge) [1]
+      real(wp), intent(inout) :: ring(:)             !! (lane in a plane) As of `cut_cells` [1]
       real(wp) :: outside(lanes, 3), place(3), at, far
       integer :: lane, next, l, e, k, low
 
@@ -82,6 +87,8 @@ contains
             far = (2.0_wp*at - near_share(at, smooth))*ramp((at - half)/half)
             outside(lane, l) = 2.0_wp*at*ramp((at - thin)/thin) - far
             outside(next, l) = far
+            ! lanes beyond those of a plane are the same nodes again
+            if (l == 1 .and. next <= size(ring)) ring(next) = 2.0_wp*at - 1.0_wp
          end do
       end do
       do l = 1, 3
@@ -99,6 +106,8 @@ contains
             end do
          end do
       end do
+      ! hoop terms balance the radial ones of the same edge
+      if (grid%axisymmetric) share(hoop_edges) = share([1, 1, 2, 2])
    end subroutine cut_cell
 
    !> Smooth way from 0 to 1 [1].

@@ -18,10 +18,12 @@ module driver_normalise
    use driver_scatter, only: find_plain_places
    use driver_simulation, only: empty_mass, scratch_t, simulation_t
    use driver_walls, only: stand_walls
+   use mesh_grid, only: grid_t
    use mesh_rigid, only: held_t
+   use mesh_wall, only: node_place
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
-   use transfer_edges, only: add_edge_sums, cell_edges, edge_integrals
+   use transfer_edges, only: add_edge_sums, cell_edges, edge_integrals, edges
    use transfer_hoop, only: add_hoop_sums, hoop_edges
    use transfer_moments, only: add_moments, divide_moments, moments
    use transfer_scatter, only: scatter_values
@@ -36,6 +38,9 @@ module driver_normalise
    integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
    real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
+   !> Of the factors of a direction in their mean. Few particles of a cell that answer for all of it
+   !! are stiffer by this, and a step of 0.4 h/c holds for 1/0.4^2 [1]
+   real(wp), parameter :: stiffest = 6.0_wp
    !> What the fill of nodes on closed faces counts. Half as many particles are around such a node,
    !! so that it falls below a bound by chance more often [1]
    real(wp), parameter :: beside = 1.5_wp
@@ -196,6 +201,7 @@ contains
       real(wp) :: shares(cell_edges, simulation%grid%tile_cells)
       real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells)
       real(wp) :: whole(cell_edges), rest(cell_edges), own(simulation%grid%tile_cells)
+      real(wp) :: ring(size(hoop_edges), simulation%grid%tile_cells)
       integer :: cell
 
       associate (grid => simulation%grid, nodes => simulation%nodes, &
@@ -218,6 +224,7 @@ contains
          end if
          ! full from half of the room on, as in doc/theory/method.md, in axisymmetry too
          filled(volume, :) = 2.0_wp*simulation%dual%enough*nodes%normal(5, :, tile)*sums(volume, :)
+         if (grid%axisymmetric) call count_inner(grid, coordinate, filled(volume, :))
          call simulation%boundary%raise(grid, coordinate, beside, filled(volume, :))
          if (allocated(simulation%rigid)) call fill_held(simulation%rigid%held(tile), around, &
             filled(volume, :))
@@ -228,11 +235,12 @@ contains
          call clear_patch(nodes%covered(:, :, tile))
          call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
          shares = 1.0_wp
+         ring = 1.0_wp
          if (allocated(simulation%rigid)) then
             ! of nodes in rigid regions the cells count that there are: others hold no particles
             call add_present(simulation, tile, around)
             if (allocated(simulation%rigid%held(tile)%node)) call cut_cells(grid, coordinate, &
-               simulation%rigid, tile, simulation%method%quadrature%smooth, shares)
+               simulation%rigid, tile, simulation%method%quadrature%smooth, shares, ring)
             ! nodes must not carry more than there is room for
             do cell = 1, size(full)
                weight(cell) = min(weight(cell), minval(shares(:, cell)))
@@ -246,15 +254,32 @@ contains
             if (grid%axisymmetric) then
                whole = edge_integrals(grid, coordinate(1)*grid%width(1) &
                   + mod(cell - 1, grid%width(1)))
-               ! no part of the hoop terms is on nodes; towards walls they balance the radial ones
+               ! no part of the hoop terms is on nodes
                rest(hoop_edges) = 0.0_wp
-               shares(hoop_edges, cell) = shares([1, 1, 2, 2], cell)
             end if
             call find_edges(full(cell), own(cell), whole, rest, shares(:, cell), &
-               nodes%factor(:, cell, tile))
+               grid%axisymmetric, nodes%factor(:, cell, tile))
+            if (grid%axisymmetric) nodes%factor(hoop_edges, cell, tile) = &
+               ring(:, cell)*nodes%factor(hoop_edges, cell, tile)
          end do
       end associate
    end subroutine judge_cells
+
+   !> Half of a node is what lies on either side of it: inside of its radius that is less than half of
+   !! its volume, by a third of a cell over the radius.
+   pure subroutine count_inner(grid, coordinate, filled)
+      type(grid_t), intent(in) :: grid               !! The grid, axisymmetric
+      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      real(wp), intent(inout) :: filled(:)           !! (node) Volume of particles [m3]
+      real(wp) :: place(3)
+      integer :: node
+
+      do node = 1, size(filled)
+         place = node_place(grid, coordinate, node)
+         if (place(1) > 0.5_wp*grid%spacing) filled(node) = filled(node) &
+            /(1.0_wp - grid%spacing/(3.0_wp*place(1)))
+      end do
+   end subroutine count_inner
 
    !> Volume of the cells of a tile round its nodes in rigid regions.
    subroutine add_present(simulation, tile, around)
@@ -286,20 +311,32 @@ contains
    !> Factors of the edges of a cell from their sums. Less matter than room may be a free surface;
    !! more matter than room is wrong in any case. Equation (Q.7).
    ! gate: long kernel because an edge is told by all that takes part in its integral
-   pure subroutine find_edges(full, own, whole, rest, share, factor)
+   pure subroutine find_edges(full, own, whole, rest, share, axisymmetric, factor)
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
       real(wp), intent(in) :: own                    !! How far its matter is in the scope, 0 to 1
       real(wp), intent(in) :: whole(:)               !! (edge) Integral of its weight [m3]
       real(wp), intent(in) :: rest(:)                !! (edge) Share of it that nodes carry [1]
       real(wp), intent(in) :: share(:)               !! (edge) What walls leave of it [1]
+      logical, intent(in) :: axisymmetric            !! Are there rings?
       real(wp), intent(inout) :: factor(:)           !! (edge) Sums [m3] in, factors [1] out
-      real(wp) :: target, ratio
+      real(wp) :: target(size(factor)), ratio, most, stiff
       integer :: e
 
+      target = whole*max(share - rest, 0.0_wp)
       do e = 1, size(factor)
-         target = whole(e)*max(share(e) - rest(e), 0.0_wp)
+         ! a ring weighs with the function of its node, so with the square of the rest of a cell
+         most = greatest
+         if (axisymmetric .and. any(hoop_edges == e)) most = greatest**2
+         if (mod(e - 1, edges) == 0) then
+            associate (group => [e, e + 1, e + 2, e + 3])
+               stiff = 1.0_wp
+               if (minval(share) >= 1.0_wp .and. sum(target(group)) > stiffest*sum(factor(group))) &
+                  stiff = stiffest*sum(factor(group))/sum(target(group))
+            end associate
+         end if
          ratio = 0.0_wp
-         if (target > 0.0_wp) ratio = target/min(max(factor(e), target/greatest), target/least)
+         if (target(e) > 0.0_wp) ratio = stiff*target(e)/min(max(factor(e), target(e)/most), &
+            target(e)/least)
          factor(e) = 1.0_wp + merge(own, full, ratio < 1.0_wp)*(ratio - 1.0_wp)
       end do
    end subroutine find_edges

@@ -17,7 +17,7 @@ module driver_relax
 
    public :: evens_pressure, relax_pressures
 
-   real(wp), parameter :: most = 0.05_wp             !! Change of a volume in a step [1]
+   real(wp), parameter :: most = 0.05_wp             !! Of a volume or an energy in a step [1]
    !> Share of a difference that goes in the time that a signal needs for a cell [1]
    real(wp), parameter :: pace = 0.2_wp
 
@@ -99,6 +99,12 @@ contains
          - seen*min(1.0_wp, max(0.0_wp, sum(soft*seen*excess)/share))
       share = 1.0_wp - exp(-rate*maxval(speed(low:high)))
       steepest = maxval(soft*abs(excess)/volume(before + low:before + high))
+      ! what expands pays with its own energy, of which thin gas beside a shock has little
+      do p = low, high
+         q = before + p
+         if (excess(p)*mean > 0.0_wp) steepest = max(steepest, soft(p)*excess(p)*mean &
+            /(mass(q)*max(energy(q), tiny(mean))))
+      end do
       if (share*steepest > most) share = most/steepest
       do p = low, high
          q = before + p
