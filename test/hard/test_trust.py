@@ -66,7 +66,7 @@ def healthy(options, sheet):
     for name, entry in trust.items():
         if name != "verdict":
             sheet.require(entry["verdict"] == "ok", f"discs: {name} is ok: {entry}")
-    sheet.require(trust["verdict"] == "ok" and len(trust) == 9, f"discs: all is ok: {trust}")
+    sheet.require(trust["verdict"] == "ok" and len(trust) == 10, f"discs: all is ok: {trust}")
     sheet.above("discs: greatest distance of neighbours [cells]", trust["stretch"]["greatest"], 0.5)
     sheet.above("discs: noise was looked for", trust["noise"]["value"], 1.0e-6)
     sheet.require(not warnings(run, "warning: step"), "discs: no warning")
