@@ -100,8 +100,8 @@ contains
          words="none bbar")
       call declare_shocks(schema)
       call schema%logical("method", "split", "particles that have become long are halved, so "// &
-         "that stretched matter stays in one piece; default .true. with normalise = 'gases' where "// &
-         "all matter is gas", default=".false.")
+         "that stretched matter stays in one piece; default .true. where all matter is "// &
+         "gas with normalised sums", default=".false.")
       call schema%real("method", "split_at", "edge of a particle in cells at which it is halved", &
          default="0.55", range="> 0 <= 2", owner="split")
       call schema%integer("method", "split_max", "times that a particle and its parts are "// &

@@ -101,8 +101,8 @@ contains
          "with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
    end subroutine settle_turn
 
-   !> Gas expands without bound, and cells from which all particles have gone hold no volume. An exact
-   !! solution needs whole particles.
+   !> Gas expands without bound, and cells from which all particles have gone hold no volume. An
+   !! exact solution needs whole particles.
    subroutine settle_split(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the default
       character(len=:), allocatable :: normalise, solution
@@ -113,7 +113,8 @@ contains
       call group%get("normalise", normalise)
       exact = deck%group("exact")
       call exact%get("solution", solution)
-      if (normalise /= "none" .and. solution == "none") call deck%settle("method", 1, "split", .true.)
+      if (normalise /= "none" .and. solution == "none") &
+         call deck%settle("method", 1, "split", .true.)
    end subroutine settle_split
 
    !> Refuse a share of unseen velocities where no strain takes it.

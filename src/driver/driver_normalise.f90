@@ -200,7 +200,7 @@ contains
       real(wp) :: filled(volume, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
       real(wp) :: shares(cell_edges, simulation%grid%tile_cells)
       real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells)
-      real(wp) :: whole(cell_edges), rest(cell_edges), own(simulation%grid%tile_cells)
+      real(wp) :: own(simulation%grid%tile_cells)
       real(wp) :: ring(size(hoop_edges), simulation%grid%tile_cells)
       integer :: cell
 
@@ -222,16 +222,8 @@ contains
             filled(volume, :) = simulation%dual%enough*nodes%normal(5, :, tile)*around
             call simulation%dual%cell_weights(grid, filled, volume, around, own)
          end if
-         ! full from half of the room on, as in doc/theory/method.md, in axisymmetry too
-         filled(volume, :) = 2.0_wp*simulation%dual%enough*nodes%normal(5, :, tile)*sums(volume, :)
-         if (grid%axisymmetric) call count_inner(grid, coordinate, filled(volume, :))
-         call simulation%boundary%raise(grid, coordinate, beside, filled(volume, :))
-         if (allocated(simulation%rigid)) call fill_held(simulation%rigid%held(tile), around, &
-            filled(volume, :))
-         call simulation%dual%cell_weights(grid, filled, volume, around, full)
-         do cell = 1, size(full)
-            full(cell) = ramp(2.0_wp*full(cell) - 1.0_wp)
-         end do
+         filled(volume, :) = nodes%normal(5, :, tile)*sums(volume, :)
+         call find_fill(simulation, tile, around, filled(volume, :), full)
          call clear_patch(nodes%covered(:, :, tile))
          call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
          shares = 1.0_wp
@@ -248,25 +240,66 @@ contains
          end if
          nodes%weight(:size(weight), tile) = weight
          if (tile > simulation%tiles%own) return
+         call find_cell_factors(simulation, tile, full, own, weight, shares, ring)
+      end associate
+   end subroutine judge_cells
+
+   !> How far cells are full: from half of the room around their nodes on, as the weights of cells
+   !! of doc/theory/method.md in a plane are.
+   subroutine find_fill(simulation, tile, around, volumes, full)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
+      real(wp), intent(in) :: volumes(:)             !! (node) That of particles in the scope [m3]
+      real(wp), intent(out) :: full(:)               !! (cell) 0 to 1
+      real(wp) :: filled(volume, size(around))
+      integer :: cell
+
+      associate (grid => simulation%grid, coordinate => simulation%tiles%coordinate(:, tile))
+         filled(mass, :) = around
+         filled(volume, :) = 2.0_wp*simulation%dual%enough*volumes
+         if (grid%axisymmetric) call count_inner(grid, coordinate, filled(volume, :))
+         call simulation%boundary%raise(grid, coordinate, beside, filled(volume, :))
+         if (allocated(simulation%rigid)) call fill_held(simulation%rigid%held(tile), around, &
+            filled(volume, :))
+         call simulation%dual%cell_weights(grid, filled, volume, around, full)
+         do cell = 1, size(full)
+            full(cell) = ramp(2.0_wp*full(cell) - 1.0_wp)
+         end do
+      end associate
+   end subroutine find_fill
+
+   !> Factors of the edges of the cells of a tile.
+   subroutine find_cell_factors(simulation, tile, full, own, weight, shares, ring)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: full(:)                !! (cell) How far it is full, 0 to 1
+      real(wp), intent(in) :: own(:)                 !! (cell) How far it is in the scope, 0 to 1
+      real(wp), intent(in) :: weight(:)              !! (cell) Of its part on the nodes
+      real(wp), intent(in) :: shares(:, :)           !! (edge, cell) What walls leave [1]
+      real(wp), intent(in) :: ring(:, :)             !! (lane, cell) Of hoop terms at walls [1]
+      real(wp) :: whole(cell_edges), rest(cell_edges)
+      integer :: cell
+
+      associate (grid => simulation%grid, factor => simulation%nodes%factor(:, :, tile))
          whole = edge_integrals(grid, 0)
          do cell = 1, size(full)
             rest = (1.0_wp - simulation%mean_alpha)*weight(cell)
             if (grid%axisymmetric) then
-               whole = edge_integrals(grid, coordinate(1)*grid%width(1) &
+               whole = edge_integrals(grid, simulation%tiles%coordinate(1, tile)*grid%width(1) &
                   + mod(cell - 1, grid%width(1)))
                ! no part of the hoop terms is on nodes
                rest(hoop_edges) = 0.0_wp
             end if
             call find_edges(full(cell), own(cell), whole, rest, shares(:, cell), &
-               grid%axisymmetric, nodes%factor(:, cell, tile))
-            if (grid%axisymmetric) nodes%factor(hoop_edges, cell, tile) = &
-               ring(:, cell)*nodes%factor(hoop_edges, cell, tile)
+               grid%axisymmetric, factor(:, cell))
+            if (grid%axisymmetric) factor(hoop_edges, cell) = factor(hoop_edges, cell)*ring(:, cell)
          end do
       end associate
-   end subroutine judge_cells
+   end subroutine find_cell_factors
 
-   !> Half of a node is what lies on either side of it: inside of its radius that is less than half of
-   !! its volume, by a third of a cell over the radius.
+   !> Half of a node is what lies on either side of it: inside of its radius that is less than half
+   !! of its volume, by a third of a cell over the radius.
    pure subroutine count_inner(grid, coordinate, filled)
       type(grid_t), intent(in) :: grid               !! The grid, axisymmetric
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0

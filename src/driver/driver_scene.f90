@@ -51,7 +51,8 @@ contains
       integer :: n
 
       call read_materials(deck, simulation)
-      call simulation%method%read(deck, stores_work(simulation%materials), all_gases(simulation%materials))
+      call simulation%method%read(deck, stores_work(simulation%materials), &
+         all_gases(simulation%materials))
       do n = 1, size(simulation%materials)
          if (allocated(simulation%materials(n)%viscosity)) &
             simulation%materials(n)%viscosity%limited = simulation%method%limited

@@ -14,7 +14,7 @@ module driver_summary
    use driver_restart, only: describe_state
    use driver_simulation, only: nodes_t, simulation_t
    use driver_step, only: count_particles
-   use driver_trust, only: final_trust, warn_of_energy, warn_of_momentum
+   use driver_trust, only: final_trust, warn_of_balance
    use driver_trust_record, only: add_trust, trust_t, trust_text
    use io_digest, only: state_digest
    use io_state, only: state_t
@@ -67,8 +67,7 @@ contains
       call log%info(balance_text(now, rate, bytes))
       call final_trust(simulation, code, now, trust)
       call log%info(trust_text(trust))
-      call warn_of_energy(simulation%method, now, trust, log)
-      call warn_of_momentum(simulation%method, trust, log)
+      call warn_of_balance(simulation%method, now, trust, log)
       call count_traffic(simulation, traffic)
       if (simulation%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
       call find_extremes(simulation, range)

@@ -24,8 +24,7 @@ module driver_trust
    implicit none
    private
 
-   public :: begin_trust, final_trust, number_lattices, warn_of_energy, &
-      warn_of_momentum, watch_trust
+   public :: begin_trust, final_trust, number_lattices, warn_of_balance, watch_trust
 
    !> Slower than this share of the speed of waves matter is at rest, and its momentum rounding [1]
    real(wp), parameter :: slow = 1.0e-3_wp
@@ -336,6 +335,17 @@ contains
       end associate
    end subroutine warn_of_shapes
 
+   !> Say at the end which balances do not close, and what closes them. Collective.
+   subroutine warn_of_balance(method, now, trust, log)
+      type(method_t), intent(in) :: method           !! How the run was computed
+      type(balance_t), intent(in) :: now             !! Its books
+      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(log_t), intent(inout) :: log              !! Gets the warnings
+
+      call warn_of_energy(method, now, trust, log)
+      call warn_of_momentum(method, trust, log)
+   end subroutine warn_of_balance
+
    !> Say at the end that energy is missing, and what keeps it. Collective.
    subroutine warn_of_energy(method, now, trust, log)
       type(method_t), intent(in) :: method           !! How the run was computed
@@ -381,13 +391,13 @@ contains
       if (trust%failed) return
       if (verdict_of(trust_momentum, trust%worst(trust_momentum)) == trust_ok) return
       remedy = "look for the step from which on it is off in the history"
-      if (method%surface /= surface_fill) remedy = "a cell with an empty node puts force where "// &
-         "no mass is; write free_surface = 'fill' in &method"
-      if (method%differing()) remedy = "each node has a mean stress of its own taken out; write "// &
-         "quadrature = 'point' in &method"
+      if (method%surface /= surface_fill) remedy = "a cell with an empty node puts force "// &
+         "where no mass is; write free_surface = 'fill' in &method"
+      if (method%differing()) remedy = "each node has a mean stress of its own taken out; "// &
+         "write quadrature = 'point' in &method"
       write (share, "(es8.1)") abs(trust%worst(trust_momentum))
-      call log%warn("warning: momentum is not conserved, error"//trim(share)//" of the greatest "// &
-         "sum of m |v|: "//remedy)
+      call log%warn("warning: momentum is not conserved, error"//trim(share)//" of the "// &
+         "greatest sum of m |v|: "//remedy)
    end subroutine warn_of_momentum
 
    !> Is a warning due? It is given once.

@@ -90,8 +90,8 @@ contains
       do tile = 1, size(store%count)
          do p = store%count(tile) + 1, wish(tile)
             n = n + 1
-            call halve(grid, allocated(full), store, copier%from(n), copier%to(n), edge(n), opening(n), &
-               gain(n))
+            call halve(grid, allocated(full), store, copier%from(n), copier%to(n), edge(n), &
+               opening(n), gain(n))
             store%count(tile) = p
             call place_particle(grid, boundary, tiles%coordinate(:, tile), store, tile, &
                copier%from(n))

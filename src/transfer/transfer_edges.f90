@@ -92,9 +92,9 @@ contains
       end do
    end subroutine gather_edge_gradient
 
-   !> Integrals over a cell of what weighs the slopes of its edges, 0 for edges that the scene lacks.
-   !! In axisymmetry edges along the missing direction are rings through the nodes of the cell, with
-   !! the weight of one over the radius.
+   !> Integrals over a cell of what weighs the slopes of its edges, 0 for edges that the scene
+   !! lacks. In axisymmetry edges along the missing direction are rings through the nodes of the
+   !! cell, with the weight of one over the radius.
    pure function edge_integrals(grid, cell) result(whole)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: cell                            !! Cell of the box along x, from 0
