@@ -4,7 +4,7 @@ module driver_program
    use base_agreement, only: agree
    use base_communicator, only: communicator_t, message_passing_version
    use base_deck, only: group_t
-   use base_error, only: error_t, exit_success
+   use base_error, only: error_t, exit_file, exit_success, fail
    use base_kinds, only: wp
    use base_log, only: log_debug, log_error, log_info, log_t, log_warn
    use base_schema_text, only: explain, template
@@ -23,13 +23,15 @@ module driver_program
    use driver_plan, only: declare_all, lay_out, plan_t, read_plan
    use driver_point, only: drive_point
    use driver_restart, only: resume
-   use driver_run, only: run_to_end
+   use driver_run, only: is_finished, run_to_end
    use driver_signal, only: outlive_file_limit
    use driver_summary, only: summarise
    use driver_trust, only: number_lattices
    use io_deck_check, only: check_case
+   use io_deck_changes, only: changes_t
    use io_digest, only: file_digest
    use io_file, only: join_path, make_folder, write_file
+   use io_former_run, only: find_former_run, former_run_t, is_own_checkpoint, remove_former_run
    use omp_lib, only: omp_get_max_threads
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    implicit none
@@ -178,6 +180,7 @@ contains
          write (output_unit, "(a)", advance="no") effects_text(session%deck)
          write (output_unit, "(a)", advance="no") cost_text(session%simulation, session%bodies, &
             session%survey, session%limits, session%outputs%expected(session%limits%time_end))
+         call warn_of_results(session)
          if (session%command%estimate .and. session%survey%particles <= most_particles) &
             call try_out(session, error)
          return
@@ -215,6 +218,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! What stopped it
       character(len=:), allocatable :: note, reason
       type(error_t), allocatable :: late
+      type(changes_t) :: changes
       type(group_t) :: group
       logical :: timing
       real(wp) :: begin
@@ -222,7 +226,9 @@ contains
       begin = wall_seconds()
       code = exit_success
       ! a run that cannot go on leaves the files of the one before as they are
-      if (session%command%restart) call go_on(session, note, error)
+      call guard_results(session, error)
+      if (allocated(error)) return
+      if (session%command%restart) call go_on(session, note, changes, error)
       if (allocated(error)) return
       call open_files(session, error)
       if (allocated(error)) return
@@ -233,6 +239,10 @@ contains
          else
             call session%log%info(note)
          end if
+         if (len(changes%physics) > 0) call session%log%warn("warning: the rest of the run "// &
+            "follows other rules than its beginning (in SI):"//changes%physics)
+         if (len(changes%extent//changes%nothing) > 0) call session%log%info( &
+            "the deck has changed since (in SI):"//changes%extent//changes%nothing)
       else
          call begin_run(session%simulation, session%bodies, session%survey, session%shapes, error)
       end if
@@ -316,16 +326,85 @@ contains
       if (session%command%verbose) level = log_debug
    end function log_level
 
+   !> Results of a former run are lost only if the user says so: refuse to begin, or remove them.
+   subroutine guard_results(session, error)
+      type(session_t), intent(in) :: session         !! Ready to begin
+      type(error_t), allocatable, intent(out) :: error !! There are results, or they cannot go
+      type(former_run_t) :: former
+
+      associate (communicator => session%simulation%communicator, command => session%command, &
+         outputs => session%outputs)
+         if (communicator%rank == 0) then
+            call find_former_run(outputs%folder, outputs%case, outputs%header%echo, former)
+            if (command%restart) then
+               if (former%results .and. allocated(command%checkpoint)) then
+                  if (.not. is_own_checkpoint(outputs%folder, outputs%case, &
+                     command%checkpoint)) call fail(error, exit_file, results_text(session)// &
+                     " and '"//command%checkpoint//"' is not of that run; give another "// &
+                     "--outdir or --case")
+               end if
+            else if (command%overwrite) then
+               call remove_former_run(outputs%folder, former, error)
+            else if (former%results) then
+               call fail(error, exit_file, results_text(session)//ways_on(former))
+            end if
+         end if
+         call agree(communicator, error)
+      end associate
+   end subroutine guard_results
+
+   !> Say in a check that a run would find results.
+   subroutine warn_of_results(session)
+      type(session_t), intent(in) :: session         !! Checked
+      type(former_run_t) :: former
+
+      if (session%command%overwrite) return
+      call find_former_run(session%outputs%folder, session%outputs%case, &
+         session%outputs%header%echo, former)
+      if (former%results) write (output_unit, "(a)") "warning: "//results_text(session)// &
+         ways_on(former)
+   end subroutine warn_of_results
+
+   !> Whose results are where.
+   function results_text(session) result(text)
+      type(session_t), intent(in) :: session         !! For case and folder
+      character(len=:), allocatable :: text
+
+      text = "results of case '"//session%outputs%case//"' are in '"// &
+         session%outputs%folder//"' already"
+   end function results_text
+
+   !> What a user can do where there are results.
+   pure function ways_on(former) result(text)
+      type(former_run_t), intent(in) :: former       !! The results
+      character(len=:), allocatable :: text
+
+      if (former%checkpoints) then
+         text = ": go on with --restart, or remove them with --overwrite"
+      else
+         text = ", without a checkpoint to go on from: remove them with --overwrite"
+      end if
+      text = text//"; or give another --outdir or --case"
+   end function ways_on
+
    !> Particles from a checkpoint.
-   subroutine go_on(session, note, error)
+   subroutine go_on(session, note, changes, error)
       type(session_t), intent(inout) :: session      !! Gets particles
       character(len=:), allocatable, intent(out) :: note !! What the log should say
-      type(error_t), allocatable, intent(out) :: error !! No checkpoint can be read
+      type(changes_t), intent(out) :: changes        !! What differs in the deck of the checkpoint
+      type(error_t), allocatable, intent(out) :: error !! No checkpoint can be read, or no step
       character(len=:), allocatable :: file
 
       file = ""
       if (allocated(session%command%checkpoint)) file = session%command%checkpoint
-      call resume(session%simulation, session%outputs, session%place, file, note, error)
+      call resume(session%simulation, session%outputs, session%place, file, note, changes, error)
+      if (allocated(error)) return
+      if (.not. changes%matter()) return
+      if (is_finished(session%simulation, session%limits)) call fail(error, exit_file, &
+         note//": the run is finished, so what has changed in the deck since would have no "// &
+         "effect (in SI):"//changes%physics//changes%extent//new_line("a")// &
+         "raise the end of the run (t_end, max_steps), or begin anew in another folder "// &
+         "(--outdir) or with --overwrite")
    end subroutine go_on
 
    !> Particles are there: nobody needs voxels, facets and lists of points any more.

@@ -23,7 +23,7 @@ module driver_run
    implicit none
    private
 
-   public :: choose_step, limits_t, read_limits, run_to_end
+   public :: choose_step, is_finished, limits_t, read_limits, run_to_end
 
    integer, parameter :: out_of_time = 1000          !! A call to leave that is no signal
    real(wp), parameter :: scheduler_reserve = 60.0_wp !! Kept before the end of a job [s]
@@ -255,6 +255,17 @@ contains
       end if
       finished = .false.
    end subroutine judge
+
+   !> Is the end of a run reached before its first step? Collective.
+   logical function is_finished(simulation, limits) result(finished)
+      type(simulation_t), intent(inout) :: simulation !! The run with particles
+      type(limits_t), intent(in) :: limits           !! When to stop
+      type(watch_t) :: watch
+      character(len=:), allocatable :: reason
+      integer :: code
+
+      call judge(simulation, limits, watch, finished, code, reason)
+   end function is_finished
 
    !> Wall time that must be left for the last checkpoint: twice the last one and three steps [s].
    real(wp) function reserve(simulation, watch) result(seconds)

@@ -57,7 +57,7 @@ class Case:
         self.scree, self.name = options.scree, name
         self.ranks, self.threads = ranks, threads
         self.folder = options.work / name
-        self.code, self.output = None, ""
+        self.code, self.output, self.guarded = None, "", False
         if not keep:
             shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -65,8 +65,11 @@ class Case:
         self.deck.write_text(deck, encoding="utf-8")
 
     def command(self, *options):
-        """The words that run the program with further options."""
+        """The words that run the program with further options. Results of an earlier call are
+        replaced unless the call goes on from them or `guarded` is true."""
         words = [self.scree, "--case", self.name, "--outdir", self.folder, *options, self.deck]
+        if not self.guarded and not {"--restart", "-r", "--check", "--job"} & set(map(str, options)):
+            words.insert(1, "--overwrite")
         if self.ranks > 1:
             words = ["mpiexec", "-n", self.ranks, *words]
         return [str(word) for word in words]
