@@ -456,12 +456,11 @@ contains
          "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
          newline//"                         --threads N and --time HH:MM:SS"//newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
-         "  -h, --help             this text"//newline// &
-         "  -V, --version          version, compiler and libraries"//newline//newline
-      text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem,"// &
-         newline//"  4 physics gave up, 5 internal error, 75 stopped with a checkpoint: run "// &
-         "again"//newline//newline//"examples:"//newline// &
-         "  scree --check input/debris_cloud/scene.nml"//newline// &
+         "  -h, --help; -V, --version   this text; version, compiler and libraries"// &
+         newline//newline
+      text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem"// &
+         newline//"  or results in the way, 4 physics gave up, 5 internal error, 75 stopped "// &
+         "with a"//newline//"  checkpoint: run again"//newline//newline//"examples:"//newline// &
          "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
          "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline// &
          "The README and doc/guide explain the rest."

@@ -26,6 +26,7 @@ module driver_program
    use driver_run, only: is_finished, run_to_end
    use driver_signal, only: outlive_file_limit
    use driver_summary, only: summarise
+   use driver_threads, only: choose_threads, share_cores, threads_text, yield_when_waiting
    use driver_trust, only: number_lattices
    use io_deck_check, only: check_case
    use io_deck_changes, only: changes_t
@@ -42,6 +43,7 @@ module driver_program
    !> All that one call of the program holds.
    type, extends(plan_t) :: session_t
       type(log_t) :: log                             !! Screen and log file
+      integer :: most_threads = 1                    !! Threads of a rank at most
    end type session_t
 
 contains
@@ -161,6 +163,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! What stopped it
 
       code = exit_success
+      call share_cores()
+      call yield_when_waiting(program_arguments())
       if (.not. (session%command%check .or. session%command%point .or. &
          allocated(session%command%job))) call session%simulation%communicator%start()
       call read_plan(session, error)
@@ -171,6 +175,7 @@ contains
       end if
       call lay_out(session, error)
       if (allocated(error)) return
+      call limit_threads(session)
       if (allocated(session%command%job)) then
          call print_job(session, error)
          return
@@ -187,6 +192,17 @@ contains
       end if
       call perform(session, code, error)
    end subroutine compute
+
+   !> No more threads than the scene keeps busy.
+   subroutine limit_threads(session)
+      type(session_t), intent(inout) :: session      !! Laid out
+
+      session%most_threads = omp_get_max_threads()
+      associate (survey => session%survey, ranks => session%simulation%communicator%size)
+         call choose_threads(session%most_threads, (size(survey%key) + ranks - 1)/ranks, &
+            survey%particles/ranks)
+      end associate
+   end subroutine limit_threads
 
    !> Run a few steps, write nothing, and say how long the whole will take.
    subroutine try_out(session, error)
@@ -279,7 +295,7 @@ contains
    subroutine open_files(session, error)
       type(session_t), intent(inout) :: session      !! Gets a log
       type(error_t), allocatable, intent(out) :: error !! Folder or file cannot be written
-      character(len=:), allocatable :: stem
+      character(len=:), allocatable :: line, stem
       character(len=16) :: ranks, threads
 
       associate (communicator => session%simulation%communicator, outputs => session%outputs)
@@ -296,6 +312,12 @@ contains
          call session%log%info(version_line())
          call session%log%info("deck      "//session%command%deck//"  case "//outputs%case//"  "// &
             trim(ranks)//" ranks x "//trim(threads)//" threads  results "//outputs%folder)
+         associate (survey => session%survey)
+            line = threads_text(session%most_threads, &
+               (size(survey%key) + communicator%size - 1)/communicator%size, &
+               survey%particles/communicator%size)
+         end associate
+         if (len(line) > 0) call session%log%info(line)
          if (session%deck%warnings() > 0) call session%log%warn(session%deck%report())
          call session%log%info(effects_text(session%deck)// &
             cost_text(session%simulation, session%bodies, session%survey, &

@@ -18,8 +18,10 @@ module driver_run
    use driver_signal, only: signal_caught, watch_signal
    use driver_simulation, only: requests_t, simulation_t
    use driver_step, only: advance, count_particles
+   use driver_threads, only: adjust_threads, is_starved, starved_text
    use driver_trust, only: begin_trust, watch_trust
    use io_checkpoint, only: checkpoint_place_t
+   use omp_lib, only: omp_get_max_threads
    implicit none
    private
 
@@ -59,6 +61,8 @@ module driver_run
       integer(int64) :: checkpoints = 0 !! Simulated intervals between them that are over
       integer :: signal = 0                          !! The signal that came
       real(wp) :: greatest_kinetic = 0.0_wp          !! Kinetic energy so far [J]
+      real(wp) :: stepped = 0.0_wp                   !! Wall time of the steps [s]
+      logical :: starved = .false.                   !! Has the warning of it been given?
    end type watch_t
 
 contains
@@ -145,9 +149,13 @@ contains
          if (allocated(error)) exit
          call ask(simulation, limits, watch)
          call watch_costs(simulation, limits%balancing)
+         call adjust_threads(simulation)
          simulation%worked = simulation%worked - process_seconds()
+         watch%stepped = watch%stepped - wall_seconds()
          call advance(simulation, dt, error)
          simulation%worked = simulation%worked + process_seconds()
+         watch%stepped = watch%stepped + wall_seconds()
+         if (simulation%requests%line > 0.0_wp) call warn_if_starved(simulation, log, watch)
          if (allocated(error)) exit
          call watch_trust(simulation, log, error)
          if (allocated(error)) exit
@@ -165,6 +173,7 @@ contains
             step_allowed(simulation) .and. .not. advanced)
          return
       end if
+      call warn_if_starved(simulation, log, watch)
       if (code == exit_success) call write_outputs(simulation, outputs, .true., log, error)
       if (allocated(error)) return
       if (code == exit_again .or. limits%checkpoint_at_end) &
@@ -370,6 +379,18 @@ contains
       call outputs%write_due(simulation, last, note, error)
       if (len(note) > 0) call log%info(note)
    end subroutine write_outputs
+
+   !> Say once that the steps take far longer than the processor works for them.
+   subroutine warn_if_starved(simulation, log, watch)
+      type(simulation_t), intent(in) :: simulation   !! For the processor time
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      type(watch_t), intent(inout) :: watch          !! Clocks
+
+      if (watch%starved) return
+      watch%starved = is_starved(watch%stepped, simulation%worked, omp_get_max_threads())
+      if (watch%starved) call log%warn(starved_text(watch%stepped, simulation%worked, &
+         omp_get_max_threads()))
+   end subroutine warn_if_starved
 
    !> A line of progress.
    subroutine tell(simulation, limits, log, watch)
