@@ -62,6 +62,7 @@ module driver_run
       integer :: signal = 0                          !! The signal that came
       real(wp) :: greatest_kinetic = 0.0_wp          !! Kinetic energy so far [J]
       real(wp) :: stepped = 0.0_wp                   !! Wall time of the steps [s]
+      real(wp) :: processor_begin = 0.0_wp           !! Processor time at the start [s]
       logical :: starved = .false.                   !! Has the warning of it been given?
    end type watch_t
 
@@ -190,6 +191,7 @@ contains
       integer :: n
 
       watch%begin = wall_seconds()
+      watch%processor_begin = process_seconds()
       watch%last_line = watch%begin
       watch%last_checkpoint = watch%begin
       watch%time_begin = simulation%time
@@ -387,9 +389,24 @@ contains
       type(watch_t), intent(inout) :: watch          !! Clocks
 
       if (watch%starved) return
-      watch%starved = is_starved(watch%stepped, simulation%worked, omp_get_max_threads())
-      if (watch%starved) call log%warn(starved_text(watch%stepped, simulation%worked, &
-         omp_get_max_threads()))
+      ! steps use all threads; files and tables are written by one
+      call compare_clocks("the steps", watch%stepped, simulation%worked, omp_get_max_threads())
+      call compare_clocks("the run", wall_seconds() - watch%begin, &
+         process_seconds() - watch%processor_begin, 1)
+
+   contains
+
+      !> Warn if one part of the run had too little of the processor.
+      subroutine compare_clocks(what, wall, processor, threads)
+         character(len=*), intent(in) :: what        !! Part of the run
+         real(wp), intent(in) :: wall                !! Its wall time [s]
+         real(wp), intent(in) :: processor           !! Its processor time [s]
+         integer, intent(in) :: threads              !! Threads that it uses
+
+         if (watch%starved) return
+         watch%starved = is_starved(wall, processor, threads)
+         if (watch%starved) call log%warn(starved_text(what, wall, processor, threads))
+      end subroutine compare_clocks
    end subroutine warn_if_starved
 
    !> A line of progress.

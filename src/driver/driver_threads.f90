@@ -113,34 +113,35 @@ contains
       end if
    end function threads_text
 
-   !> True if the steps took far more wall time than the processor worked for them: half of the time
-   !! or more the threads had no core, or nothing to do.
+   !> True if a part of a run took far more wall time than the processor worked for it: half of the
+   !! time or more its threads had no core, or nothing to do.
    pure logical function is_starved(wall, processor, threads) result(starved)
-      real(wp), intent(in) :: wall                   !! Wall time of the steps [s]
+      real(wp), intent(in) :: wall                   !! Wall time of the part [s]
       real(wp), intent(in) :: processor              !! Processor time of all threads [s]
-      integer, intent(in) :: threads                 !! Threads of this rank
+      integer, intent(in) :: threads                 !! Threads that it uses
       real(wp), parameter :: least = 5.0_wp          ! shorter runs are not worth a remark [s]
 
       starved = wall > least .and. wall*real(threads, wp) > 2.0_wp*processor
    end function is_starved
 
    !> The warning that says so.
-   function starved_text(wall, processor, threads) result(text)
-      real(wp), intent(in) :: wall                   !! Wall time of the steps [s]
+   function starved_text(what, wall, processor, threads) result(text)
+      character(len=*), intent(in) :: what           !! Part of the run
+      real(wp), intent(in) :: wall                   !! Wall time of the part [s]
       real(wp), intent(in) :: processor              !! Processor time of all threads [s]
-      integer, intent(in) :: threads                 !! Threads of this rank
+      integer, intent(in) :: threads                 !! Threads that it uses
       character(len=:), allocatable :: text
       character(len=96) :: line
 
-      write (line, "(a,f0.1,a,f0.1,a)") "the steps took ", wall, " s of wall time and ", processor, &
+      write (line, "(a,f0.1,a,f0.1,a)") " took ", wall, " s of wall time and ", processor, &
          " s of processor time on "
-      text = "warning: "//trim(line)//" "//number(threads)//" threads: other work shares the "// &
-         "cores, or the run was suspended"
+      text = "warning: "//what//trim(line)//" "//number(threads)//" threads: other work shares "// &
+         "the cores, the run was suspended, "
       if (threads > 1) then
-         text = text//", or the threads wait for each other; try OMP_NUM_THREADS="// &
+         text = text//"or threads wait for each other; try OMP_NUM_THREADS="// &
             number(max(threads/2, 1))
       else
-         text = text//"; give the run a core of its own"
+         text = text//"or files are slow; give the run a core of its own and a local disk"
       end if
    end function starved_text
 end module driver_threads
