@@ -28,8 +28,8 @@ module driver_program
    use driver_summary, only: summarise
    use driver_threads, only: choose_threads, share_cores, threads_text, yield_when_waiting
    use driver_trust, only: number_lattices
-   use io_deck_check, only: check_case
    use io_deck_changes, only: changes_t
+   use io_deck_check, only: check_case
    use io_digest, only: file_digest
    use io_file, only: join_path, make_folder, write_file
    use io_former_run, only: find_former_run, former_run_t, is_own_checkpoint, remove_former_run
@@ -257,8 +257,8 @@ contains
          end if
          if (len(changes%physics) > 0) call session%log%warn("warning: the rest of the run "// &
             "follows other rules than its beginning (in SI):"//changes%physics)
-         if (len(changes%extent//changes%nothing) > 0) call session%log%info( &
-            "the deck has changed since (in SI):"//changes%extent//changes%nothing)
+         if (len(changes%end//changes%extent//changes%nothing) > 0) call session%log%info( &
+            "the deck has changed since (in SI):"//changes%end//changes%extent//changes%nothing)
       else
          call begin_run(session%simulation, session%bodies, session%survey, session%shapes, error)
       end if
@@ -416,15 +416,21 @@ contains
       type(changes_t), intent(out) :: changes        !! What differs in the deck of the checkpoint
       type(error_t), allocatable, intent(out) :: error !! No checkpoint can be read, or no step
       character(len=:), allocatable :: file
+      logical :: late
 
       file = ""
       if (allocated(session%command%checkpoint)) file = session%command%checkpoint
       call resume(session%simulation, session%outputs, session%place, file, note, changes, error)
       if (allocated(error)) return
-      if (.not. changes%matter()) return
-      if (is_finished(session%simulation, session%limits)) call fail(error, exit_file, &
-         note//": the run is finished, so what has changed in the deck since would have no "// &
-         "effect (in SI):"//changes%physics//changes%extent//new_line("a")// &
+      associate (now => session%simulation, limits => session%limits)
+         ! a state at the very end that is asked for is the result; one behind it is not
+         late = len(changes%end) > 0 .and. (now%step > limits%max_steps .or. &
+            now%time > limits%time_end*(1.0_wp + 1.0e-9_wp))
+         if (changes%matter() .and. .not. late) late = is_finished(now, limits)
+      end associate
+      if (late) call fail(error, exit_file, note//": the run is finished, so what has changed "// &
+         "in the deck since would have no effect (in SI):"//changes%physics//changes%end// &
+         changes%extent//new_line("a")// &
          "raise the end of the run (t_end, max_steps), or begin anew in another folder "// &
          "(--outdir) or with --overwrite")
    end subroutine go_on

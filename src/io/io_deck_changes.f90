@@ -5,8 +5,8 @@
 !! a checkpoint of an older version can be compared.
 module io_deck_changes
    use base_text, only: append, number, shortened, text_t
-   use io_deck_restart, only: change_class, changes_extent, changes_nothing, changes_physics, &
-      group_added, group_removed, may_not_change, rigid_region
+   use io_deck_restart, only: change_class, changes_end, changes_extent, changes_nothing, &
+      changes_physics, group_added, group_removed, may_not_change, rigid_region
    use io_stream_names, only: stream_kind, stream_kinds
    implicit none
    private
@@ -43,7 +43,8 @@ module io_deck_changes
    type :: changes_t
       character(len=:), allocatable :: refused           !! Keys that may not change
       character(len=:), allocatable :: physics           !! Keys that change the rest of the run
-      character(len=:), allocatable :: extent            !! Keys that change its end and its files
+      character(len=:), allocatable :: end               !! Keys that change where it ends
+      character(len=:), allocatable :: extent            !! Keys that change its files and limits
       character(len=:), allocatable :: nothing           !! Keys that change no result
    contains
       procedure :: matter => changes_matter              !! Will results differ?
@@ -61,6 +62,7 @@ contains
 
       changes%refused = ""
       changes%physics = ""
+      changes%end = ""
       changes%extent = ""
       changes%nothing = ""
       if (old == new) return
@@ -119,7 +121,7 @@ contains
       end associate
    end function plain_value
 
-   !> True if results depend on one of the keys that differ.
+   !> True if results before the end depend on one of the keys that differ.
    pure logical function changes_matter(self) result(matter)
       class(changes_t), intent(in) :: self               !! The keys that differ
 
@@ -175,6 +177,8 @@ contains
       select case (change_class(kind, key))
       case (changes_nothing)
          changes%nothing = changes%nothing//text
+      case (changes_end)
+         changes%end = changes%end//text
       case (changes_extent)
          changes%extent = changes%extent//text
       case (changes_physics)

@@ -9,8 +9,9 @@ module io_deck_restart
 
    integer, parameter, public :: may_not_change = 1      !! The state means nothing without it
    integer, parameter, public :: changes_physics = 2     !! The rest of the run follows other rules
-   integer, parameter, public :: changes_extent = 3      !! Where the run ends, what it writes
-   integer, parameter, public :: changes_nothing = 4     !! No result depends on it
+   integer, parameter, public :: changes_end = 3         !! Where the run ends
+   integer, parameter, public :: changes_extent = 4      !! What it writes and what it bears
+   integer, parameter, public :: changes_nothing = 5     !! No result depends on it
 
    !> A group that only one of the two decks has.
    character(len=*), parameter, public :: group_added = "+", group_removed = "-"
@@ -27,11 +28,12 @@ module io_deck_restart
 
    !> Keys that are not named here may not change: grid, dimension, bodies, models of materials,
    !! equations of state, whatever decides which fields particles carry, and keys to come.
-   type(rule_t), parameter :: rules(27) = [ &
+   type(rule_t), parameter :: rules(28) = [ &
       rule_t("run", changes_nothing, "title case deck_version"), &
       rule_t("units", changes_extent, "output_units"), &
-      rule_t("time", changes_extent, "t_end max_steps stop_when stop_value dt_min dt_collapse "// &
-         "speed_max volume_ratio_min volume_ratio_max on_bad retire_max"), &
+      rule_t("time", changes_end, "t_end max_steps stop_when stop_value"), &
+      rule_t("time", changes_extent, "dt_min dt_collapse speed_max volume_ratio_min "// &
+         "volume_ratio_max on_bad retire_max"), &
       rule_t("time", changes_physics, "cfl dt_max dt_fixed strain_max retry"), &
       rule_t("time", changes_nothing, "wall_limit"), &
       rule_t("method", changes_physics, "transfer flip order_k alpha alpha_0 blend "// &
