@@ -155,6 +155,7 @@ SNAPSHOT = ["scree -q first.nml --outdir first", "cp first/first_p_000000.hdf fi
 CHECK = "scree --check scene.nml"
 RUN = "scree -q scene.nml"
 AGAIN = "scree -q --restart scene.nml"
+OTHER_DECK = "running.md#a-restart-with-another-deck"
 
 SITUATIONS = {
     # the command line
@@ -294,8 +295,9 @@ SITUATIONS = {
             "scree scene.nml --set time.t_end=10 > screen & child=$!; for try in $(seq 600); do "
             "grep -q t/t_end screen && break; sleep 0.1; done; kill -USR1 $child; wait $child; code=$?; "
             "tail -n 2 screen; exit $code")],
-        "then": [("scree -q --restart scene.nml --set time.t_end=10", "scree -q --restart scene.nml --set time.t_end=10 "
-                  "--set \"time.wall_limit='00:00:00'\"")], "see": ["running.md#signals"]},
+        "then": [("scree -q --restart scene.nml --set time.t_end=10",
+                  "scree -q --restart scene.nml --set time.t_end=10 --set \"time.wall_limit='00:00:00'\"")],
+        "see": ["running.md#signals"]},
     "nothing-tells-when-the-job-ends": {
         "files": {"scene.nml": BAR}, "text": "In a job that `squeue` does not know:",
         "commands": ["SLURM_JOB_ID=12 scree -q scene.nml --set \"time.wall_limit='slurm'\""],
@@ -329,7 +331,8 @@ SITUATIONS = {
     "cannot-read": {"files": {"secne.nml": BAR}, "commands": [CHECK], "then": ["scree --check secne.nml"],
                     "see": ["running.md"]},
     "is-cut-short-or-no-checkpoint": {
-        "files": {"scene.nml": SERIES}, "before": [RUN, "head -c 9999 out/scene/scene_chk_0002.h5 > out/scene/scene_chk_0009.h5"],
+        "files": {"scene.nml": SERIES},
+        "before": [RUN, "head -c 9999 out/scene/scene_chk_0002.h5 > out/scene/scene_chk_0009.h5"],
         "text": "A checkpoint was copied in part:",
         "commands": ["scree -q --restart out/scene/scene_chk_0009.h5 scene.nml"],
         "then": [AGAIN], "see": ["running.md#checkpoints-and-restart"]},
@@ -348,20 +351,10 @@ SITUATIONS = {
         "see": ["output.md#checkpoints-and-the-digest"]},
     "is-of-another-deck": {
         "files": {"scene.nml": BAR}, "before": [RUN],
-        "text": "A finished run is to go on with smaller cells and another density:",
-        "commands": ["scree -q --restart scene.nml --set grid.dx=0.05 --set material.density=2650"],
-        "then": ["scree -q --restart scene.nml --set time.t_end=2e-4"], "see": ["running.md#a-restart-with-another-deck"]},
-    "the-run-is-finished-so-what-has": {
-        "files": {"scene.nml": BAR}, "before": [RUN],
-        "text": "The run has reached its end when a constant of its material is changed:",
-        "commands": ["scree -q --restart scene.nml --set material.poisson=0.25"],
-        "then": ["scree -q --overwrite scene.nml --set material.poisson=0.25"],
-        "see": ["running.md#a-restart-with-another-deck"]},
-    "the-rest-of-the-run-follows-other": {
-        "files": {"scene.nml": BAR}, "before": [RUN],
-        "text": "A run goes on with another constant of its material:",
-        "commands": ["scree -q --restart scene.nml --set time.t_end=2e-4 --set material.poisson=0.25"],
-        "see": ["running.md#a-restart-with-another-deck"]},
+        "text": "A finished run is to go on with smaller cells and another density, and with another modulus:",
+        "commands": ["scree -q --restart scene.nml --set grid.dx=0.05 --set material.density=2650",
+                     "scree -q --restart scene.nml --set material.poisson=0.25"],
+        "then": ["scree -q --restart scene.nml --set time.t_end=2e-4"], "see": [OTHER_DECK]},
     "results-of-case-are-in-already": {
         "files": {"scene.nml": BAR}, "before": [RUN], "text": "The same command is given a second time:",
         "commands": [RUN], "then": ["scree -q --restart scene.nml --set time.t_end=2e-4",
@@ -370,7 +363,7 @@ SITUATIONS = {
         "files": {"scene.nml": BAR.replace("'1d' /", "'1d'  method = 'mpm' /")}, "before": [RUN],
         "text": "The first run had the default `transfer`, whose particles carry no gradient of velocity:",
         "commands": ["scree -q --restart scene.nml --set time.t_end=2e-4 --set method.transfer=apic"],
-        "then": ["scree -q --restart scene.nml --set time.t_end=2e-4"], "see": ["running.md#a-restart-with-another-deck"]},
+        "then": ["scree -q --restart scene.nml --set time.t_end=2e-4"], "see": [OTHER_DECK]},
     "cannot-read-the-facets-of": {
         "files": {"scene.nml": STONE, "stone.stl": "\n".join(FACETS.split("\n")[:11]) + "\n"},
         "text": "A file `stone.stl` that ends too early; these are its last lines:", "language": "text",

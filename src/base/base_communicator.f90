@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The ranks of a run and all that they say to each other. The only file that uses MPI.
-! allow(C071): the texts of C have no length of their own
 module base_communicator
    use base_kinds, only: int64, wp
    use base_process, only: set_default

@@ -45,12 +45,12 @@ module base_process
 contains
 
    !> True if the environment has a word that is not empty.
-   logical function is_set(name)
+   logical function is_set(name) result(found)
       character(len=*), intent(in) :: name               !! The word
       integer :: length, status
 
       call get_environment_variable(name, length=length, status=status)
-      is_set = status == 0 .and. length > 0
+      found = status == 0 .and. length > 0
    end function is_set
 
    !> Give the environment a word, unless the user has set it. A process without memory for it goes

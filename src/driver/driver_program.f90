@@ -249,16 +249,7 @@ contains
       call open_files(session, error)
       if (allocated(error)) return
       if (session%command%restart) then
-         ! lines before the last one tell of files that were passed over
-         if (index(note, new_line("a")) > 0) then
-            call session%log%warn(note)
-         else
-            call session%log%info(note)
-         end if
-         if (len(changes%physics) > 0) call session%log%warn("warning: the rest of the run "// &
-            "follows other rules than its beginning (in SI):"//changes%physics)
-         if (len(changes%end//changes%extent//changes%nothing) > 0) call session%log%info( &
-            "the deck has changed since (in SI):"//changes%end//changes%extent//changes%nothing)
+         call tell_restart(session%log, note, changes)
       else
          call begin_run(session%simulation, session%bodies, session%survey, session%shapes, error)
       end if
@@ -290,6 +281,23 @@ contains
          call move_alloc(late, error)
       end if
    end subroutine perform
+
+   !> From where a run goes on, and with what changes of its deck.
+   subroutine tell_restart(log, note, changes)
+      type(log_t), intent(inout) :: log              !! Gets the lines
+      character(len=*), intent(in) :: note           !! From where, after files passed over
+      type(changes_t), intent(in) :: changes         !! What differs in the deck of the checkpoint
+
+      if (index(note, new_line("a")) > 0) then
+         call log%warn(note)
+      else
+         call log%info(note)
+      end if
+      if (len(changes%physics) > 0) call log%warn("warning: the rest of the run follows other "// &
+         "rules than its beginning (in SI):"//changes%physics)
+      if (len(changes%end//changes%extent//changes%nothing) > 0) call log%info( &
+         "the deck has changed since (in SI):"//changes%end//changes%extent//changes%nothing)
+   end subroutine tell_restart
 
    !> Folder, log and echo. Nothing is written before the deck is known to be right.
    subroutine open_files(session, error)

@@ -81,8 +81,8 @@ contains
          call checkpoint_read(simulation%communicator, path, simulation%stores, state, error, &
             place%echo, changes)
       else
-         call checkpoint_find(simulation%communicator, place%folder, place%case, &
-            simulation%stores, state, path, passed, error, place%echo, changes)
+         call checkpoint_find(simulation%communicator, place, simulation%stores, state, path, &
+            passed, error, changes)
          if (len(passed) > 0) note = passed//new_line("a")
       end if
       if (allocated(error)) return

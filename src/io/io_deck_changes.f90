@@ -6,7 +6,7 @@
 module io_deck_changes
    use base_text, only: append, number, shortened, text_t
    use io_deck_restart, only: change_class, changes_end, changes_extent, changes_nothing, &
-      changes_physics, group_added, group_removed, may_not_change, rigid_region
+      changes_physics, group_added, group_removed, rigid_region
    use io_stream_names, only: stream_kind, stream_kinds
    implicit none
    private
@@ -183,7 +183,7 @@ contains
          changes%extent = changes%extent//text
       case (changes_physics)
          changes%physics = changes%physics//text
-      case (may_not_change)
+      case default
          changes%refused = changes%refused//text
       end select
    end subroutine add_line

@@ -22,7 +22,7 @@ module io_deck_restart
    !> Some keys of a group.
    type :: rule_t
       character(len=10) :: group                         !! As in the deck without &
-      integer :: class                                   !! One of the constants above
+      integer :: meaning                                 !! One of the constants above
       character(len=200) :: keys                         !! Blanks between; * for all
    end type rule_t
 
@@ -74,16 +74,16 @@ module io_deck_restart
 contains
 
    !> What a change of a key means for a run that goes on.
-   pure integer function change_class(group, key) result(class)
+   pure integer function change_class(group, key) result(meaning)
       character(len=*), intent(in) :: group              !! Kind of group, or `rigid_region`
       character(len=*), intent(in) :: key                !! Key, `group_added` or `group_removed`
       integer :: n
 
-      class = may_not_change
+      meaning = may_not_change
       do n = 1, size(rules)
          if (rules(n)%group /= group) cycle
          if (index(" "//rules(n)%keys, " "//key//" ") > 0 .or. rules(n)%keys(:1) == "*") &
-            class = rules(n)%class
+            meaning = rules(n)%meaning
       end do
    end function change_class
 

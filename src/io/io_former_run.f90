@@ -112,10 +112,10 @@ contains
    end subroutine take_numbered
 
    !> True for the name of a file that was being written.
-   pure logical function is_part(name)
+   pure logical function is_part(name) result(partial)
       character(len=*), intent(in) :: name               !! Name of a file
 
-      is_part = index(name, part, back=.true.) > max(len(name) - len(part), 0)
+      partial = index(name, part, back=.true.) > max(len(name) - len(part), 0)
    end function is_part
 
    !> True if a file was found that is complete.

@@ -7,7 +7,7 @@ module io_restart
    use base_field_worker, only: field_worker_t
    use base_hash, only: add_hash, hash_reals, hash_text, hash_wholes
    use base_kinds, only: int64, wp
-   use io_checkpoint, only: checkpoint_newest, head_check
+   use io_checkpoint, only: checkpoint_newest, checkpoint_place_t, head_check
    use io_deck_changes, only: changes_t, compare_decks
    use io_digest, only: field_key
    use io_file, only: longest_path
@@ -45,28 +45,25 @@ contains
    !!
    !! One of another deck ends the search: an older file may be of this deck, but newer results
    !! would be lost if the run went on from it.
-   subroutine checkpoint_find(communicator, folder, case, stores, state, path, notes, error, &
-      echo, changes)
+   subroutine checkpoint_find(communicator, place, stores, state, path, notes, error, changes)
       type(communicator_t), intent(in) :: communicator    !! The ranks
-      character(len=*), intent(in) :: folder              !! Folder of the results
-      character(len=*), intent(in) :: case                !! Prefix of all files
+      type(checkpoint_place_t), intent(in) :: place       !! Folder, case and keys of this run
       type(store_t), intent(inout) :: stores(:)           !! With the fields wanted, filled
       type(state_t), intent(inout) :: state               !! Filled
       character(len=:), allocatable, intent(out) :: path  !! Which one it was
       character(len=:), allocatable, intent(out) :: notes !! Why newer ones were passed over
       type(error_t), allocatable, intent(out) :: error    !! There is none
-      character(len=*), intent(in), optional :: echo      !! All keys of this run, to compare
       type(changes_t), intent(out), optional :: changes   !! What differs from those in the file
       character(len=longest_path), allocatable :: paths(:)
       integer :: index
 
       notes = ""
       path = ""
-      call checkpoint_newest(communicator, folder, case, paths, error)
+      call checkpoint_newest(communicator, place%folder, place%case, paths, error)
       if (allocated(error)) return
       do index = 1, size(paths)
-         call checkpoint_read(communicator, trim(paths(index)), stores, state, error, echo, &
-            changes)
+         call checkpoint_read(communicator, trim(paths(index)), stores, state, error, &
+            place%echo, changes)
          if (.not. allocated(error)) then
             path = trim(paths(index))
             return
@@ -80,10 +77,11 @@ contains
          notes = notes//error%message
       end do
       if (size(paths) == 0) then
-         call fail(error, exit_file, "no checkpoint '"//case//"_chk_*.h5' in '"//folder//"'")
+         call fail(error, exit_file, "no checkpoint '"//place%case//"_chk_*.h5' in '"// &
+            place%folder//"'")
       else
-         call fail(error, exit_file, "no checkpoint of '"//case//"' can be used:"//new_line("a")// &
-            notes)
+         call fail(error, exit_file, "no checkpoint of '"//place%case//"' can be used:"// &
+            new_line("a")//notes)
       end if
    end subroutine checkpoint_find
 
@@ -108,7 +106,7 @@ contains
       call reader%source%open(path, error)
       if (.not. allocated(error)) call read_head(reader%source, state, error)
       if (.not. allocated(error)) call read_state(reader%source, state, error)
-      if (.not. allocated(error) .and. present(echo)) &
+      if (.not. allocated(error) .and. present(changes)) &
          call check_deck(reader%source, echo, changes, error)
       if (.not. allocated(error)) call check_materials(reader%source, stores, error)
       call agree(communicator, error)

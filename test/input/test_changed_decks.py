@@ -105,7 +105,8 @@ class ChangedDecks(unittest.TestCase):
         ends well."""
         run = self.run_of("finished")
         before = contents(run.folder)
-        for old, new in (("friction=0.2", "friction=0.5"), ("every=5 /\n&output  name='p'", "every=2 /\n&output  name='p'"),
+        for old, new in (("friction=0.2", "friction=0.5"),
+                         ("every=5 /\n&output  name='p'", "every=2 /\n&output  name='p'"),
                          ("t_end=1", "t_end=5e-5")):
             with self.subTest(new):
                 self.again(run, old, new, steps=10, expect=3)
@@ -140,7 +141,8 @@ class ChangedDecks(unittest.TestCase):
         for name, content in kept.items():
             if "_p_" in name:
                 self.assertEqual((run.folder / name).read_bytes(), content, name)
-        self.assertEqual([round(snapshot.provenance["time"] / 1e-5) for _, snapshot in run.snapshots()], [0, 5, 10, 15, 20])
+        self.assertEqual([round(snapshot.provenance["time"] / 1e-5) for _, snapshot in run.snapshots()],
+                         [0, 5, 10, 15, 20])
         self.assertEqual(run.history["step"].tolist(), [0, 5, 10, 15, 20])
 
     def test_longer(self):

@@ -70,7 +70,8 @@ class FormerResults(unittest.TestCase):
         run = self.run_of("one left")
         kept = contents(run.folder)
         for names, code in ((["bär_history.csv"], 3), (["bär_p_000000.hdf"], 3), (["bär_chk_0001.h5"], 3),
-                            (["bär.summary.json"], 3), (["bär_further_p_000004.hdf"], 3), (["bär.log", "bär.echo.nml"], 0)):
+                            (["bär.summary.json"], 3), (["bär_further_p_000004.hdf"], 3),
+                            (["bär.log", "bär.echo.nml"], 0)):
             with self.subTest(names):
                 for name in contents(run.folder):
                     if not name.endswith("left.nml"):
