@@ -280,10 +280,12 @@ def situation_example(row, runner):
               block("console", lines)]
     better = []
     for command in situation.get("then", []):
+        shown, command = (command, command) if isinstance(command, str) else command
         steps = re.search(r"time\.max_steps=(\d+)", " ".join(everything))
-        command = command.format(max_steps=steps.group(1)) if steps else command
+        if steps:
+            shown, command = (text.format(max_steps=steps.group(1)) for text in (shown, command))
         runner.succeed(row, place, command)
-        better.append(f"$ {command}")
+        better.append(f"$ {shown}")
     if better:
         parts += ["Right:", block("console", better)]
     if "right" in situation:

@@ -10,7 +10,9 @@
 #   --help        this text (scree --help: that of the program)
 #
 # Environment: RANKS (MPI ranks, default 1), OMP_NUM_THREADS (threads a rank, default: the cores
-# divided by the ranks). Options after the deck go to the program: scripts/run.sh deck.nml --check
+# divided by the ranks, or fewer where the scene keeps fewer busy). Options after the deck go to the
+# program: scripts/run.sh deck.nml --check. Results of an earlier run stay unless the options say
+# --restart or --overwrite.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
@@ -78,11 +80,6 @@ if [[ "${setup}" == yes ]]; then
    "${scripts}/setup.sh"
 fi
 "${scripts}/build.sh" Release
-
-if [[ -z "${OMP_NUM_THREADS:-}" ]]; then
-   threads=$(($(nproc) / ranks))
-   export OMP_NUM_THREADS=$((threads > 0 ? threads : 1))
-fi
 
 command=("${root}/build/bin/scree")
 if ((ranks > 1)); then

@@ -58,7 +58,7 @@ def run(options, method, ranks, threads, length, name):
     deck.write_text(DECK.format(method=method, length=length, cells=options.cells,
                                 steps=options.steps, words=options.method_words),
                     encoding="utf-8")
-    command = [options.scree, "-q", "--case", "block", "--outdir", folder, deck]
+    command = [options.scree, "-q", "--overwrite", "--case", "block", "--outdir", folder, deck]
     if ranks > 1:
         command = ["mpiexec", "-n", ranks, "--bind-to", "none", *command]
     environment = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMP_WAIT_POLICY": "passive",

@@ -12,7 +12,6 @@ phrases: texts that a document holds once, whatever the numbers in them are and 
 each gets the numbers of the runs. With --check tables and phrases are held against the runs.
 """
 import argparse
-import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -124,11 +123,12 @@ class Study:
         """Run the cases that are not there yet; all of them by name."""
         chosen = {name: case for name, case in self.cases.items()
                   if not options.only or name in options.only}
-        threads = os.environ.get("OMP_NUM_THREADS") or os.cpu_count() or 1
+        threads = study.threads_of_a_run()
         for deck in dict.fromkeys(deck for deck, _ in chosen.values()):
             some = [study.Run(values, str(options.out / name), name)
                     for name, (other, values) in chosen.items() if other == deck]
-            study.Study(options.scree, (self.folder / deck).resolve(), threads).all(some, 1, self.refuse_failed)
+            study.Study(options.scree, (self.folder / deck).resolve(), threads, overwrite=True).all(
+                some, study.jobs_for(threads), self.refuse_failed)
         return {name: Run(options.out / name, name) for name in chosen}
 
     def refuse_failed(self, run):

@@ -155,6 +155,7 @@ SNAPSHOT = ["scree -q first.nml --outdir first", "cp first/first_p_000000.hdf fi
 CHECK = "scree --check scene.nml"
 RUN = "scree -q scene.nml"
 AGAIN = "scree -q --restart scene.nml"
+OTHER_DECK = "running.md#a-restart-with-another-deck"
 
 SITUATIONS = {
     # the command line
@@ -214,7 +215,7 @@ SITUATIONS = {
     "is-below-dt-min": {
         "files": {"scene.nml": BAR.replace("1e-4", "1e-4  dt_min = 1e-5")}, "text": "A whole deck:",
         "shows": BAR.replace("1e-4", "1e-4  dt_min = 1e-5"), "commands": [RUN],
-        "then": ["scree -q scene.nml --set time.dt_min=1e-9"]},
+        "then": ["scree -q --overwrite scene.nml --set time.dt_min=1e-9"]},
     "has-fallen-below-dt-collapse": {
         "files": {"scene.nml": BLOCK}, "text": "A whole deck; its step is ten times the stable one:", "shows": BLOCK,
         "commands": [RUN], "right": FREE,
@@ -237,23 +238,23 @@ SITUATIONS = {
     "is-below-volume-ratio-min": {
         "files": {"scene.nml": PRESSED}, "text": "A whole deck, of soft blocks that meet at eight times their speed "
         "of sound; nothing may be pressed to less than half:", "shows": PRESSED, "commands": [RUN],
-        "then": ["scree -q scene.nml --set time.volume_ratio_min=0.01"]},
+        "then": ["scree -q --overwrite scene.nml --set time.volume_ratio_min=0.01"]},
     "is-above-volume-ratio-max": {
         "files": {"scene.nml": PULLED}, "text": "A whole deck, of a bar that is torn from a wall; nothing may grow by "
         "more than 2 %:", "shows": PULLED, "commands": [RUN],
-        "then": ["scree -q scene.nml --set time.volume_ratio_max=1e12"]},
+        "then": ["scree -q --overwrite scene.nml --set time.volume_ratio_max=1e12"]},
     "is-above-speed-max": {
         "files": {"scene.nml": DROP}, "text": "A whole deck, of a cube that falls:", "shows": DROP,
-        "commands": [RUN], "then": ["scree -q scene.nml --set time.speed_max=100"]},
+        "commands": [RUN], "then": ["scree -q --overwrite scene.nml --set time.speed_max=100"]},
     "more-than-retire-max": {
         "files": {"scene.nml": PRESSED.replace("min = 0.5", "min = 0.5  on_bad = 'retire'")},
         "text": "The deck of [is below volume_ratio_min](is-below-volume-ratio-min.md) with `on_bad = 'retire'`:",
         "shows": "&time t_end = 0.02  volume_ratio_min = 0.5  on_bad = 'retire' /", "commands": [RUN],
-        "then": ["scree -q scene.nml --set time.retire_max=0.5"]},
+        "then": ["scree -q --overwrite scene.nml --set time.retire_max=0.5"]},
     "this-state-goes-into-no-checkpoint": {
         "files": {"scene.nml": DROP}, "text": "The deck of [is above speed_max](is-above-speed-max.md):",
         "shows": DROP.split("\n")[3], "commands": [RUN],
-        "then": ["scree -q scene.nml -s time.max_steps={max_steps}"]},
+        "then": ["scree -q --overwrite scene.nml -s time.max_steps={max_steps}"]},
     "more-than-there-is-in-the-whole": {
         "files": {"scene.nml": FAST}, "text": "A whole deck; its step is a little longer than the stable one:",
         "shows": FAST, "commands": [RUN], "right": FREE,
@@ -270,7 +271,7 @@ SITUATIONS = {
         "see": ["output.md#trust"]},
     "of-the-mass-neighbours-are-more-than": {
         "files": {"scene.nml": GUM}, "text": "A whole deck, of a bar that is drawn out:", "shows": GUM,
-        "commands": [RUN], "then": ["scree -q scene.nml --set method.split=T"], "see": ["output.md#trust"]},
+        "commands": [RUN], "then": ["scree -q --overwrite scene.nml --set method.split=T"], "see": ["output.md#trust"]},
     "more-volume-than-there-is": {
         "files": {"scene.nml": GAS},
         "text": "A whole deck, of a gas at rest in a box, with irregular particles and sums that are not normalised:",
@@ -294,15 +295,17 @@ SITUATIONS = {
             "scree scene.nml --set time.t_end=10 > screen & child=$!; for try in $(seq 600); do "
             "grep -q t/t_end screen && break; sleep 0.1; done; kill -USR1 $child; wait $child; code=$?; "
             "tail -n 2 screen; exit $code")],
-        "then": [AGAIN], "see": ["running.md#signals"]},
+        "then": [("scree -q --restart scene.nml --set time.t_end=10",
+                  "scree -q --restart scene.nml --set time.t_end=10 --set \"time.wall_limit='00:00:00'\"")],
+        "see": ["running.md#signals"]},
     "nothing-tells-when-the-job-ends": {
         "files": {"scene.nml": BAR}, "text": "In a job that `squeue` does not know:",
         "commands": ["SLURM_JOB_ID=12 scree -q scene.nml --set \"time.wall_limit='slurm'\""],
-        "then": ["scree -q scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},
+        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},
     "this-is-no-job-of-slurm": {
         "files": {"scene.nml": BAR}, "text": "Outside of a job:",
         "commands": ["scree -q scene.nml --set \"time.wall_limit='slurm'\""],
-        "then": ["scree -q scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},
+        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},
     # files
     "this-is-a-folder-not-a-deck": {
         "before": ["scree --new two_discs my_discs"], "commands": ["scree --check my_discs"],
@@ -312,7 +315,7 @@ SITUATIONS = {
         "commands": ["scree -q scene.nml --outdir results"], "then": ["scree -q scene.nml --outdir results_2"],
         "see": ["output.md"]},
     "cannot-write": {
-        "files": {"scene.nml": BAR}, "before": ["mkdir -p out/scene", "ln -s /dev/full out/scene/scene_history.csv"],
+        "files": {"scene.nml": BAR}, "before": ["mkdir -p out/scene", "ln -s /dev/full out/scene/scene.echo.nml.part"],
         "text": "On a disk that is full:", "commands": [RUN], "see": ["running.md#checkpoints-and-restart"]},
     "no-checkpoint": {
         "files": {"scene.nml": BAR}, "before": ["scree -q scene.nml --outdir first",
@@ -324,12 +327,14 @@ SITUATIONS = {
         "files": {"scene.nml": BAR}, "before": [RUN, "cp out/scene/scene_chk_0001.h5 whole.h5",
                                                 "head -c 9999 whole.h5 > out/scene/scene_chk_0001.h5"],
         "text": "The only checkpoint was copied in part:", "commands": [AGAIN],
-        "then": ["scree -q --restart whole.h5 scene.nml"], "see": ["running.md#checkpoints-and-restart"]},
+        "then": ["cp whole.h5 out/scene/scene_chk_0001.h5", AGAIN], "see": ["running.md#checkpoints-and-restart"]},
     "cannot-read": {"files": {"secne.nml": BAR}, "commands": [CHECK], "then": ["scree --check secne.nml"],
                     "see": ["running.md"]},
     "is-cut-short-or-no-checkpoint": {
-        "files": {"scene.nml": SERIES}, "before": [RUN, "head -c 9999 out/scene/scene_chk_0002.h5 > part.h5"],
-        "text": "A checkpoint was copied in part:", "commands": ["scree -q --restart part.h5 scene.nml"],
+        "files": {"scene.nml": SERIES},
+        "before": [RUN, "head -c 9999 out/scene/scene_chk_0002.h5 > out/scene/scene_chk_0009.h5"],
+        "text": "A checkpoint was copied in part:",
+        "commands": ["scree -q --restart out/scene/scene_chk_0009.h5 scene.nml"],
         "then": [AGAIN], "see": ["running.md#checkpoints-and-restart"]},
     "is-damaged": {
         "files": {"scene.nml": SERIES},
@@ -339,22 +344,26 @@ SITUATIONS = {
         "then": [AGAIN], "see": ["output.md#checkpoints-and-the-digest"]},
     "is-of-another-version": {
         "files": {"scene.nml": BAR},
-        "before": [RUN, "sed 's/scree-checkpoint-[0-9]/scree-checkpoint-0/' out/scene/scene_chk_0001.h5 > old.h5"],
-        "text": "A checkpoint of an older program:", "commands": ["scree -q --restart old.h5 scene.nml"],
+        "before": [RUN, "sed 's/scree-checkpoint-[0-9]/scree-checkpoint-0/' out/scene/scene_chk_0001.h5 > old.h5",
+                   "mv old.h5 out/scene/scene_chk_0002.h5"],
+        "text": "A checkpoint of an older program:",
+        "commands": ["scree -q --restart out/scene/scene_chk_0002.h5 scene.nml"],
         "see": ["output.md#checkpoints-and-the-digest"]},
     "is-of-another-deck": {
-        "files": {"first.nml": BAR.replace("'metal'", "'alloy'"), "scene.nml": BAR},
-        "before": ["scree -q first.nml"],
-        "text": "The run of `first.nml` had a material `alloy`; in `scene.nml` it is called `metal`:",
-        "commands": ["scree -q --restart out/first/first_chk_0001.h5 scene.nml"],
-        "then": ["scree -q --restart out/first/first_chk_0001.h5 first.nml"],
-        "see": ["running.md#checkpoints-and-restart"]},
+        "files": {"scene.nml": BAR}, "before": [RUN],
+        "text": "A finished run is to go on with smaller cells and another density, and with another modulus:",
+        "commands": ["scree -q --restart scene.nml --set grid.dx=0.05 --set material.density=2650",
+                     "scree -q --restart scene.nml --set material.poisson=0.25"],
+        "then": ["scree -q --restart scene.nml --set time.t_end=2e-4"], "see": [OTHER_DECK]},
+    "results-of-case-are-in-already": {
+        "files": {"scene.nml": BAR}, "before": [RUN], "text": "The same command is given a second time:",
+        "commands": [RUN], "then": ["scree -q --restart scene.nml --set time.t_end=2e-4",
+                                    "scree -q --overwrite scene.nml"], "see": ["running.md#results-that-are-there"]},
     "it-was-written-with-other-effects": {
-        "files": {"scene.nml": BAR.replace("0.3 /", "0.3  specific_heat = 900 /")
-                  + "&effects thermal = .true. /\n", "first.nml": BAR},
-        "before": ["scree -q first.nml --case scene"],
-        "text": "The first run was without this line:", "shows": "&effects thermal = .true. /", "commands": [AGAIN],
-        "then": ["scree -q --restart first.nml --case scene"], "see": ["running.md#checkpoints-and-restart"]},
+        "files": {"scene.nml": BAR.replace("'1d' /", "'1d'  method = 'mpm' /")}, "before": [RUN],
+        "text": "The first run had the default `transfer`, whose particles carry no gradient of velocity:",
+        "commands": ["scree -q --restart scene.nml --set time.t_end=2e-4 --set method.transfer=apic"],
+        "then": ["scree -q --restart scene.nml --set time.t_end=2e-4"], "see": [OTHER_DECK]},
     "cannot-read-the-facets-of": {
         "files": {"scene.nml": STONE, "stone.stl": "\n".join(FACETS.split("\n")[:11]) + "\n"},
         "text": "A file `stone.stl` that ends too early; these are its last lines:", "language": "text",
@@ -412,9 +421,9 @@ SITUATIONS = {
     "has-other-columns-than-this-run": {
         "files": {"scene.nml": BAR}, "before": [RUN],
         "text": "The run is to go on with outputs in other units:",
-        "commands": ["scree -q --restart scene.nml --set units.output_units=cgs"],
+        "commands": ["scree -q --restart scene.nml --set time.t_end=2e-4 --set units.output_units=cgs"],
         "then": ["mv out/scene/scene_history.csv out/scene/first_history.csv",
-                 "scree -q --restart scene.nml --set units.output_units=cgs"],
+                 "scree -q --restart scene.nml --set time.t_end=2e-4 --set units.output_units=cgs"],
         "see": ["running.md#checkpoints-and-restart"]},
     "left-out-of-the-series": {
         "files": {"scene.nml": SERIES}, "before": [RUN, "cp out/scene/scene_p_000001.hdf whole.hdf",

@@ -98,6 +98,24 @@ def stamp_of(run, deck, version):
     return {"deck": digest, "values": run.values, "program": version}
 
 
+def cores():
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def threads_of_a_run():
+    """Threads of a run of a study: one, as many runs at a time use the cores better, or those of OMP_NUM_THREADS."""
+    try:
+        return max(1, int(os.environ.get("OMP_NUM_THREADS", "1")))
+    except ValueError:
+        return 1
+
+
+def jobs_for(threads):
+    """Runs at a time that keep the cores busy."""
+    return max(1, cores() // threads)
+
+
 def version_of(program):
     """What the program says it is."""
     try:
@@ -119,6 +137,11 @@ def is_done(run, stamp):
     return run.summary.get("exit_code") == 0
 
 
+def holds_results(folder):
+    """Whether a folder of a run holds more than what was run and said."""
+    return os.path.isdir(folder) and bool(set(os.listdir(folder)) - {STAMP, SCREEN})
+
+
 def read_summary(run):
     """What CASE.summary.json of a run holds."""
     with open(os.path.join(run.folder, f"{run.case}.summary.json"), encoding="utf-8") as handle:
@@ -133,10 +156,12 @@ def reason_of(said, code):
 
 
 class Study:
-    """Runs combinations, some at a time."""
+    """Runs combinations, some at a time. Results of another deck, of other values or of another program are
+    replaced only if `overwrite` is true."""
 
-    def __init__(self, program, deck, threads=1):
+    def __init__(self, program, deck, threads=1, overwrite=False):
         self.program, self.deck, self.threads = program, os.path.abspath(deck), threads
+        self.overwrite = overwrite
         self.version = version_of(program)
         self.children, self.stopping = set(), False
 
@@ -147,14 +172,28 @@ class Study:
             words += ["--set", f"{key}={value}"]
         return words + (["--restart"] if restart else []) + [self.deck]
 
-    def resumes(self, run, stamp):
-        """Whether the folder holds a checkpoint of this very run."""
+    def is_same(self, run, stamp):
+        """Whether the folder is of this deck, these values and this program."""
         try:
             with open(os.path.join(run.folder, STAMP), encoding="utf-8") as handle:
-                same = json.load(handle) == stamp
+                return json.load(handle) == stamp
         except (OSError, ValueError):
             return False
-        return same and any(re.fullmatch(re.escape(run.case) + r"_chk_\d+\.h5", name)
+
+    def guard(self, run):
+        """Refuse to replace results that the run would not have."""
+        if not holds_results(run.folder):
+            return
+        if STAMP not in os.listdir(run.folder):
+            raise PostError(f"{run.folder} is there and was not made by a sweep; choose "
+                            "another --outdir")
+        if not self.overwrite and not self.is_same(run, stamp_of(run, self.deck, self.version)):
+            raise PostError(f"{run.folder} holds results of another deck, of other values or of another version of "
+                            "the program; replace them with --overwrite, or choose another --outdir")
+
+    def resumes(self, run, stamp):
+        """Whether the folder holds a checkpoint of this very run."""
+        return self.is_same(run, stamp) and any(re.fullmatch(re.escape(run.case) + r"_chk_\d+\.h5", name)
                             for name in os.listdir(run.folder))
 
     def one(self, run):
@@ -167,9 +206,7 @@ class Study:
             return run
         restart = self.resumes(run, stamp)
         if not restart:
-            if os.path.isdir(run.folder) and STAMP not in os.listdir(run.folder):
-                raise PostError(f"{run.folder} is there and was not made by a sweep; choose "
-                                "another --outdir")
+            self.guard(run)
             shutil.rmtree(run.folder, ignore_errors=True)
             os.makedirs(run.folder)
             with open(os.path.join(run.folder, STAMP), "w", encoding="utf-8") as handle:
@@ -201,6 +238,8 @@ class Study:
 
     def all(self, runs, jobs, tell):
         """Run all combinations; `tell` is called with each that ends."""
+        for run in runs:                                 # before the first one begins
+            self.guard(run)
         with Progress(len(runs), "runs") as progress, ThreadPoolExecutor(jobs) as pool:
             waiting = [pool.submit(self.one, run) for run in runs]
             try:

@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The ranks of a run and all that they say to each other. The only file that uses MPI.
-! allow(C071): the texts of C have no length of their own
 module base_communicator
    use base_kinds, only: int64, wp
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
+   use base_process, only: set_default
    use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_barrier, mpi_bcast, &
       mpi_character, mpi_comm, mpi_comm_rank, mpi_comm_size, mpi_comm_world, mpi_double_precision, &
       mpi_exscan, mpi_finalize, mpi_get_count, mpi_ibarrier, mpi_info, mpi_info_null, &
@@ -31,18 +30,6 @@ module base_communicator
       type(mpi_request), allocatable, private :: sent(:) !! One each
       integer, private :: tag = 0                     !! Which exchange
    end type posted_t
-
-   interface
-      !> Give the environment of this process a word, unless it has it and `overwrite` is 0.
-      function c_setenv(name, value, overwrite) bind(c, name="setenv") result(status)
-         import :: c_char, c_int
-         implicit none
-         character(kind=c_char), intent(in) :: name(*)   !! Null terminated
-         character(kind=c_char), intent(in) :: value(*)  !! Null terminated
-         integer(c_int), value :: overwrite              !! 0: leave what is there
-         integer(c_int) :: status
-      end function c_setenv
-   end interface
 
    !> A group of ranks. Without `start` it is a group of one that never calls MPI.
    type :: communicator_t
@@ -94,13 +81,10 @@ contains
    subroutine prefer_romio()
       character(len=*), parameter :: words(2) = [character(len=31) :: &
          "OMPI_MCA_io_romio321_priority", "OMPI_MCA_io_romio341_priority"]
-      integer(c_int) :: status
       integer :: n
 
       do n = 1, size(words)
-         status = c_setenv(trim(words(n))//c_null_char, "90"//c_null_char, 0_c_int)
-         ! without memory for a word there is none for a run either
-         if (status /= 0) return
+         call set_default(trim(words(n)), "90")
       end do
    end subroutine prefer_romio
 

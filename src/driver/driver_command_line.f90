@@ -15,6 +15,7 @@ module driver_command_line
       logical :: estimate = .true.                       !! A check times the first steps
       logical :: point = .false.                         !! Drive one material point
       logical :: restart = .false.                       !! Go on from a checkpoint
+      logical :: overwrite = .false.                     !! Replace the results of a former run
       character(len=:), allocatable :: checkpoint        !! Which; without it the newest valid one
       type(text_t), allocatable :: overrides(:)          !! GROUP.KEY=VALUE in the order given
       character(len=:), allocatable :: case_name         !! In place of the case of the deck
@@ -44,7 +45,7 @@ module driver_command_line
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(21) = [ &
+   type(option_t), parameter :: options(22) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
@@ -55,7 +56,7 @@ module driver_command_line
       option_t("force   ", " ", nothing), option_t("new     ", " ", a_value), &
       option_t("job     ", " ", a_value), option_t("ranks   ", " ", a_value), &
       option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
-      option_t("no-estimate", " ", nothing)]
+      option_t("no-estimate", " ", nothing), option_t("overwrite", " ", nothing)]
    character(len=9), parameter :: lists(5) = [character(len=9) :: "materials", "fields", &
       "shapes", "examples", "former"]
    character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
@@ -263,6 +264,8 @@ contains
       case ("restart")
          command%restart = .true.
          if (allocated(value)) command%checkpoint = value
+      case ("overwrite")
+         command%overwrite = .true.
       case ("set")
          call append(command%overrides, value)
       case ("case")
@@ -371,6 +374,9 @@ contains
          call complain(error, "--point excludes --check and --restart")
       else if (command%check .and. command%restart) then
          call complain(error, "--check and --restart exclude each other")
+      else if (command%overwrite .and. command%restart) then
+         call complain(error, "--overwrite and --restart exclude each other: a run either "// &
+            "begins anew or goes on; give --outdir to go on in another folder")
       else if (.not. allocated(command%deck)) then
          call complain(error, "no deck; usage: scree [options] DECK.nml, and scree --help for more")
       else
@@ -437,6 +443,7 @@ contains
          "  -c, --case NAME        prefix of all output files"//newline// &
          "  -o, --outdir DIR       folder of all output files, default out/CASE"//newline// &
          "  -r, --restart [FILE]   go on from FILE.h5 or the newest valid checkpoint"//newline// &
+         "      --overwrite        remove the results of a former run of this case"//newline// &
          "  -q, --quiet            only warnings and errors on the screen"//newline// &
          "  -v, --verbose          details too"//newline// &
          "      --force            take sizes that are hardly meant: points, files"//newline// &
@@ -449,12 +456,11 @@ contains
          "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
          newline//"                         --threads N and --time HH:MM:SS"//newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
-         "  -h, --help             this text"//newline// &
-         "  -V, --version          version, compiler and libraries"//newline//newline
-      text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem,"// &
-         newline//"  4 physics gave up, 5 internal error, 75 stopped with a checkpoint: run "// &
-         "again"//newline//newline//"examples:"//newline// &
-         "  scree --check input/debris_cloud/scene.nml"//newline// &
+         "  -h, --help; -V, --version   this text; version, compiler and libraries"// &
+         newline//newline
+      text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem"// &
+         newline//"  or results in the way, 4 physics gave up, 5 internal error, 75 stopped "// &
+         "with a"//newline//"  checkpoint: run again"//newline//newline//"examples:"//newline// &
          "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
          "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline// &
          "The README and doc/guide explain the rest."

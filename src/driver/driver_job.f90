@@ -28,6 +28,7 @@ module driver_job
       character(len=:), allocatable :: case          !! Prefix of all files
       character(len=:), allocatable :: command       !! The program with its options
       character(len=:), allocatable :: checkpoints   !! Pattern of the files to go on from
+      character(len=:), allocatable :: summary       !! File of a run that has ended
       character(len=:), allocatable :: hints         !! Comments for the reader
    end type job_t
 
@@ -74,6 +75,7 @@ contains
       job%notice = min(usual_notice, max(least_notice, job%seconds/10))
       job%case = plan%place%case
       job%checkpoints = quoted(join_path(plan%place%folder, job%case//"_chk_")//"*.h5")
+      job%summary = quoted(join_path(plan%place%folder, job%case//".summary.json"))
       job%command = quoted(program_path())//options_text(plan)//" "//quoted(deck)
       job%hints = hints_text(plan, job)
    end subroutine plan_job
@@ -174,14 +176,16 @@ contains
       text = "export OMP_PLACES=cores OMP_PROC_BIND=close HDF5_USE_FILE_LOCKING=FALSE"//newline
    end function places_text
 
-   !> Go on if there is something to go on from.
+   !> Go on if there is something to go on from. A run that was killed before its first checkpoint
+   !! has no summary, and begins anew.
    pure function restart_text(job) result(text)
       type(job_t), intent(in) :: job                 !! The job
       character(len=:), allocatable :: text
 
       text = "restart=()"//newline// &
-         "if compgen -G "//job%checkpoints//" > /dev/null; then restart=(--restart); fi"// &
-         newline//"code=0"//newline
+         "if compgen -G "//job%checkpoints//" > /dev/null; then restart=(--restart)"//newline// &
+         "elif [ ! -e "//job%summary//" ]; then restart=(--overwrite); fi"//newline// &
+         "code=0"//newline
    end function restart_text
 
    !> Seconds of hours:minutes:seconds.

@@ -9,13 +9,13 @@ module driver_output
    use driver_history, only: choose_history, history_row, heading_length
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
-   use driver_streams, only: of_bins, of_cells, of_fragments, of_particles, plan_streams, &
-      snapshots_t, tables_t
+   use driver_streams, only: plan_streams, snapshots_t, tables_t
    use io_fragments, only: fragment_columns, fragment_labels, fragment_rows, labels_t
    use io_grid, only: grid_write
    use io_profile, only: profile_columns, profile_rows
    use io_snapshot, only: snapshot_header_t, snapshot_write
    use io_state, only: state_t
+   use io_stream_names, only: of_bins, of_cells, of_fragments, of_particles
    implicit none
    private
 
@@ -290,48 +290,60 @@ contains
       end do
    end subroutine outputs_close
 
-   !> Put the counters of the streams into the state of a checkpoint.
+   !> Put the counters of the streams into the state of a checkpoint, each under the name of its
+   !! files, so that a deck with more or fewer streams finds those that it has.
    subroutine outputs_save(self, state)
       class(outputs_t), intent(in) :: self           !! The streams
       type(state_t), intent(inout) :: state          !! Of the checkpoint
-      integer(int64) :: counters(3*size(self%snapshots) + 2*size(self%tables))
-      integer :: n, at
+      integer :: n
 
-      at = 0
       do n = 1, size(self%snapshots)
-         counters(at + 1:at + 3) = [self%snapshots(n)%schedule%done, &
-            int(self%snapshots(n)%next, int64), self%snapshots(n)%last_step]
-         at = at + 3
+         associate (stream => self%snapshots(n))
+            call state%set(counter_name(self, stream%prefix), [int(stream%next, int64), &
+               stream%last_step])
+         end associate
       end do
       do n = 1, size(self%tables)
-         counters(at + 1:at + 2) = [self%tables(n)%schedule%done, self%tables(n)%last_step]
-         at = at + 2
+         associate (stream => self%tables(n))
+            call state%set(counter_name(self, stream%name), [stream%last_step])
+         end associate
       end do
-      call state%set("output_counters", counters)
    end subroutine outputs_save
 
-   !> Take the counters from a checkpoint. Streams that the deck got or lost since then start anew.
+   !> Name of the counters of a stream in a checkpoint; the case may have another name after it.
+   pure function counter_name(self, file) result(name)
+      class(outputs_t), intent(in) :: self           !! For the case
+      character(len=*), intent(in) :: file           !! A table, or the beginning of names
+      character(len=:), allocatable :: name
+
+      name = "output"//file(len(self%case) + 1:)
+   end function counter_name
+
+   !> Take the counters from a checkpoint. Streams that the deck got since then start anew. What
+   !! the schedules have done follows from the time, since intervals may have changed.
    subroutine outputs_load(self, state)
       class(outputs_t), intent(inout) :: self        !! The streams
       type(state_t), intent(in) :: state             !! Of the checkpoint
       integer(int64), allocatable :: counters(:)
       type(error_t), allocatable :: error
-      integer :: n, at
+      integer :: n
 
-      call state%get("output_counters", counters, error)
-      if (allocated(error)) return
-      if (size(counters) /= 3*size(self%snapshots) + 2*size(self%tables)) return
-      at = 0
       do n = 1, size(self%snapshots)
-         self%snapshots(n)%schedule%done = counters(at + 1)
-         self%snapshots(n)%next = int(counters(at + 2))
-         self%snapshots(n)%last_step = counters(at + 3)
-         at = at + 3
+         associate (stream => self%snapshots(n))
+            call state%get(counter_name(self, stream%prefix), counters, error)
+            if (allocated(error)) cycle
+            stream%next = int(counters(1))
+            stream%last_step = counters(2)
+            call stream%schedule%catch_up(state%time)
+         end associate
       end do
       do n = 1, size(self%tables)
-         self%tables(n)%schedule%done = counters(at + 1)
-         self%tables(n)%last_step = counters(at + 2)
-         at = at + 2
+         associate (stream => self%tables(n))
+            call state%get(counter_name(self, stream%name), counters, error)
+            if (allocated(error)) cycle
+            stream%last_step = counters(1)
+            call stream%schedule%catch_up(state%time)
+         end associate
       end do
    end subroutine outputs_load
 end module driver_output

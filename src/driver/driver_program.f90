@@ -4,7 +4,7 @@ module driver_program
    use base_agreement, only: agree
    use base_communicator, only: communicator_t, message_passing_version
    use base_deck, only: group_t
-   use base_error, only: error_t, exit_success
+   use base_error, only: error_t, exit_file, exit_success, fail
    use base_kinds, only: wp
    use base_log, only: log_debug, log_error, log_info, log_t, log_warn
    use base_schema_text, only: explain, template
@@ -23,13 +23,16 @@ module driver_program
    use driver_plan, only: declare_all, lay_out, plan_t, read_plan
    use driver_point, only: drive_point
    use driver_restart, only: resume
-   use driver_run, only: run_to_end
+   use driver_run, only: is_finished, run_to_end
    use driver_signal, only: outlive_file_limit
    use driver_summary, only: summarise
+   use driver_threads, only: choose_threads, share_cores, threads_text, yield_when_waiting
    use driver_trust, only: number_lattices
+   use io_deck_changes, only: changes_t
    use io_deck_check, only: check_case
    use io_digest, only: file_digest
    use io_file, only: join_path, make_folder, write_file
+   use io_former_run, only: find_former_run, former_run_t, is_own_checkpoint, remove_former_run
    use omp_lib, only: omp_get_max_threads
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    implicit none
@@ -40,6 +43,7 @@ module driver_program
    !> All that one call of the program holds.
    type, extends(plan_t) :: session_t
       type(log_t) :: log                             !! Screen and log file
+      integer :: most_threads = 1                    !! Threads of a rank at most
    end type session_t
 
 contains
@@ -159,6 +163,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! What stopped it
 
       code = exit_success
+      call share_cores()
+      call yield_when_waiting(program_arguments())
       if (.not. (session%command%check .or. session%command%point .or. &
          allocated(session%command%job))) call session%simulation%communicator%start()
       call read_plan(session, error)
@@ -169,6 +175,7 @@ contains
       end if
       call lay_out(session, error)
       if (allocated(error)) return
+      call limit_threads(session)
       if (allocated(session%command%job)) then
          call print_job(session, error)
          return
@@ -178,12 +185,24 @@ contains
          write (output_unit, "(a)", advance="no") effects_text(session%deck)
          write (output_unit, "(a)", advance="no") cost_text(session%simulation, session%bodies, &
             session%survey, session%limits, session%outputs%expected(session%limits%time_end))
+         call warn_of_results(session)
          if (session%command%estimate .and. session%survey%particles <= most_particles) &
             call try_out(session, error)
          return
       end if
       call perform(session, code, error)
    end subroutine compute
+
+   !> No more threads than the scene keeps busy.
+   subroutine limit_threads(session)
+      type(session_t), intent(inout) :: session      !! Laid out
+
+      session%most_threads = omp_get_max_threads()
+      associate (survey => session%survey, ranks => session%simulation%communicator%size)
+         call choose_threads(session%most_threads, (size(survey%key) + ranks - 1)/ranks, &
+            survey%particles/ranks)
+      end associate
+   end subroutine limit_threads
 
    !> Run a few steps, write nothing, and say how long the whole will take.
    subroutine try_out(session, error)
@@ -215,6 +234,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! What stopped it
       character(len=:), allocatable :: note, reason
       type(error_t), allocatable :: late
+      type(changes_t) :: changes
       type(group_t) :: group
       logical :: timing
       real(wp) :: begin
@@ -222,17 +242,14 @@ contains
       begin = wall_seconds()
       code = exit_success
       ! a run that cannot go on leaves the files of the one before as they are
-      if (session%command%restart) call go_on(session, note, error)
+      call guard_results(session, error)
+      if (allocated(error)) return
+      if (session%command%restart) call go_on(session, note, changes, error)
       if (allocated(error)) return
       call open_files(session, error)
       if (allocated(error)) return
       if (session%command%restart) then
-         ! lines before the last one tell of files that were passed over
-         if (index(note, new_line("a")) > 0) then
-            call session%log%warn(note)
-         else
-            call session%log%info(note)
-         end if
+         call tell_restart(session%log, note, changes)
       else
          call begin_run(session%simulation, session%bodies, session%survey, session%shapes, error)
       end if
@@ -265,11 +282,28 @@ contains
       end if
    end subroutine perform
 
+   !> From where a run goes on, and with what changes of its deck.
+   subroutine tell_restart(log, note, changes)
+      type(log_t), intent(inout) :: log              !! Gets the lines
+      character(len=*), intent(in) :: note           !! From where, after files passed over
+      type(changes_t), intent(in) :: changes         !! What differs in the deck of the checkpoint
+
+      if (index(note, new_line("a")) > 0) then
+         call log%warn(note)
+      else
+         call log%info(note)
+      end if
+      if (len(changes%physics) > 0) call log%warn("warning: the rest of the run follows other "// &
+         "rules than its beginning (in SI):"//changes%physics)
+      if (len(changes%end//changes%extent//changes%nothing) > 0) call log%info( &
+         "the deck has changed since (in SI):"//changes%end//changes%extent//changes%nothing)
+   end subroutine tell_restart
+
    !> Folder, log and echo. Nothing is written before the deck is known to be right.
    subroutine open_files(session, error)
       type(session_t), intent(inout) :: session      !! Gets a log
       type(error_t), allocatable, intent(out) :: error !! Folder or file cannot be written
-      character(len=:), allocatable :: stem
+      character(len=:), allocatable :: line, stem
       character(len=16) :: ranks, threads
 
       associate (communicator => session%simulation%communicator, outputs => session%outputs)
@@ -286,6 +320,12 @@ contains
          call session%log%info(version_line())
          call session%log%info("deck      "//session%command%deck//"  case "//outputs%case//"  "// &
             trim(ranks)//" ranks x "//trim(threads)//" threads  results "//outputs%folder)
+         associate (survey => session%survey)
+            line = threads_text(session%most_threads, &
+               (size(survey%key) + communicator%size - 1)/communicator%size, &
+               survey%particles/communicator%size)
+         end associate
+         if (len(line) > 0) call session%log%info(line)
          if (session%deck%warnings() > 0) call session%log%warn(session%deck%report())
          call session%log%info(effects_text(session%deck)// &
             cost_text(session%simulation, session%bodies, session%survey, &
@@ -316,16 +356,91 @@ contains
       if (session%command%verbose) level = log_debug
    end function log_level
 
+   !> Results of a former run are lost only if the user says so: refuse to begin, or remove them.
+   subroutine guard_results(session, error)
+      type(session_t), intent(in) :: session         !! Ready to begin
+      type(error_t), allocatable, intent(out) :: error !! There are results, or they cannot go
+      type(former_run_t) :: former
+
+      associate (communicator => session%simulation%communicator, command => session%command, &
+         outputs => session%outputs)
+         if (communicator%rank == 0) then
+            call find_former_run(outputs%folder, outputs%case, outputs%header%echo, former)
+            if (command%restart) then
+               if (former%results .and. allocated(command%checkpoint)) then
+                  if (.not. is_own_checkpoint(outputs%folder, outputs%case, &
+                     command%checkpoint)) call fail(error, exit_file, results_text(session)// &
+                     " and '"//command%checkpoint//"' is not of that run; give another "// &
+                     "--outdir or --case")
+               end if
+            else if (command%overwrite) then
+               call remove_former_run(outputs%folder, former, error)
+            else if (former%results) then
+               call fail(error, exit_file, results_text(session)//ways_on(former))
+            end if
+         end if
+         call agree(communicator, error)
+      end associate
+   end subroutine guard_results
+
+   !> Say in a check that a run would find results.
+   subroutine warn_of_results(session)
+      type(session_t), intent(in) :: session         !! Checked
+      type(former_run_t) :: former
+
+      if (session%command%overwrite) return
+      call find_former_run(session%outputs%folder, session%outputs%case, &
+         session%outputs%header%echo, former)
+      if (former%results) write (output_unit, "(a)") "warning: "//results_text(session)// &
+         ways_on(former)
+   end subroutine warn_of_results
+
+   !> Whose results are where.
+   function results_text(session) result(text)
+      type(session_t), intent(in) :: session         !! For case and folder
+      character(len=:), allocatable :: text
+
+      text = "results of case '"//session%outputs%case//"' are in '"// &
+         session%outputs%folder//"' already"
+   end function results_text
+
+   !> What a user can do where there are results.
+   pure function ways_on(former) result(text)
+      type(former_run_t), intent(in) :: former       !! The results
+      character(len=:), allocatable :: text
+
+      if (former%checkpoints) then
+         text = ": go on with --restart, or remove them with --overwrite"
+      else
+         text = ", without a checkpoint to go on from: remove them with --overwrite"
+      end if
+      text = text//"; or give another --outdir or --case"
+   end function ways_on
+
    !> Particles from a checkpoint.
-   subroutine go_on(session, note, error)
+   subroutine go_on(session, note, changes, error)
       type(session_t), intent(inout) :: session      !! Gets particles
       character(len=:), allocatable, intent(out) :: note !! What the log should say
-      type(error_t), allocatable, intent(out) :: error !! No checkpoint can be read
+      type(changes_t), intent(out) :: changes        !! What differs in the deck of the checkpoint
+      type(error_t), allocatable, intent(out) :: error !! No checkpoint can be read, or no step
       character(len=:), allocatable :: file
+      logical :: late
 
       file = ""
       if (allocated(session%command%checkpoint)) file = session%command%checkpoint
-      call resume(session%simulation, session%outputs, session%place, file, note, error)
+      call resume(session%simulation, session%outputs, session%place, file, note, changes, error)
+      if (allocated(error)) return
+      associate (now => session%simulation, limits => session%limits)
+         ! a state at the very end that is asked for is the result; one behind it is not
+         late = len(changes%end) > 0 .and. (now%step > limits%max_steps .or. &
+            now%time > limits%time_end*(1.0_wp + 1.0e-9_wp))
+         if (changes%matter() .and. .not. late) late = is_finished(now, limits)
+      end associate
+      if (late) call fail(error, exit_file, note//": the run is finished, so what has changed "// &
+         "in the deck since would have no effect (in SI):"//changes%physics//changes%end// &
+         changes%extent//new_line("a")// &
+         "raise the end of the run (t_end, max_steps), or begin anew in another folder "// &
+         "(--outdir) or with --overwrite")
    end subroutine go_on
 
    !> Particles are there: nobody needs voxels, facets and lists of points any more.

@@ -8,7 +8,9 @@ module driver_restart
    use driver_simulation, only: simulation_t
    use driver_start, only: distribute
    use driver_trust_record, only: load_trust, save_trust
-   use io_checkpoint, only: checkpoint_place_t, checkpoint_write
+   use io_checkpoint, only: checkpoint_newest, checkpoint_place_t, checkpoint_write
+   use io_deck_changes, only: changes_t
+   use io_file, only: file_exists, join_path, longest_path
    use io_restart, only: checkpoint_find, checkpoint_read
    use io_state, only: state_t
    implicit none
@@ -60,13 +62,14 @@ contains
    end function space_of
 
    !> Go on from a checkpoint: the one named, or the newest that can be read.
-   subroutine resume(simulation, outputs, place, file, note, error)
+   subroutine resume(simulation, outputs, place, file, note, changes, error)
       type(simulation_t), intent(inout) :: simulation !! The run, without particles
       type(outputs_t), intent(inout) :: outputs      !! Their counters
       type(checkpoint_place_t), intent(inout) :: place !! Folder and case; gets the next number
       character(len=*), intent(in) :: file           !! Empty = the newest
       character(len=:), allocatable, intent(out) :: note !! What the log should say
-      type(error_t), allocatable, intent(out) :: error !! None can be read
+      type(changes_t), intent(out) :: changes        !! Keys that differ from those of the file
+      type(error_t), allocatable, intent(out) :: error !! None can be read, or of another deck
       character(len=:), allocatable :: path, passed
       type(state_t) :: state
       integer(int64), allocatable :: number(:)
@@ -75,11 +78,11 @@ contains
       note = ""
       if (len(file) > 0) then
          path = file
-         call checkpoint_read(simulation%communicator, path, simulation%stores, state, error)
+         call checkpoint_read(simulation%communicator, path, simulation%stores, state, error, &
+            place%echo, changes)
       else
-         call checkpoint_find(simulation%communicator, place%folder, place%case, &
-            simulation%stores, &
-            state, path, passed, error)
+         call checkpoint_find(simulation%communicator, place, simulation%stores, state, path, &
+            passed, error, changes)
          if (len(passed) > 0) note = passed//new_line("a")
       end if
       if (allocated(error)) return
@@ -99,6 +102,8 @@ contains
       call state%get("checkpoint_number", number, error)
       if (allocated(error)) return
       place%number = int(number(1)) + 1
+      if (len(file) > 0) call pass_by(simulation, place, error)
+      if (allocated(error)) return
       call state%get("last_step_length", length, error)
       if (allocated(error)) return
       simulation%dt = length(1)
@@ -108,4 +113,28 @@ contains
       call load_trust(simulation%trust, state)
       call distribute(simulation)
    end subroutine resume
+
+   !> Number the next checkpoint after all in the folder: a run that goes on from a file of the
+   !! user's choice leaves later ones as they are.
+   subroutine pass_by(simulation, place, error)
+      type(simulation_t), intent(in) :: simulation   !! For the ranks
+      type(checkpoint_place_t), intent(inout) :: place !! Gets another number
+      type(error_t), allocatable, intent(out) :: error !! The folder cannot be read
+      character(len=longest_path), allocatable :: paths(:)
+
+      if (.not. file_exists(join_path(place%folder, "."))) return
+      call checkpoint_newest(simulation%communicator, place%folder, place%case, paths, error)
+      if (allocated(error) .or. size(paths) == 0) return
+      do while (.not. comes_after(place%path(), trim(paths(1))))
+         place%number = place%number + 1
+      end do
+   end subroutine pass_by
+
+   !> True if a checkpoint has the greater number: of four digits or more, so the longer is greater.
+   pure logical function comes_after(path, other) result(after)
+      character(len=*), intent(in) :: path           !! Its path
+      character(len=*), intent(in) :: other          !! Path of the other one
+
+      after = len(path) > len(other) .or. (len(path) == len(other) .and. lgt(path, other))
+   end function comes_after
 end module driver_restart

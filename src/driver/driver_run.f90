@@ -18,12 +18,14 @@ module driver_run
    use driver_signal, only: signal_caught, watch_signal
    use driver_simulation, only: requests_t, simulation_t
    use driver_step, only: advance, count_particles
+   use driver_threads, only: adjust_threads, is_starved, starved_text
    use driver_trust, only: begin_trust, watch_trust
    use io_checkpoint, only: checkpoint_place_t
+   use omp_lib, only: omp_get_max_threads
    implicit none
    private
 
-   public :: choose_step, limits_t, read_limits, run_to_end
+   public :: choose_step, is_finished, limits_t, read_limits, run_to_end
 
    integer, parameter :: out_of_time = 1000          !! A call to leave that is no signal
    real(wp), parameter :: scheduler_reserve = 60.0_wp !! Kept before the end of a job [s]
@@ -59,6 +61,9 @@ module driver_run
       integer(int64) :: checkpoints = 0 !! Simulated intervals between them that are over
       integer :: signal = 0                          !! The signal that came
       real(wp) :: greatest_kinetic = 0.0_wp          !! Kinetic energy so far [J]
+      real(wp) :: stepped = 0.0_wp                   !! Wall time of the steps [s]
+      real(wp) :: processor_begin = 0.0_wp           !! Processor time at the start [s]
+      logical :: starved = .false.                   !! Has the warning of it been given?
    end type watch_t
 
 contains
@@ -145,9 +150,13 @@ contains
          if (allocated(error)) exit
          call ask(simulation, limits, watch)
          call watch_costs(simulation, limits%balancing)
+         call adjust_threads(simulation)
          simulation%worked = simulation%worked - process_seconds()
+         watch%stepped = watch%stepped - wall_seconds()
          call advance(simulation, dt, error)
          simulation%worked = simulation%worked + process_seconds()
+         watch%stepped = watch%stepped + wall_seconds()
+         if (simulation%requests%line > 0.0_wp) call warn_if_starved(simulation, log, watch)
          if (allocated(error)) exit
          call watch_trust(simulation, log, error)
          if (allocated(error)) exit
@@ -165,6 +174,7 @@ contains
             step_allowed(simulation) .and. .not. advanced)
          return
       end if
+      call warn_if_starved(simulation, log, watch)
       if (code == exit_success) call write_outputs(simulation, outputs, .true., log, error)
       if (allocated(error)) return
       if (code == exit_again .or. limits%checkpoint_at_end) &
@@ -181,6 +191,7 @@ contains
       integer :: n
 
       watch%begin = wall_seconds()
+      watch%processor_begin = process_seconds()
       watch%last_line = watch%begin
       watch%last_checkpoint = watch%begin
       watch%time_begin = simulation%time
@@ -255,6 +266,17 @@ contains
       end if
       finished = .false.
    end subroutine judge
+
+   !> Is the end of a run reached before its first step? Collective.
+   logical function is_finished(simulation, limits) result(finished)
+      type(simulation_t), intent(inout) :: simulation !! The run with particles
+      type(limits_t), intent(in) :: limits           !! When to stop
+      type(watch_t) :: watch
+      character(len=:), allocatable :: reason
+      integer :: code
+
+      call judge(simulation, limits, watch, finished, code, reason)
+   end function is_finished
 
    !> Wall time that must be left for the last checkpoint: twice the last one and three steps [s].
    real(wp) function reserve(simulation, watch) result(seconds)
@@ -359,6 +381,33 @@ contains
       call outputs%write_due(simulation, last, note, error)
       if (len(note) > 0) call log%info(note)
    end subroutine write_outputs
+
+   !> Say once that the steps take far longer than the processor works for them.
+   subroutine warn_if_starved(simulation, log, watch)
+      type(simulation_t), intent(in) :: simulation   !! For the processor time
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      type(watch_t), intent(inout) :: watch          !! Clocks
+
+      if (watch%starved) return
+      ! steps use all threads; files and tables are written by one
+      call compare_clocks("the steps", watch%stepped, simulation%worked, omp_get_max_threads())
+      call compare_clocks("the run", wall_seconds() - watch%begin, &
+         process_seconds() - watch%processor_begin, 1)
+
+   contains
+
+      !> Warn if one part of the run had too little of the processor.
+      subroutine compare_clocks(what, wall, processor, threads)
+         character(len=*), intent(in) :: what        !! Part of the run
+         real(wp), intent(in) :: wall                !! Its wall time [s]
+         real(wp), intent(in) :: processor           !! Its processor time [s]
+         integer, intent(in) :: threads              !! Threads that it uses
+
+         if (watch%starved) return
+         watch%starved = is_starved(wall, processor, threads)
+         if (watch%starved) call log%warn(starved_text(what, wall, processor, threads))
+      end subroutine compare_clocks
+   end subroutine warn_if_starved
 
    !> A line of progress.
    subroutine tell(simulation, limits, log, watch)

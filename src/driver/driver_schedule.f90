@@ -19,6 +19,7 @@ module driver_schedule
       integer(int64) :: done = 0                     !! Intervals or listed times that are over
    contains
       procedure :: due => schedule_due               !! Is it due now? Then it counts as done
+      procedure :: catch_up => schedule_catch_up     !! Count what was due before a time as done
       procedure :: expected => schedule_expected     !! How often it will be due
    end type schedule_t
 
@@ -46,24 +47,32 @@ contains
       class(schedule_t), intent(inout) :: self       !! The schedule
       integer(int64), intent(in) :: step             !! Steps done
       real(wp), intent(in) :: time                   !! Time reached [s]
+      integer(int64) :: before
+
+      before = self%done
+      call self%catch_up(time)
+      due = self%done > before
+      if (self%every > 0) due = due .or. mod(step, self%every) == 0
+   end function schedule_due
+
+   !> Count what is due up to a time as done.
+   pure subroutine schedule_catch_up(self, time)
+      class(schedule_t), intent(inout) :: self       !! The schedule
+      real(wp), intent(in) :: time                   !! Time reached [s]
       ! a time that is reached but for rounding is reached
       real(wp), parameter :: grain = 1.0e-12_wp
 
-      due = .false.
       if (self%interval > 0.0_wp) then
          do while (time*(1.0_wp + grain) >= real(self%done, wp)*self%interval)
-            due = .true.
             self%done = self%done + 1
          end do
       else if (allocated(self%times)) then
          do while (self%done < size(self%times))
             if (time*(1.0_wp + grain) < self%times(self%done + 1)) exit
-            due = .true.
             self%done = self%done + 1
          end do
       end if
-      if (self%every > 0) due = due .or. mod(step, self%every) == 0
-   end function schedule_due
+   end subroutine schedule_catch_up
 
    !> How often it will be due in a run, as far as that is known before it.
    pure real(wp) function schedule_expected(self, time_end, steps) result(number)

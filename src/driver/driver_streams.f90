@@ -17,6 +17,8 @@ module driver_streams
    use io_pick, only: pick_rule_t
    use io_profile, only: profile_t
    use io_snapshot, only: snapshot_format_t
+   use io_stream_names, only: of_bins, of_cells, of_fragments, of_ledger, of_particles, &
+      of_slices, stream_file, stream_kind, stream_kinds
    use io_xdmf, only: series_t
    use mesh_grid, only: grid_t
    use particle_shape, only: shape_holder_t
@@ -25,22 +27,10 @@ module driver_streams
 
    public :: plan_streams, snapshots_t, tables_t
 
-   integer, parameter, public :: of_particles = 1    !! Files of all particles
-   integer, parameter, public :: of_slices = 2       !! Files of those near a plane
-   integer, parameter, public :: of_cells = 3        !! Files of fields on the grid
-   integer, parameter, public :: of_ledger = 4       !! Table of the ledger
-   integer, parameter, public :: of_bins = 5         !! Table of profiles
-   integer, parameter, public :: of_fragments = 6    !! Table of fragments
-   !> What the deck calls them, and the ends of the names of their files.
-   character(len=9), parameter :: kinds(6) = [character(len=9) :: "particles", "slice", "grid", &
-      "history", "profile", "fragments"]
-   character(len=14), parameter :: endings(6) = [character(len=14) :: "_p", "_s", "_g", &
-      "_history.csv", "_profile.csv", "_fragments.csv"]
-
    !> One stream of files, a file a time.
    type :: snapshots_t
       integer :: place = 0                           !! Number of its &output, 0 = none
-      integer :: kind = of_particles                 !! One of the constants above
+      integer :: kind = of_particles                 !! A constant of io_stream_names
       character(len=:), allocatable :: prefix        !! CASE_p, or CASE_NAME_p for further streams
       character(len=64), allocatable :: fields(:)    !! Names, or "default"
       type(mean_t), allocatable :: means(:)          !! On grids: what is averaged
@@ -56,7 +46,7 @@ module driver_streams
    !> One table that grows.
    type :: tables_t
       integer :: place = 0                           !! Number of its &output, 0 = none
-      integer :: kind = of_ledger                    !! One of the constants above
+      integer :: kind = of_ledger                    !! A constant of io_stream_names
       character(len=:), allocatable :: name          !! CASE_history.csv
       type(history_columns_t) :: columns             !! Of histories: what they show
       type(profile_t) :: profile                     !! Of profiles: what they show
@@ -78,11 +68,13 @@ contains
       type(snapshots_t), allocatable, intent(out) :: snapshots(:) !! Files, a file a time
       type(tables_t), allocatable, intent(out) :: tables(:) !! Tables
       type(group_t) :: group
-      integer :: index, kind(deck%count("output")), seen(6), files, rows
+      character(len=:), allocatable :: name, word
+      integer :: index, kind(deck%count("output")), seen(stream_kinds), files, rows
 
       do index = 1, size(kind)
          group = deck%group("output", index)
-         kind(index) = kind_of(group)
+         call group%get("kind", word)
+         kind(index) = stream_kind(word)
       end do
       allocate (snapshots(count(kind >= of_particles .and. kind <= of_cells)), &
          tables(count(kind >= of_ledger)))
@@ -93,18 +85,20 @@ contains
          if (kind(index) == 0) cycle
          group = deck%group("output", index)
          seen(kind(index)) = seen(kind(index)) + 1
+         call group%get("name", name)
+         name = stream_file(case, name, kind(index), seen(kind(index)))
          if (kind(index) <= of_cells) then
             files = files + 1
             snapshots(files)%place = index
             snapshots(files)%kind = kind(index)
-            snapshots(files)%prefix = file_name(group, case, kind(index), seen(kind(index)))
+            snapshots(files)%prefix = name
             call plan_snapshots(group, deck, simulation, shapes, snapshots(files))
             call read_schedule(group, time_end, snapshots(files)%schedule)
          else
             rows = rows + 1
             tables(rows)%place = index
             tables(rows)%kind = kind(index)
-            tables(rows)%name = file_name(group, case, kind(index), seen(kind(index)))
+            tables(rows)%name = name
             call plan_table(group, deck, simulation, shapes, tables(rows))
             call read_schedule(group, time_end, tables(rows)%schedule)
          end if
@@ -127,33 +121,6 @@ contains
          snapshots(n)%fragments = tables(table)%fragments
       end do
    end subroutine share_fragments
-
-   !> Kind of a stream, 0 if the deck has none that is known.
-   integer function kind_of(group) result(kind)
-      type(group_t), intent(in) :: group             !! The &output
-      character(len=:), allocatable :: word
-
-      call group%get("kind", word)
-      do kind = size(kinds), 1, -1
-         if (kinds(kind) == word) return
-      end do
-   end function kind_of
-
-   !> Name of a file, or its beginning. The first stream of a kind does without its name.
-   function file_name(group, case, kind, number) result(name)
-      type(group_t), intent(in) :: group             !! The &output
-      character(len=*), intent(in) :: case           !! Prefix of all files
-      integer, intent(in) :: kind                    !! Kind of the stream
-      integer, intent(in) :: number                  !! Number among those of its kind
-      character(len=:), allocatable :: name
-
-      call group%get("name", name)
-      if (number == 1) then
-         name = case//trim(endings(kind))
-      else
-         name = case//"_"//name//trim(endings(kind))
-      end if
-   end function file_name
 
    !> Fields and format of one stream of files.
    subroutine plan_snapshots(group, deck, simulation, shapes, stream)

@@ -7,15 +7,16 @@ module io_file
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use io_libc, only: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, c_open, &
-      c_read, c_readlink, c_rename, c_truncate, c_unlink, c_write, failure_number, failure_text, &
-      folder_entries, longest_name
-   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_loc, c_null_char, c_size_t
+      c_read, c_readlink, c_realpath, c_rename, c_truncate, c_unlink, c_write, failure_number, &
+      failure_text, folder_entries, longest_name
+   use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_int32_t, c_loc, &
+      c_null_char, c_size_t
    implicit none
    private
 
    public :: file_exists, file_size, folder_of, join_path, list_folder, longest_name, make_folder, &
-      name_of, output_file_t, program_path, read_file, remove_file, rename_file, reserve_file, &
-      sync_file, sync_folder, truncate_file, write_file
+      name_of, output_file_t, program_path, read_file, real_path, remove_file, rename_file, &
+      reserve_file, sync_file, sync_folder, truncate_file, write_file
 
    integer, parameter, public :: longest_path = 1024     !! Letters of a path with folder
    integer(c_int32_t), parameter :: file_mode = int(o"666", c_int32_t)
@@ -118,6 +119,18 @@ contains
          int(longest_path, c_size_t))
       path = letters(:max(int(length), 0))
    end function program_path
+
+   !> Path from the root without links and dots; as it is where there is no such file.
+   function real_path(path) result(whole)
+      character(len=*), intent(in) :: path               !! File or folder
+      character(len=:), allocatable :: whole
+      integer, parameter :: longest = 4096               ! PATH_MAX of Linux
+      character(len=longest), target :: letters
+
+      whole = path
+      if (.not. c_associated(c_realpath(path//c_null_char, c_loc(letters(1:1))))) return
+      whole = letters(:index(letters, c_null_char) - 1)
+   end function real_path
 
    !> Make a folder and those above it; one that is there is fine.
    subroutine make_folder(path, error)

@@ -8,8 +8,8 @@ module io_libc
    private
 
    public :: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, c_open, c_read, &
-      c_readlink, c_rename, c_truncate, c_unlink, c_write, clear_failure, failure_number, &
-      failure_text, folder_entries
+      c_readlink, c_realpath, c_rename, c_truncate, c_unlink, c_write, clear_failure, &
+      failure_number, failure_text, folder_entries
 
    integer, parameter, public :: longest_name = 255              !! Longest file name
    integer, parameter :: name_offset = 19                !! Bytes before the name in a dirent
@@ -64,6 +64,14 @@ module io_libc
          integer(c_size_t), value :: room                 !! Its letters
          integer(c_size_t) :: length
       end function c_readlink
+
+      function c_realpath(path, buffer) bind(c, name="realpath") result(found)
+         import :: c_char, c_ptr
+         implicit none
+         character(kind=c_char), intent(in) :: path(*)    !! Null terminated
+         type(c_ptr), value :: buffer                     !! Where to, with a null
+         type(c_ptr) :: found                             !! Null: there is no such file
+      end function c_realpath
 
       function c_write(descriptor, buffer, bytes) bind(c, name="write") result(got)
          import :: c_int, c_ptr, c_size_t

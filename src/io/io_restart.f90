@@ -7,7 +7,8 @@ module io_restart
    use base_field_worker, only: field_worker_t
    use base_hash, only: add_hash, hash_reals, hash_text, hash_wholes
    use base_kinds, only: int64, wp
-   use io_checkpoint, only: checkpoint_newest, head_check
+   use io_checkpoint, only: checkpoint_newest, checkpoint_place_t, head_check
+   use io_deck_changes, only: changes_t, compare_decks
    use io_digest, only: field_key
    use io_file, only: longest_path
    use io_hdf5_read, only: data_info_t, hdf5_source_t
@@ -41,36 +42,46 @@ module io_restart
 contains
 
    !> Read the newest checkpoint of a case that is whole. Collective.
-   subroutine checkpoint_find(communicator, folder, case, stores, state, path, notes, error)
+   !!
+   !! One of another deck ends the search: an older file may be of this deck, but newer results
+   !! would be lost if the run went on from it.
+   subroutine checkpoint_find(communicator, place, stores, state, path, notes, error, changes)
       type(communicator_t), intent(in) :: communicator    !! The ranks
-      character(len=*), intent(in) :: folder              !! Folder of the results
-      character(len=*), intent(in) :: case                !! Prefix of all files
+      type(checkpoint_place_t), intent(in) :: place       !! Folder, case and keys of this run
       type(store_t), intent(inout) :: stores(:)           !! With the fields wanted, filled
       type(state_t), intent(inout) :: state               !! Filled
       character(len=:), allocatable, intent(out) :: path  !! Which one it was
       character(len=:), allocatable, intent(out) :: notes !! Why newer ones were passed over
       type(error_t), allocatable, intent(out) :: error    !! There is none
+      type(changes_t), intent(out), optional :: changes   !! What differs from those in the file
       character(len=longest_path), allocatable :: paths(:)
       integer :: index
 
       notes = ""
       path = ""
-      call checkpoint_newest(communicator, folder, case, paths, error)
+      call checkpoint_newest(communicator, place%folder, place%case, paths, error)
       if (allocated(error)) return
       do index = 1, size(paths)
-         call checkpoint_read(communicator, trim(paths(index)), stores, state, error)
+         call checkpoint_read(communicator, trim(paths(index)), stores, state, error, &
+            place%echo, changes)
          if (.not. allocated(error)) then
             path = trim(paths(index))
             return
+         end if
+         if (present(changes)) then
+            if (allocated(changes%refused)) then
+               if (len(changes%refused) > 0) return
+            end if
          end if
          if (len(notes) > 0) notes = notes//new_line("a")
          notes = notes//error%message
       end do
       if (size(paths) == 0) then
-         call fail(error, exit_file, "no checkpoint '"//case//"_chk_*.h5' in '"//folder//"'")
+         call fail(error, exit_file, "no checkpoint '"//place%case//"_chk_*.h5' in '"// &
+            place%folder//"'")
       else
-         call fail(error, exit_file, "no checkpoint of '"//case//"' can be used:"//new_line("a")// &
-            notes)
+         call fail(error, exit_file, "no checkpoint of '"//place%case//"' can be used:"// &
+            new_line("a")//notes)
       end if
    end subroutine checkpoint_find
 
@@ -78,12 +89,14 @@ contains
    !!
    !! The fields of the stores must be allocated, of any size, as the run wants them. Every rank
    !! gets an even share of each store in one tile, whatever tile the particles belong to.
-   subroutine checkpoint_read(communicator, path, stores, state, error)
+   subroutine checkpoint_read(communicator, path, stores, state, error, echo, changes)
       type(communicator_t), intent(in) :: communicator    !! The ranks
       character(len=*), intent(in) :: path                !! The file
       type(store_t), intent(inout) :: stores(:)           !! With the fields wanted, filled
       type(state_t), intent(inout) :: state               !! Filled
-      type(error_t), allocatable, intent(out) :: error    !! Damaged, or other fields or materials
+      type(error_t), allocatable, intent(out) :: error    !! Damaged, or of another deck
+      character(len=*), intent(in), optional :: echo      !! All keys of this run, to compare
+      type(changes_t), intent(out), optional :: changes   !! What differs from those in the file
       type(reader_t) :: reader
       integer :: index
 
@@ -93,6 +106,8 @@ contains
       call reader%source%open(path, error)
       if (.not. allocated(error)) call read_head(reader%source, state, error)
       if (.not. allocated(error)) call read_state(reader%source, state, error)
+      if (.not. allocated(error) .and. present(changes)) &
+         call check_deck(reader%source, echo, changes, error)
       if (.not. allocated(error)) call check_materials(reader%source, stores, error)
       call agree(communicator, error)
       if (.not. allocated(error)) then
@@ -112,18 +127,44 @@ contains
       character(len=:), allocatable, intent(out) :: text  !! The text
       type(error_t), allocatable, intent(out) :: error    !! Cannot be read
       type(hdf5_source_t) :: source
+
+      text = ""
+      call source%open(path, error)
+      if (.not. allocated(error)) call read_text(source, name, text, error)
+      call source%close()
+   end subroutine checkpoint_text
+
+   !> Read a text of an open file and compare its hash.
+   subroutine read_text(source, name, text, error)
+      type(hdf5_source_t), intent(in) :: source           !! Open file
+      character(len=*), intent(in) :: name                !! From the root
+      character(len=:), allocatable, intent(out) :: text  !! The text
+      type(error_t), allocatable, intent(out) :: error    !! Cannot be read, or damaged
       integer(int64) :: check
 
       check = 0
-      text = ""
-      call source%open(path, error)
-      if (.not. allocated(error)) call source%text(name, text, error)
+      call source%text(name, text, error)
       if (.not. allocated(error)) call source%attribute(name, "check", check, error)
-      if (.not. allocated(error)) then
-         if (hash_text(text) /= check) call fail_check(path, name, error)
-      end if
-      call source%close()
-   end subroutine checkpoint_text
+      if (allocated(error)) return
+      if (hash_text(text) /= check) call fail_check(source%path, name, error)
+   end subroutine read_text
+
+   !> Compare the keys of this run with those of the one that wrote the file.
+   subroutine check_deck(source, echo, changes, error)
+      type(hdf5_source_t), intent(in) :: source           !! Open file
+      character(len=*), intent(in) :: echo                !! All keys of this run
+      type(changes_t), intent(out) :: changes             !! What differs
+      type(error_t), allocatable, intent(out) :: error    !! Keys differ that may not change
+      character(len=:), allocatable :: old
+
+      call read_text(source, "/deck_echo", old, error)
+      if (allocated(error)) return
+      call compare_decks(old, echo, changes)
+      if (len(changes%refused) > 0) call fail(error, exit_file, "'"//source%path// &
+         "' is of another deck: these keys may not change when a run goes on (in SI):"// &
+         changes%refused//new_line("a")//"use the deck of that run, or begin anew in another "// &
+         "folder (--outdir) or with --overwrite")
+   end subroutine check_deck
 
    !> Allocate an error about bits that have changed.
    subroutine fail_check(path, name, error)

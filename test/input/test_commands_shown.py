@@ -76,6 +76,9 @@ class Clone:
             words[2] = "2"
         if not any(word in NO_RUN for word in words):
             words += FEW
+            # the commands of all pages run in one folder
+            if "--restart" not in words:
+                words.append("--overwrite")
         if "--check" in words:
             words.append("--no-estimate")
         # a page shows where its own run would have left a checkpoint

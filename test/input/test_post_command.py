@@ -231,7 +231,9 @@ def test_sweep(options):
     first = Path(rows[0]["folder"])
     text = (first / "sweep.json").read_text(encoding="utf-8")
     (first / "sweep.json").write_text(text.replace('"deck": "', '"deck": "0'), encoding="utf-8")
-    assert sweep(options, *words).stdout.count("done ") == 1, "another deck, and not run again"
+    refused(sweep(options, *words), 3, "results of another deck", "--overwrite")
+    assert stamps == {path: path.stat().st_mtime_ns for path in stamps}, "results of another deck are replaced"
+    assert sweep(options, *words, "--overwrite").stdout.count("done ") == 1, "another deck, and not run again"
 
 
 def test_sweep_restart(options):
@@ -253,6 +255,7 @@ def test_sweep_restart(options):
 def test_mistakes(options):
     """A trace instead of a sentence, no suggestion, a wrong exit code, something left behind."""
     work, discs = options.work, series(options.work, "two_discs")
+    shutil.rmtree(work / "wrong", ignore_errors=True)
     table = discs.replace("_p.hdf.series", "_history.csv")
     cases = [
         (("inof", discs), 2, "no command 'inof'", "did you mean 'info'"),

@@ -28,8 +28,6 @@ OPEN_MPI = {
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_hwloc_base_binding_policy": "none",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
-    # Threads that spin while they wait make 2 ranks x 2 threads on 2 cores 20 times slower.
-    "OMP_WAIT_POLICY": "passive",
 }
 
 
@@ -57,7 +55,7 @@ class Case:
         self.scree, self.name = options.scree, name
         self.ranks, self.threads = ranks, threads
         self.folder = options.work / name
-        self.code, self.output = None, ""
+        self.code, self.output, self.guarded = None, "", False
         if not keep:
             shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -65,8 +63,11 @@ class Case:
         self.deck.write_text(deck, encoding="utf-8")
 
     def command(self, *options):
-        """The words that run the program with further options."""
+        """The words that run the program with further options. Results of an earlier call are
+        replaced unless the call goes on from them or `guarded` is true."""
         words = [self.scree, "--case", self.name, "--outdir", self.folder, *options, self.deck]
+        if not self.guarded and not {"--restart", "-r", "--check", "--job"} & set(map(str, options)):
+            words.insert(1, "--overwrite")
         if self.ranks > 1:
             words = ["mpiexec", "-n", self.ranks, *words]
         return [str(word) for word in words]

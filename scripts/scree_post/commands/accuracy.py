@@ -17,6 +17,7 @@ import os
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -24,7 +25,7 @@ import scree_post
 
 from .. import written as written_files
 from ..errors import EXIT_USAGE, PostError
-from ..study import find_program
+from ..study import find_program, jobs_for, threads_of_a_run
 
 SUMMARY = "how accurate a number of a deck is, and what more costs"
 EXAMPLES = ("accuracy input/taylor_copper/scene.nml --quantity length radius --factors 4,2,1",
@@ -150,7 +151,7 @@ def choose_sizes(grid, factors):
 
 def ask(options, words):
     """Run the program; exit code and what it says."""
-    environment = {**os.environ, "OMP_WAIT_POLICY": "passive"}
+    environment = {**os.environ, "OMP_NUM_THREADS": str(threads_of_a_run())}
     try:
         answer = subprocess.run([str(options.scree), *map(str, words)], env=environment, text=True,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
@@ -170,31 +171,36 @@ def words_of(options, method, word):
 
 def make_runs(options, grid, method, sizes):
     """All runs of one method, coarse first. The first one already tells whether there is such a
-    number."""
-    runs = []
-    for factor, parts in sizes:
-        word, size = grid.words(parts)
-        name = f"accuracy_{method or 'deck'}_{parts}"
-        code, text = ask(options, ["-q", "--case", name, "--outdir", options.work / name,
-                                   *words_of(options, method, word), options.deck])
-        if code:
-            raise PostError(f"the run with cells of {size:.4g} ended with exit code {code}:\n"
-                            + text.strip()[-1500:], code if code in (2, 3, 4) else 4)
-        case = written_files.Written(options.work / name, name)
-        summary = case.summary
-        if "processor_s" not in summary:
-            raise PostError(f"{options.scree} is too old: its summaries do not tell core-seconds; "
-                            "build it anew or name another with --scree")
-        run = Run(method, factor, size, summary["processor_s"], summary["particles"],
-                  summary["steps"], summary["ledger"]["start"]["mass"])
-        for quantity in options.quantity:
-            run.values[quantity] = case.value(quantity, options.body, options.percentile)
-        if sys.stderr.isatty():
-            print(f"{method or 'deck'}, cells of {size:.4g}: {run.steps} steps, "
-                  f"{run.seconds:.3g} core-seconds", file=sys.stderr, flush=True)
-        runs.append(run)
+    number; the others use the cores at the same time."""
+    runs = [make_run(options, grid, method, *sizes[0])]
+    with ThreadPoolExecutor(jobs_for(threads_of_a_run())) as pool:
+        runs += pool.map(lambda one: make_run(options, grid, method, *one), sizes[1:])
     warn_of_mass(runs)
     return runs
+
+
+def make_run(options, grid, method, factor, parts):
+    """One run."""
+    word, size = grid.words(parts)
+    name = f"accuracy_{method or 'deck'}_{parts}"
+    code, text = ask(options, ["-q", "--overwrite", "--case", name, "--outdir", options.work / name,
+                               *words_of(options, method, word), options.deck])
+    if code:
+        raise PostError(f"the run with cells of {size:.4g} ended with exit code {code}:\n"
+                        + text.strip()[-1500:], code if code in (2, 3, 4) else 4)
+    case = written_files.Written(options.work / name, name)
+    summary = case.summary
+    if "processor_s" not in summary:
+        raise PostError(f"{options.scree} is too old: its summaries do not tell core-seconds; "
+                        "build it anew or name another with --scree")
+    run = Run(method, factor, size, summary["processor_s"], summary["particles"],
+              summary["steps"], summary["ledger"]["start"]["mass"])
+    for quantity in options.quantity:
+        run.values[quantity] = case.value(quantity, options.body, options.percentile)
+    if sys.stderr.isatty():
+        print(f"{method or 'deck'}, cells of {size:.4g}: {run.steps} steps, "
+              f"{run.seconds:.3g} core-seconds", file=sys.stderr, flush=True)
+    return run
 
 
 def warn_of_mass(runs):

@@ -2,7 +2,9 @@
 """Runs a deck for all combinations of values and collects the results.
 
 Every combination gets a folder of its own below --outdir. A combination that is done is not run
-again, one that was stopped goes on from its checkpoint, so that the same command resumes a study. A
+again, one that was stopped goes on from its checkpoint, so that the same command resumes a study.
+Results of another deck or program are replaced only with --overwrite. A run has one thread, and as
+many run at a time as there are cores. A
 table holds the values, how the run ended, and the quantities of --take: names of the summary,
 columns of the history at the end, with .max, .min or .mean over the history, or extents of the last
 snapshot such as length, radius, front_z. A value that holds commas is separated by semicolons:
@@ -16,7 +18,7 @@ import numpy as np
 from .. import look
 from ..errors import EXIT_DIFFERENT, EXIT_USAGE, PostError, readable, unknown
 from ..files import history
-from ..study import Study, combinations, find_program, settings, short
+from ..study import Study, combinations, find_program, jobs_for, settings, short, threads_of_a_run
 from ..written import EXTENTS, Written
 
 SUMMARY = "a deck for many values: table and plot of what came out"
@@ -34,8 +36,9 @@ def add_arguments(parser):
     add("--set", metavar="G.K=A,B", action="append", required=True, dest="values",
         help="values of a key; repeat for more keys")
     add("--take", metavar="X,Y", default=DEFAULT, help=f"quantities of the table ({DEFAULT})")
-    add("--jobs", type=int, default=1, metavar="N", help="runs at a time (1)")
-    add("--threads", type=int, metavar="N", help="threads of a run; default the cores over --jobs")
+    add("--jobs", type=int, metavar="N", help="runs at a time; default the cores over --threads")
+    add("--threads", type=int, metavar="N", help="threads of a run; default OMP_NUM_THREADS or 1")
+    add("--overwrite", action="store_true", help="replace results of another deck or program")
     add("--outdir", metavar="DIR", help="default out/NAME_sweep with the name of the deck")
     add("--scree", metavar="PROGRAM", help="the program; default build/bin/scree or in the path")
     add("--out", metavar="PNG", help="plot; default DIR/sweep.png")
@@ -162,7 +165,7 @@ def tell(run):
 
 def check_arguments(arguments):
     """Quantities and keys, with what the parser cannot check."""
-    if arguments.jobs < 1 or arguments.threads is not None and arguments.threads < 1:
+    if any(given is not None and given < 1 for given in (arguments.jobs, arguments.threads)):
         raise PostError("--jobs and --threads must be above 0", EXIT_USAGE)
     names = [name.strip() for name in arguments.take.split(",") if name.strip()]
     if not names:
@@ -185,7 +188,8 @@ def run(arguments):
             print(f"{one.folder}: " + ", ".join(f"{key} = {v}" for key, v in one.values.items()))
         return 0
     program = find_program(arguments.scree)
-    threads = arguments.threads or max(1, (os.cpu_count() or 1) // arguments.jobs)
+    threads = arguments.threads or threads_of_a_run()
+    jobs = arguments.jobs or jobs_for(threads)
     try:
         os.makedirs(base, exist_ok=True)
     except OSError as error:
@@ -198,7 +202,7 @@ def run(arguments):
         if one.code == 0:                                # a wrong name is told before the last run
             results([one], names)
 
-    Study(program, deck, threads).all(runs, arguments.jobs, ended)
+    Study(program, deck, threads, arguments.overwrite).all(runs, jobs, ended)
     failed = [one for one in runs if one.code != 0]
     rows, units = results(runs, names)
     table = os.path.join(base, "sweep.csv")

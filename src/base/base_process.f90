@@ -1,0 +1,114 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> This process to the system: its environment, the cores it may use, the ranks beside it.
+! allow(C071): the texts of C have no length of their own
+module base_process
+   use base_text, only: text_t
+   use omp_lib, only: omp_get_num_procs
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_long, c_null_char, c_null_ptr, &
+      c_ptr
+   implicit none
+   private
+
+   public :: cores_here, is_set, ranks_here, restart_process, set_default
+
+   integer(c_int), parameter :: cores_online = 84        !! _SC_NPROCESSORS_ONLN of Linux
+
+   interface
+      !> Give the environment of this process a word, unless it has it and `overwrite` is 0.
+      function c_setenv(name, value, overwrite) bind(c, name="setenv") result(status)
+         import :: c_char, c_int
+         implicit none
+         character(kind=c_char), intent(in) :: name(*)   !! Null terminated
+         character(kind=c_char), intent(in) :: value(*)  !! Null terminated
+         integer(c_int), value :: overwrite              !! 0: leave what is there
+         integer(c_int) :: status
+      end function c_setenv
+
+      !> Begin a program in this process, which keeps its number, files and environment.
+      function c_execv(path, arguments) bind(c, name="execv") result(status)
+         import :: c_char, c_int, c_ptr
+         implicit none
+         character(kind=c_char), intent(in) :: path(*)   !! Null terminated
+         type(c_ptr), intent(in) :: arguments(*)         !! Null terminated, a null pointer last
+         integer(c_int) :: status
+      end function c_execv
+
+      !> A limit of the system.
+      function c_sysconf(name) bind(c, name="sysconf") result(value)
+         import :: c_int, c_long
+         implicit none
+         integer(c_int), value :: name                   !! Which
+         integer(c_long) :: value
+      end function c_sysconf
+   end interface
+
+contains
+
+   !> True if the environment has a word that is not empty.
+   logical function is_set(name) result(found)
+      character(len=*), intent(in) :: name               !! The word
+      integer :: length, status
+
+      call get_environment_variable(name, length=length, status=status)
+      found = status == 0 .and. length > 0
+   end function is_set
+
+   !> Give the environment a word, unless the user has set it. A process without memory for it goes
+   !! on without.
+   subroutine set_default(name, value)
+      character(len=*), intent(in) :: name               !! The word
+      character(len=*), intent(in) :: value              !! Its value
+      integer(c_int) :: ignored
+
+      ignored = c_setenv(name//c_null_char, value//c_null_char, 0_c_int)
+   end subroutine set_default
+
+   !> Number of ranks on this machine, as the launcher says before MPI is started; 1 if it does not.
+   integer function ranks_here() result(ranks)
+      character(len=*), parameter :: words(2) = [character(len=26) :: &
+         "OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"]
+      character(len=16) :: value
+      integer :: n, status
+
+      do n = 1, size(words)
+         call get_environment_variable(trim(words(n)), value, status=status)
+         if (status /= 0) cycle
+         read (value, *, iostat=status) ranks
+         if (status == 0 .and. ranks > 0) return
+      end do
+      ranks = 1
+   end function ranks_here
+
+   !> Number of cores for all ranks on this machine. A rank that the launcher has bound sees its own
+   !! cores only.
+   integer function cores_here() result(cores)
+      cores = omp_get_num_procs()
+      if (is_set("OMPI_MCA_orte_bound_at_launch")) cores = max(cores, int(c_sysconf(cores_online)))
+   end function cores_here
+
+   !> Begin this program again in the same process, so that its libraries read the environment
+   !! anew. Returns only if that is not possible.
+   subroutine restart_process(path, name, arguments)
+      character(len=*), intent(in) :: path               !! The program
+      character(len=*), intent(in) :: name               !! As it was called
+      type(text_t), intent(in) :: arguments(:)           !! Of the command line
+      character(len=:), allocatable, target :: letters
+      type(c_ptr), allocatable :: pointers(:)
+      integer, allocatable :: first(:)
+      integer :: n
+      integer(c_int) :: ignored
+
+      allocate (pointers(size(arguments) + 2), first(size(arguments) + 1))
+      letters = name//c_null_char
+      first(1) = 1
+      do n = 1, size(arguments)
+         first(n + 1) = len(letters) + 1
+         letters = letters//arguments(n)%text//c_null_char
+      end do
+      do n = 1, size(first)
+         pointers(n) = c_loc(letters(first(n):first(n)))
+      end do
+      pointers(size(pointers)) = c_null_ptr
+      ignored = c_execv(path//c_null_char, pointers)
+   end subroutine restart_process
+end module base_process

@@ -1,0 +1,312 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What differs between the deck of a checkpoint and that of the run which goes on from it.
+!!
+!! Both are read from their echoes, so a default that has become another one is found as well, and
+!! a checkpoint of an older version can be compared.
+module io_deck_changes
+   use base_text, only: append, number, shortened, text_t
+   use io_deck_restart, only: change_class, changes_end, changes_extent, changes_nothing, &
+      changes_physics, group_added, group_removed, rigid_region
+   use io_stream_names, only: stream_kind, stream_kinds
+   implicit none
+   private
+
+   public :: changes_t, compare_decks, echo_streams
+
+   integer, parameter :: shown = 40                      !! Letters of a value in a message
+   integer, parameter :: key_indent = 3                  !! Blanks before a key in an echo
+   character(len=*), parameter :: default_mark = "! default"
+   character(len=*), parameter :: not_given = "not given"
+
+   !> One key of an echo.
+   type :: echo_entry_t
+      character(len=:), allocatable :: key               !! The key
+      character(len=:), allocatable :: value             !! Its values in SI, as in the echo
+      logical :: default = .false.                       !! The deck does not give it
+   end type echo_entry_t
+
+   !> One group of an echo.
+   type :: echo_group_t
+      character(len=:), allocatable :: kind              !! Kind, for the table of changes
+      character(len=:), allocatable :: label             !! Unique in the echo, for messages
+      integer :: count = 0                               !! Keys
+      type(echo_entry_t), allocatable :: entries(:)           !! The keys; longer than `count`
+   end type echo_group_t
+
+   !> All groups of an echo.
+   type :: echo_groups_t
+      integer :: count = 0                               !! Groups
+      type(echo_group_t), allocatable :: group(:)             !! The groups; longer than `count`
+   end type echo_groups_t
+
+   !> What differs: a line for each key, by what a change of the key means.
+   type :: changes_t
+      character(len=:), allocatable :: refused           !! Keys that may not change
+      character(len=:), allocatable :: physics           !! Keys that change the rest of the run
+      character(len=:), allocatable :: end               !! Keys that change where it ends
+      character(len=:), allocatable :: extent            !! Keys that change its files and limits
+      character(len=:), allocatable :: nothing           !! Keys that change no result
+   contains
+      procedure :: matter => changes_matter              !! Will results differ?
+   end type changes_t
+
+contains
+
+   !> Compare the echo of a checkpoint with that of this run.
+   pure subroutine compare_decks(old, new, changes)
+      character(len=*), intent(in) :: old                !! Echo of the checkpoint
+      character(len=*), intent(in) :: new                !! Echo of this run
+      type(changes_t), intent(out) :: changes            !! The keys that differ
+      type(echo_groups_t) :: was, is
+      integer :: n, other
+
+      changes%refused = ""
+      changes%physics = ""
+      changes%end = ""
+      changes%extent = ""
+      changes%nothing = ""
+      if (old == new) return
+      call read_echo(old, was)
+      call read_echo(new, is)
+      do n = 1, is%count
+         other = place_of(was, is%group(n)%label)
+         if (other == 0) then
+            call add_line(changes, is%group(n)%kind, group_added, &
+               is%group(n)%label//" is new")
+         else
+            call compare_groups(was%group(other), is%group(n), changes)
+         end if
+      end do
+      do n = 1, was%count
+         if (place_of(is, was%group(n)%label) == 0) call add_line(changes, was%group(n)%kind, &
+            group_removed, was%group(n)%label//" is gone")
+      end do
+   end subroutine compare_decks
+
+   !> The streams of output of a deck.
+   pure subroutine echo_streams(echo, name, kind, place)
+      character(len=*), intent(in) :: echo               !! All keys of the deck
+      type(text_t), allocatable, intent(out) :: name(:)  !! (stream) Names
+      integer, allocatable, intent(out) :: kind(:)       !! (stream) Constants of io_stream_names
+      integer, allocatable, intent(out) :: place(:)      !! (stream) Number among those of its kind
+      type(echo_groups_t) :: groups
+      integer :: at, n, seen(stream_kinds)
+
+      allocate (name(0), kind(0), place(0))
+      seen = 0
+      call read_echo(echo, groups)
+      do n = 1, groups%count
+         if (groups%group(n)%kind /= "output") cycle
+         at = stream_kind(plain_value(groups%group(n), "kind"))
+         if (at == 0) cycle
+         seen(at) = seen(at) + 1
+         call append(name, plain_value(groups%group(n), "name"))
+         kind = [kind, at]
+         place = [place, seen(at)]
+      end do
+   end subroutine echo_streams
+
+   !> Value of a key of one text, without its quotes; empty without the key.
+   pure function plain_value(group, key) result(value)
+      type(echo_group_t), intent(in) :: group            !! The group
+      character(len=*), intent(in) :: key                !! The key
+      character(len=:), allocatable :: value
+      integer :: place
+
+      value = ""
+      place = key_place(group, key)
+      if (place == 0) return
+      associate (text => group%entries(place)%value)
+         if (len(text) > 1) value = text(2:len(text) - 1)
+      end associate
+   end function plain_value
+
+   !> True if results before the end depend on one of the keys that differ.
+   pure logical function changes_matter(self) result(matter)
+      class(changes_t), intent(in) :: self               !! The keys that differ
+
+      matter = len(self%refused) + len(self%physics) + len(self%extent) > 0
+   end function changes_matter
+
+   !> Compare the keys of a group that both decks have.
+   pure subroutine compare_groups(was, is, changes)
+      type(echo_group_t), intent(in) :: was                   !! Of the checkpoint
+      type(echo_group_t), intent(in) :: is                    !! Of this run
+      type(changes_t), intent(inout) :: changes          !! Gets the keys that differ
+      integer :: n, other
+
+      do n = 1, is%count
+         other = key_place(was, is%entries(n)%key)
+         if (other == 0) then
+            ! what only a default tells is decided by another key, which differs too
+            if (.not. is%entries(n)%default) call add_key(changes, is, is%entries(n)%key, &
+               not_given, is%entries(n)%value)
+         else if (was%entries(other)%value /= is%entries(n)%value) then
+            call add_key(changes, is, is%entries(n)%key, was%entries(other)%value, &
+               is%entries(n)%value)
+         end if
+      end do
+      do n = 1, was%count
+         if (was%entries(n)%default) cycle
+         if (key_place(is, was%entries(n)%key) == 0) call add_key(changes, is, &
+            was%entries(n)%key, was%entries(n)%value, not_given)
+      end do
+   end subroutine compare_groups
+
+   !> Note a key that differs.
+   pure subroutine add_key(changes, group, key, old, new)
+      type(changes_t), intent(inout) :: changes          !! Gets a line
+      type(echo_group_t), intent(in) :: group                 !! Its group
+      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: old                !! Value of the checkpoint
+      character(len=*), intent(in) :: new                !! Value of this run
+
+      call add_line(changes, group%kind, key, group%label//" "//key//" = "// &
+         shortened(new, shown)//", was "//shortened(old, shown))
+   end subroutine add_key
+
+   !> Add a line where it belongs.
+   pure subroutine add_line(changes, kind, key, line)
+      type(changes_t), intent(inout) :: changes          !! Gets the line
+      character(len=*), intent(in) :: kind               !! Kind of the group
+      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: line               !! What differs
+      character(len=:), allocatable :: text
+
+      text = new_line("a")//"  &"//line
+      select case (change_class(kind, key))
+      case (changes_nothing)
+         changes%nothing = changes%nothing//text
+      case (changes_end)
+         changes%end = changes%end//text
+      case (changes_extent)
+         changes%extent = changes%extent//text
+      case (changes_physics)
+         changes%physics = changes%physics//text
+      case default
+         changes%refused = changes%refused//text
+      end select
+   end subroutine add_line
+
+   !> Index of a group, 0 if there is none of that label.
+   pure integer function place_of(groups, label) result(place)
+      type(echo_groups_t), intent(in) :: groups               !! The groups
+      character(len=*), intent(in) :: label              !! The label
+
+      do place = groups%count, 1, -1
+         if (groups%group(place)%label == label) return
+      end do
+   end function place_of
+
+   !> Index of a key, 0 if there is none of that name.
+   pure integer function key_place(group, key) result(place)
+      type(echo_group_t), intent(in) :: group                 !! The group
+      character(len=*), intent(in) :: key                !! The key
+
+      do place = group%count, 1, -1
+         if (group%entries(place)%key == key) return
+      end do
+   end function key_place
+
+   !> Take an echo apart. Its form is that of base_deck_echo: a group in lines of its own, keys
+   !! after three blanks, the rest of long lists after more.
+   pure subroutine read_echo(text, groups)
+      character(len=*), intent(in) :: text               !! The echo
+      type(echo_groups_t), intent(out) :: groups              !! What it holds
+      integer :: first, last
+
+      allocate (groups%group(8))
+      first = 1
+      do while (first <= len(text))
+         last = first + index(text(first:), new_line("a")) - 2
+         if (last < first - 1) last = len(text)
+         if (last >= first) call read_line(text(first:last), groups)
+         first = last + 2
+      end do
+      call name_groups(groups)
+   end subroutine read_echo
+
+   !> Take one line of an echo.
+   pure subroutine read_line(line, groups)
+      character(len=*), intent(in) :: line               !! Not empty
+      type(echo_groups_t), intent(inout) :: groups            !! Gets a group, a key, or more values
+      type(echo_group_t), allocatable :: longer(:)
+      integer :: indent
+
+      indent = verify(line//"x", " ") - 1
+      if (line(1:1) == "&") then
+         if (groups%count == size(groups%group)) then
+            allocate (longer(2*groups%count))
+            longer(:groups%count) = groups%group
+            call move_alloc(longer, groups%group)
+         end if
+         groups%count = groups%count + 1
+         groups%group(groups%count)%kind = trim(line(2:))
+         allocate (groups%group(groups%count)%entries(8))
+      else if (indent >= key_indent .and. groups%count > 0) then
+         call read_key(line(indent + 1:), indent > key_indent, groups%group(groups%count))
+      end if
+   end subroutine read_line
+
+   !> Take a key, or further values of the last one.
+   pure subroutine read_key(line, going_on, group)
+      character(len=*), intent(in) :: line               !! Without its indent
+      logical, intent(in) :: going_on                    !! Further values of the last key
+      type(echo_group_t), intent(inout) :: group              !! Gets them
+      type(echo_entry_t), allocatable :: longer(:)
+      character(len=:), allocatable :: value
+      integer :: equals, mark
+      logical :: default
+
+      mark = len_trim(line) - len(default_mark) + 1
+      default = .false.
+      if (mark > 0) default = line(mark:len_trim(line)) == default_mark
+      equals = 0
+      if (.not. going_on) equals = index(line, " =")
+      value = trim(adjustl(line(merge(equals + 2, 1, equals > 0):merge(mark - 1, len(line), &
+         default))))
+      if (going_on) then
+         if (group%count == 0) return
+         group%entries(group%count)%value = group%entries(group%count)%value//" "//value
+         group%entries(group%count)%default = default
+         return
+      end if
+      if (equals == 0) return
+      if (group%count == size(group%entries)) then
+         allocate (longer(2*group%count))
+         longer(:group%count) = group%entries
+         call move_alloc(longer, group%entries)
+      end if
+      group%count = group%count + 1
+      group%entries(group%count) = echo_entry_t(line(:equals - 1), value, default)
+   end subroutine read_key
+
+   !> Give groups their labels: the name where they have one, else their number among their kind.
+   pure subroutine name_groups(groups)
+      type(echo_groups_t), intent(inout) :: groups            !! Get labels
+      integer :: n, name, earlier, alike
+
+      do n = 1, groups%count
+         associate (group => groups%group(n))
+            name = key_place(group, "name")
+            alike = 0
+            do earlier = 1, n
+               if (groups%group(earlier)%kind == group%kind) alike = alike + 1
+            end do
+            if (name > 0) then
+               group%label = group%kind//" "//group%entries(name)%value
+            else if (group%kind == "boundary" .or. alike > 1) then
+               group%label = group%kind//"["//number(alike)//"]"
+            else
+               group%label = group%kind
+            end if
+         end associate
+      end do
+      do n = 1, groups%count
+         associate (group => groups%group(n))
+            if (group%kind == "boundary" .and. key_place(group, "face") == 0) &
+               group%kind = rigid_region
+         end associate
+      end do
+   end subroutine name_groups
+end module io_deck_changes

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+"""A run that goes on from a checkpoint knows with which deck it was written.
+
+Would catch: a state that goes on in a scene where it means nothing (another grid, density, body, law), a change that is
+made without a word, a finished case that is submitted again with another deck and reports success with its old results,
+an older checkpoint that is taken because it fits, and outputs that are lost because the deck has other streams or
+another end than before.
+"""
+
+import json
+import unittest
+
+import case
+
+OPTIONS = case.arguments(__doc__)
+DECK = """
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=1,1,1  dx=0.1 /
+&time  t_end=1  max_steps={steps}  dt_fixed=1e-5 /
+&effects  contact=.true. /
+&material  name='metal'  density=2700  young=70e9  poisson=0.3  strength_model='von_mises'  yield=1e8 /
+&region  name='low'   shape='box'  lo=0.1,0,0.1  hi=0.5,1,0.5 /
+&region  name='high'  shape='box'  lo=0.1,0,0.5  hi=0.5,1,0.9 /
+&body  name='one'   region='low'   material='metal'  velocity=1,0,0 /
+&body  name='two'   region='high'  material='metal' /
+&contact  bodies='one','two'  friction=0.2 /
+&boundary  face='zlo'  type='friction'  friction=0.1 /
+&output  name='h'  kind='history'    every=5 /
+&output  name='p'  kind='particles'  every=5 /
+&output  name='g'  kind='grid'  every=5 /
+"""
+# Key as in a message, in place of what in the deck.
+REFUSED = [
+    ("&grid dx = 0.05, was 0.1", "dx=0.1", "dx=0.05"),
+    ("&grid hi = 2.0, 1.0, 1.0, was 1.0, 1.0, 1.0", "hi=1,1,1", "hi=2,1,1"),
+    ("&run method = 'mpm', was 'ddmp'", "&run ", "&run method='mpm' "),
+    ("&run seed = 7, was 12345", "&run ", "&run seed=7 "),
+    ("&material 'metal' density = 2000.0, was 2700.0", "density=2700", "density=2000"),
+    ("&material 'metal' strength_model = 'elastic', was 'von_mises'", "strength_model='von_mises'  yield=1e8", ""),
+    ("&body 'one' velocity = 2.0, 0.0, 0.0, was 1.0, 0.0, 0.0", "velocity=1,0,0", "velocity=2,0,0"),
+    ("&region 'low' hi = 0.4, 1.0, 0.5, was 0.5, 1.0, 0.5", "hi=0.5,1,0.5", "hi=0.4,1,0.5"),
+    ("&contact law = 'stick', was 'friction'", "'two'  friction=0.2", "'two'  law='stick'"),
+    ("&effects rate = .false., was .true.", "contact=.true. /", "contact=.true.  rate=.false. /"),
+    ("&body 'three' is new", "&contact", "&region name='far' shape='box' lo=0.7,0,0.7 hi=0.9,1,0.9 /\n"
+     "&body name='three' region='far' material='metal' /\n&contact"),
+]
+TOLD = [
+    ("&contact friction = 0.5, was 0.2", "friction=0.2", "friction=0.5"),
+    ("&boundary[1] friction = 0.4, was 0.1", "friction=0.1", "friction=0.4"),
+    ("&material 'metal' yield = 2.0e8, was 1.0e8", "yield=1e8", "yield=2e8"),
+    ("&time dt_fixed = 2.0e-6, was 1.0e-5", "dt_fixed=1e-5", "dt_fixed=2e-6"),
+]
+
+
+def contents(folder):
+    """Files of a folder with their bytes, but the deck."""
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix != ".nml"
+            or ".echo." in path.name}
+
+
+class ChangedDecks(unittest.TestCase):
+    """A run of ten steps, and decks to go on with."""
+
+    def run_of(self, name, deck=DECK, steps=10):
+        """The first part."""
+        return case.Case(OPTIONS, name, deck.format(steps=steps)).run("--quiet")
+
+    def again(self, run, old, new, *options, steps=20, deck=DECK, expect=0):
+        """The same with something else in the deck."""
+        self.assertEqual(deck.count(old), 1, old)
+        run.deck.write_text(deck.replace(old, new).format(steps=steps), encoding="utf-8")
+        return run.run("--restart", *options, expect=expect)
+
+    def test_refused(self):
+        """Exit code 3, the key with both values, and no file has changed."""
+        run = self.run_of("refused")
+        before = contents(run.folder)
+        for said, old, new in REFUSED:
+            with self.subTest(said):
+                self.again(run, old, new, expect=3)
+                self.assertIn(said, run.output)
+                self.assertEqual(contents(run.folder), before)
+        run.ranks = 2
+        self.again(run, "dx=0.1", "dx=0.05", expect=3)
+        self.assertEqual(run.output.count("&grid dx = 0.05, was 0.1"), 1, run.output)
+
+    def test_told(self):
+        """Keys that change the physics of the rest are a warning, those of its end and its files are not."""
+        for number, (said, old, new) in enumerate(TOLD):
+            with self.subTest(said):
+                run = self.run_of(f"told_{number}")
+                self.again(run, old, new)
+                self.assertIn("warning: the rest of the run follows other rules", run.output)
+                self.assertIn(said, run.output)
+                self.assertIn("&time max_steps = 20, was 10", run.output)
+                self.assertEqual(run.summary["steps"], 20)
+        run = self.run_of("quiet")
+        self.again(run, "&run ", "&run title='another' ", "--quiet")
+        self.assertEqual(run.output, "")
+        self.assertIn("&run title = 'another', was", run.path(".log").read_text(encoding="utf-8"))
+
+    def test_finished(self):
+        """A finished case with a changed deck has no new results and does not say so by exit code 0; as it is, it
+        ends well."""
+        run = self.run_of("finished")
+        before = contents(run.folder)
+        for old, new in (("friction=0.2", "friction=0.5"),
+                         ("every=5 /\n&output  name='p'", "every=2 /\n&output  name='p'"),
+                         ("t_end=1", "t_end=5e-5")):
+            with self.subTest(new):
+                self.again(run, old, new, steps=10, expect=3)
+                self.assertIn("the run is finished", run.output)
+                self.assertEqual(contents(run.folder), before)
+        self.again(run, "&run ", "&run ", "--set", "log.progress_seconds=5", steps=10)
+        self.assertEqual(run.summary["steps"], 10)
+
+    def test_at_rest(self):
+        """The same where stop_when has ended it."""
+        deck = DECK.replace("t_end=1", "t_end=1  stop_when='kinetic_below'  stop_value=1e9")
+        run = self.run_of("rest", deck, steps=100)
+        self.assertEqual(run.summary["steps"], 0)
+        self.again(run, "friction=0.2", "friction=0.5", deck=deck, steps=100, expect=3)
+        self.assertIn("the run is finished", run.output)
+
+    def test_no_older_one(self):
+        """A checkpoint of another deck is not passed over for one that fits."""
+        run = self.run_of("mixed")
+        other = self.run_of("other", DECK.replace("dx=0.1", "dx=0.05"))
+        run.path("_chk_0002.h5").write_bytes(other.path("_chk_0001.h5").read_bytes())
+        run.run("--quiet", "--restart", expect=3)
+        self.assertIn("_chk_0002.h5' is of another deck", run.output)
+
+    def test_streams(self):
+        """A deck with more streams, fewer, or in another order keeps the snapshots that are there, and numbers on."""
+        run = self.run_of("streams")
+        kept = {path.name: path.read_bytes() for path in run.folder.glob("*.hdf")}
+        self.assertEqual(len(kept), 6)
+        self.again(run, "&output  name='h'  kind='history'    every=5 /",
+                   "&output  name='g2'  kind='grid'  every=5 /\n&output  name='h'  kind='history'  every=5 /")
+        for name, content in kept.items():
+            if "_p_" in name:
+                self.assertEqual((run.folder / name).read_bytes(), content, name)
+        self.assertEqual([round(snapshot.provenance["time"] / 1e-5) for _, snapshot in run.snapshots()],
+                         [0, 5, 10, 15, 20])
+        self.assertEqual(run.history["step"].tolist(), [0, 5, 10, 15, 20])
+
+    def test_longer(self):
+        """Outputs by count go on when the end is moved, at their new distance."""
+        deck = DECK.replace("max_steps={steps}", "").replace("t_end=1", "t_end={steps}e-5").replace(
+            "kind='history'    every=5", "kind='history'  count=10")
+        run = self.run_of("longer", deck)
+        self.assertEqual(len(run.history["step"]), 11)
+        self.again(run, "&run ", "&run ", deck=deck, steps=40)
+        self.assertEqual(run.history["step"].tolist(), [*range(11), *range(12, 41, 4)])
+
+    def test_echo_is_kept(self):
+        """What the deck was is in the checkpoint, and a run that goes on writes its own."""
+        run = self.run_of("echo")
+        self.again(run, "friction=0.2", "friction=0.5", "--quiet")
+        self.again(run, "friction=0.2", "friction=0.5", "--quiet", steps=30)
+        self.assertNotIn("was 0.2", run.output)
+        self.assertEqual(json.loads(run.path(".summary.json").read_text(encoding="utf-8"))["steps"], 30)
+
+
+if __name__ == "__main__":
+    unittest.main()

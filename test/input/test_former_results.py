@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+"""Results of a run are replaced on request only.
+
+Would catch: the same command given twice that empties the history, renews snapshots or replaces checkpoints; a request
+that leaves snapshots of later times, or removes files of the user or of another case; a checkpoint of another run that
+is replaced or removed because a run goes on from a file that lies elsewhere; a check that does not say so.
+"""
+
+import shutil
+import unittest
+
+import case
+
+OPTIONS = case.arguments(__doc__)
+DECK = """
+&run  dimension='1d' /
+&grid  lo=0,0,0  hi=1,1,1  dx=0.1 /
+&time  t_end=1  max_steps=20  dt_fixed=1e-5 /
+&material  name='metal'  density=2700  young=70e9  poisson=0.3 /
+&region  name='bar'   shape='box'  lo=0.1,0,0  hi=0.5,1,1 /
+&body  name='one'   region='bar'   material='metal'  velocity=1,0,0 /
+&output  name='h'  kind='history'    every=10 /
+&output  name='p'  kind='particles'  every=10 /
+&output  name='further'  kind='particles'  every=5 /
+&checkpoint  keep=0 /
+"""
+# Files of the user, of a case whose name begins alike, and names that are nearly those of the run.
+OTHERS = ("bär notes.txt", "bär_p_000001.hdf.png", "bär_mine.csv", "bär_chk_x.h5", "bär_b_history.csv",
+          "bär_b_p_000001.hdf", "bär_b.summary.json", "bär_p_1.hdf", "bär2.log")
+WAYS = ("--restart", "--overwrite", "--outdir")
+
+
+def contents(folder):
+    """Files of a folder with their bytes."""
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
+class FormerResults(unittest.TestCase):
+    """Two runs into one folder."""
+
+    def run_of(self, folder="a folder", **how):
+        """A run that has ended, in a folder with a blank and a name with an umlaut."""
+        run = case.Case(OPTIONS, folder, DECK, **how)
+        run.name, run.guarded = "bär", True
+        return run.run("--quiet")
+
+    def test_nothing_is_lost(self):
+        """The same command again, with one rank and two: exit code 3, the ways on, and no file has changed."""
+        run = self.run_of()
+        before = contents(run.folder)
+        self.assertIn("bär_further_p_000004.hdf", before)
+        for run.ranks in (1, 2):
+            run.run("--quiet", expect=3)
+            for word in WAYS:
+                self.assertIn(word, run.output)
+            self.assertIn(f"'{run.folder}'", run.output)
+            self.assertEqual(contents(run.folder), before)
+        run.ranks = 1
+        run.run("--check", "--no-estimate")
+        self.assertIn("warning: results of case 'bär' are in", run.output)
+        self.assertEqual(contents(run.folder), before)
+        run.run("--check", "--no-estimate", "--overwrite")
+        self.assertNotIn("are in", run.output)
+        run.run("--quiet", "--restart")
+        run.run("--quiet", "--restart", "--overwrite", expect=2)
+
+    def test_each_file_counts(self):
+        """A table, a snapshot or a checkpoint alone are results; a log and an echo are what a faulty start leaves."""
+        run = self.run_of("one left")
+        kept = contents(run.folder)
+        for names, code in ((["bär_history.csv"], 3), (["bär_p_000000.hdf"], 3), (["bär_chk_0001.h5"], 3),
+                            (["bär.summary.json"], 3), (["bär_further_p_000004.hdf"], 3),
+                            (["bär.log", "bär.echo.nml"], 0)):
+            with self.subTest(names):
+                for name in contents(run.folder):
+                    if not name.endswith("left.nml"):
+                        (run.folder / name).unlink()
+                for name in names:
+                    (run.folder / name).write_bytes(kept[name])
+                run.run("--quiet", expect=code)
+                self.assertEqual("--restart" in run.output, "bär_chk_0001.h5" in names, run.output)
+
+    def test_overwrite(self):
+        """All files of the former run go, those of streams that this run lacks too, and nothing else."""
+        run = self.run_of("replaced")
+        former = set(contents(run.folder))
+        for name in OTHERS:
+            (run.folder / name).write_text("mine", encoding="utf-8")
+        (run.folder / "bär_chk_0007.h5.part").write_text("half a file", encoding="utf-8")
+        text = DECK.replace("&output  name='further'  kind='particles'  every=5 /", "")
+        run.deck.write_text(text.replace("max_steps=20", "max_steps=5"), encoding="utf-8")
+        run.run("--quiet", "--overwrite")
+        after = contents(run.folder)
+        for name in OTHERS:
+            self.assertEqual(after.get(name), b"mine", name)
+        self.assertNotIn("bär_chk_0007.h5.part", after)
+        left = {name for name in after if name not in OTHERS}
+        fresh = case.Case(OPTIONS, "fresh", run.deck.read_text(encoding="utf-8"))
+        fresh.name, fresh.deck = "bär", fresh.deck.rename(fresh.folder / run.deck.name)
+        fresh.run("--quiet")
+        self.assertEqual(left, set(contents(fresh.folder)))
+        self.assertLess(left, former)
+        self.assertEqual(run.summary["steps"], 5)
+
+    def test_checkpoint_of_another_run(self):
+        """A run that goes on from a file elsewhere spares the results that are there, and their checkpoints."""
+        first, second = self.run_of("first"), self.run_of("second")
+        file = OPTIONS.work / "elsewhere.h5"
+        shutil.copyfile(first.path("_chk_0001.h5"), file)
+        before = contents(second.folder)
+        second.run("--quiet", "--restart", file, "--set", "time.max_steps=30", expect=3)
+        self.assertIn("is not of that run", second.output)
+        self.assertEqual(contents(second.folder), before)
+        branch = case.Case(OPTIONS, "branch", DECK)
+        branch.guarded = True
+        branch.run("--quiet", "--restart", file, "--set", "time.max_steps=30")
+        self.assertEqual(branch.summary["steps"], 30)
+
+    def test_older_checkpoint(self):
+        """A run that goes on from an older file of its own leaves the later ones, and is the newest of them."""
+        run = self.run_of("older")
+        run.run("--quiet", "--restart", "--set", "time.max_steps=30")
+        before = {path.name: path.read_bytes() for path in run.folder.glob("*.h5")}
+        self.assertEqual(sorted(before), ["bär_chk_0001.h5", "bär_chk_0002.h5"])
+        older = run.folder.parent / "older" / "." / ".." / "older" / "bär_chk_0001.h5"
+        run.run("--quiet", "--restart", older, "--set", "time.max_steps=25")
+        self.assertEqual(run.summary["steps"], 25)
+        for name, content in before.items():
+            self.assertEqual((run.folder / name).read_bytes(), content, name)
+        run.run("--restart", "--set", "time.max_steps=25")
+        self.assertIn("bär_chk_0003.h5", run.output)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+# cores: 2
+"""How many threads a run has, how they wait, and what it says when others have its cores.
+
+Would catch: threads without work in a small scene, a number that the user has set and that is not taken; threads that
+wait without giving their core away although nobody asked for it, and a wish of the user that is not respected; a
+program that begins again and then has lost a word of its command line, its number or a signal, or begins again for
+ever; a run without processor time that does not say so, or says so twice; studies that run one deck at a time.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+import case
+
+sys.path.insert(0, str(case.ROOT / "scripts"))
+from scree_post import study  # noqa: E402
+
+OPTIONS = case.arguments(__doc__)
+SETTINGS = ("OMP_NUM_THREADS", "OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "OMPI_MCA_mpi_yield_when_idle")
+CORES = len(os.sched_getaffinity(0))
+ENDLESS = 10**8
+DECK = """
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=1,1,1  dx={dx} /
+&time  t_end=1e9  max_steps={steps}  dt_fixed=1e-7 /
+&material  name='metal'  density=2700  young=70e9  poisson=0.3 /
+&region  name='bar'   shape='box'  lo=0,0,0  hi=1,1,1 /
+&body  name='one'   region='bar'   material='metal'  ppc=4,1,4  velocity=1,0,0 /
+&boundary  face='all'  type='symmetry' /
+&output  name='h'  kind='history'  every=1 /
+&log  progress_seconds=0.5 /
+"""
+SMALL = DECK.replace("{dx}", "0.25")     # 256 particles in few tiles
+LARGE = DECK.replace("{dx}", "0.02")     # 40000 particles
+
+
+def clean(**more):
+    """An environment in which nobody has said how threads are to be."""
+    return {**{name: value for name, value in os.environ.items() if name not in SETTINGS}, **case.OPEN_MPI, **more}
+
+
+class Threads(unittest.TestCase):
+    """Runs with and without settings of the user."""
+
+    def threads(self, name, deck, **more):
+        """Threads that the summary of a run reports, and the run."""
+        run = case.Case(OPTIONS, name, deck.format(steps=2))
+        answer = subprocess.run(run.command(), env=clean(**more), cwd=run.folder, text=True, capture_output=True,
+                                timeout=250, check=False)
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        run.output = answer.stdout
+        return run.summary["threads"], run
+
+    def test_as_many_as_the_scene_keeps_busy(self):
+        """One for few particles, all cores for many, and whatever OMP_NUM_THREADS says; the same bits."""
+        few, run = self.threads("small", SMALL)
+        self.assertEqual(few, 1)
+        if CORES > 1:
+            self.assertIn("256 particles in", run.output)
+        two, same = self.threads("small_two", SMALL, OMP_NUM_THREADS="2")
+        self.assertEqual(two, 2)
+        self.assertEqual(run.summary["digest"], same.summary["digest"])
+        self.assertEqual(self.threads("large", LARGE)[0], min(CORES, 40000 // 500))
+
+    def started(self, name, deck, *options, **more):
+        """A run that does not end by itself, after its first steps."""
+        run = case.Case(OPTIONS, name, deck.format(steps=ENDLESS))
+        child = subprocess.Popen(run.command(*options), env=clean(**more), cwd=run.folder, text=True,
+                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.addCleanup(child.kill)
+        history = run.path("_history.csv")
+        end = time.monotonic() + 200
+        while child.poll() is None and time.monotonic() < end and not (
+                history.is_file() and history.stat().st_size > 2000):
+            time.sleep(0.02)
+        self.assertIsNone(child.poll(), child.stdout.read() if child.poll() is not None else "")
+        return run, child
+
+    def stop(self, child):
+        """What a run says that is asked to leave by a signal."""
+        child.send_signal(signal.SIGTERM)
+        said, _ = child.communicate(timeout=200)
+        self.assertEqual(child.returncode, 75, said)
+        return said
+
+    def test_waiting(self):
+        """Threads that wait for long give their core away, unless the user wants it otherwise. The program begins again
+        in the same process, with all of its words, and obeys signals."""
+        # with two threads the words are the same after the program has begun again
+        odd = ("--set", "run.title='a title with \"quotes\", blänks and = signs'", "-q")
+        for name, more, expected in (("default", {}, "10000"), ("own", {"GOMP_SPINCOUNT": "7"}, "7"),
+                                     ("policy", {"OMP_WAIT_POLICY": "passive"}, None),
+                                     ("empty", {"GOMP_SPINCOUNT": ""}, "")):
+            with self.subTest(name):
+                run, child = self.started(f"wait_{name}", SMALL, *odd, OMP_NUM_THREADS="2", **more)
+                place = Path("/proc") / str(child.pid)
+                words = dict(word.split("=", 1) for word in place.joinpath("environ").read_bytes().decode().split("\0")
+                             if "=" in word)
+                self.assertEqual(words.get("GOMP_SPINCOUNT"), expected)
+                self.assertEqual(place.joinpath("cmdline").read_bytes().decode().split("\0")[:-1],
+                                 run.command(*odd))
+                self.stop(child)
+                self.assertIn("blänks", run.path(".echo.nml").read_text(encoding="utf-8"))
+        run, child = self.started("wait_one", SMALL, OMP_NUM_THREADS="1")
+        self.assertNotIn(b"GOMP_SPINCOUNT", Path(f"/proc/{child.pid}/environ").read_bytes())
+        self.stop(child)
+
+    def test_without_processor(self):
+        """A run that stands still for longer than all it has worked says so, once, with what to do."""
+        run, child = self.started("starved", SMALL, "-q", OMP_NUM_THREADS="1")
+        begin = time.monotonic()
+        child.send_signal(signal.SIGSTOP)
+        time.sleep(6.0)
+        while time.monotonic() - begin < 4.0 * worked(child.pid):
+            time.sleep(0.1)
+        child.send_signal(signal.SIGCONT)
+        log, end = run.path(".log"), time.monotonic() + 200
+        while "of wall time" not in log.read_text(encoding="utf-8") and time.monotonic() < end:
+            time.sleep(0.05)
+        time.sleep(1.5)                           # two more lines of progress
+        said = self.stop(child)
+        self.assertEqual(said.count("s of wall time and"), 1, said)
+        self.assertIn("core of its own", said)
+        run = case.Case(OPTIONS, "fed", SMALL.format(steps=20)).run("-q")
+        self.assertEqual(run.output, "")
+
+    def test_studies(self):
+        """A run of a study has one thread, and as many run at a time as there are cores."""
+        before = os.environ.pop("OMP_NUM_THREADS", None)
+        try:
+            self.assertEqual((study.threads_of_a_run(), study.jobs_for(1)), (1, CORES))
+            os.environ["OMP_NUM_THREADS"] = "2"
+            self.assertEqual((study.threads_of_a_run(), study.jobs_for(2)), (2, max(1, CORES // 2)))
+        finally:
+            os.environ.pop("OMP_NUM_THREADS", None)
+            if before is not None:
+                os.environ["OMP_NUM_THREADS"] = before
+
+
+def worked(process):
+    """Processor time of a process [s]."""
+    fields = Path(f"/proc/{process}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+if __name__ == "__main__":
+    unittest.main()
