@@ -16,6 +16,7 @@ import numpy as np
 from .. import look
 from ..errors import EXIT_DIFFERENT, EXIT_USAGE, PostError, readable, unknown
 from ..files import history
+from ..units import summary_unit
 from ..study import Study, combinations, find_program, settings, short
 from ..written import EXTENTS, Written
 
@@ -59,7 +60,7 @@ def quantity_of(run, name):
     if not over:
         for place in (run.summary, run.summary.get("extremes", {}), run.summary.get("exact", {})):
             if isinstance(place, dict) and isinstance(place.get(base), (int, float)):
-                return float(place[base]), ""
+                return float(place[base]), summary_unit(base)
     path = os.path.join(run.folder, f"{run.case}_history.csv")
     if os.path.exists(path):
         table = history(path)
@@ -67,7 +68,7 @@ def quantity_of(run, name):
             return float(OVER.get(over, lambda values: values[-1])(table[base])), table.units[base]
         ends = {**ends, **dict.fromkeys(table.order)}
     if not over and isinstance(ends.get(base), (int, float)):
-        return float(ends[base]), ""
+        return float(ends[base]), summary_unit(base)
     known = [key for key, value in run.summary.items() if isinstance(value, (int, float))]
     known += list(run.summary.get("extremes", {}))
     known += [key for key in (*ends, *EXTENTS) if key not in known]
