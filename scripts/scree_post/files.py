@@ -183,6 +183,7 @@ def snapshot(file, names=None, own_units=False):
             data = handle.get("VTKHDF/PointData", {})
             points = numbers(handle["VTKHDF/Points"]).astype("f8")
             snap = Snapshot(file=file, time=_time(handle, file, own_units), points=points)
+            snap.units["time"] = units_of.raw_time_unit(handle) if own_units else "s"
             for name in data:
                 if names is None or name in names:
                     snap.fields[name] = numbers(data[name])

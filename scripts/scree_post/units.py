@@ -143,6 +143,12 @@ def raw_time(handle):
     return float(group.attrs["Time"]) if "Time" in group.attrs else None
 
 
+def raw_time_unit(handle):
+    """The unit of the time of a file of particles as it stands there."""
+    data = handle["VTKHDF"].get("FieldData/TimeValue")
+    return "s" if data is None else plain(data.attrs.get("units", "s"))
+
+
 def time_exponent(handle):
     """Decimal exponent of the times of a file, or None where it cannot be told.
 

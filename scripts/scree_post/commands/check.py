@@ -4,8 +4,8 @@
 Every snapshot is opened with h5py and with the VTKHDF reader of VTK, the .xdmf with its Xdmf2
 reader, and the .vtkhdf index, where there is one, with the VTKHDF reader: the number of points and
 cells, the bounds, the time, and the components and mean of every field must agree. Of files of
-fields on the grid every number must. Numbers are compared in the units of the files. Exit code 77 means that the package vtk is missing and that
-what h5py alone can check did agree.
+fields on the grid every number must. Numbers are compared in the units of the files. Exit code 77
+means that the package vtk is missing and that what h5py alone can check did agree.
 """
 
 import os
@@ -246,7 +246,7 @@ def check_snapshots(report, vtk, steps):
         snap = snapshot(file, own_units=True)
         name = os.path.basename(file)
         report.check(abs(snap.time - time) <= 1.0e-12 * max(abs(time), 1.0e-300),
-                     f"{name}: time {snap.time!r} in the file, {time!r} in the series")
+                     f"{name}: time {snap.time!r} {snap.units['time']} in the file, {time!r} in the series")
         check_structure(report, file, snap)
         wanted.append((time, summary(snap.points, snap.fields)))
         if vtk:
