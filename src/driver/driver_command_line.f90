@@ -13,6 +13,7 @@ module driver_command_line
       character(len=:), allocatable :: deck              !! Name of the deck
       logical :: check = .false.                         !! Read and check, compute nothing
       logical :: estimate = .true.                       !! A check times the first steps
+      logical :: preview = .false.                       !! Write and draw the first state
       logical :: point = .false.                         !! Drive one material point
       logical :: restart = .false.                       !! Go on from a checkpoint
       character(len=:), allocatable :: checkpoint        !! Which; without it the newest valid one
@@ -44,7 +45,7 @@ module driver_command_line
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(21) = [ &
+   type(option_t), parameter :: options(22) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
@@ -55,7 +56,7 @@ module driver_command_line
       option_t("force   ", " ", nothing), option_t("new     ", " ", a_value), &
       option_t("job     ", " ", a_value), option_t("ranks   ", " ", a_value), &
       option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
-      option_t("no-estimate", " ", nothing)]
+      option_t("no-estimate", " ", nothing), option_t("preview ", "p", nothing)]
    character(len=9), parameter :: lists(5) = [character(len=9) :: "materials", "fields", &
       "shapes", "examples", "former"]
    character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
@@ -258,6 +259,8 @@ contains
          command%check = .true.
       case ("no-estimate")
          command%estimate = .false.
+      case ("preview")
+         command%preview = .true.
       case ("point")
          command%point = .true.
       case ("restart")
@@ -371,6 +374,10 @@ contains
          call complain(error, "--point excludes --check and --restart")
       else if (command%check .and. command%restart) then
          call complain(error, "--check and --restart exclude each other")
+      else if (command%preview .and. (command%check .or. command%point .or. command%restart &
+         .or. allocated(command%job))) then
+         call complain(error, "--preview excludes --check, --point, --restart and --job; call "// &
+            "scree twice")
       else if (.not. allocated(command%deck)) then
          call complain(error, "no deck; usage: scree [options] DECK.nml, and scree --help for more")
       else
@@ -432,6 +439,9 @@ contains
 
       text = "usage: scree [options] DECK.nml"//newline//newline// &
          "  -n, --check            read and check the deck, say what a run will cost"//newline// &
+         "  -p, --preview          write and draw the first state and the walls, no step; "// &
+         "into"//newline//"                         a folder of its own, OUTDIR_preview"// &
+         newline// &
          "      --no-estimate      with --check: do not estimate the time of the run"//newline// &
          "  -s, --set G.K=VALUE    put a value in place of the deck's; may be repeated"//newline// &
          "  -c, --case NAME        prefix of all output files"//newline// &

@@ -10,7 +10,7 @@ module driver_job
    implicit none
    private
 
-   public :: job_text
+   public :: job_text, quoted
 
    real(wp), parameter :: particles_of_rank = 1.0e6_wp !! doc/developer/scaling.md says why
    integer, parameter :: usual_threads = 4           !! Of a rank, where there are tiles for them

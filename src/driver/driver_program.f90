@@ -22,11 +22,13 @@ module driver_program
    use driver_lists, only: list_text
    use driver_plan, only: declare_all, lay_out, plan_t, read_plan
    use driver_point, only: drive_point
+   use driver_preview, only: draw_preview, write_preview
    use driver_restart, only: resume
    use driver_run, only: run_to_end
    use driver_signal, only: outlive_file_limit
    use driver_summary, only: summarise
    use driver_trust, only: number_lattices
+   use driver_walls_file, only: write_walls
    use io_deck_check, only: check_case
    use io_digest, only: file_digest
    use io_file, only: join_path, make_folder, write_file
@@ -40,6 +42,7 @@ module driver_program
    !> All that one call of the program holds.
    type, extends(plan_t) :: session_t
       type(log_t) :: log                             !! Screen and log file
+      character(len=:), allocatable :: previewed     !! Folder of a preview that is to be drawn
    end type session_t
 
 contains
@@ -68,7 +71,19 @@ contains
       end if
       call session%log%close()
       call session%simulation%communicator%finish()
+      if (allocated(session%previewed) .and. session%simulation%communicator%rank == 0) &
+         call draw(session)
    end subroutine run_program
+
+   !> Draw a preview.
+   subroutine draw(session)
+      type(session_t), intent(in) :: session         !! Its files are written
+      character(len=:), allocatable :: text
+
+      flush (output_unit)
+      call draw_preview(session%previewed, session%command%quiet, text)
+      if (len(text) > 0) write (output_unit, "(a)") text
+   end subroutine draw
 
    !> Is nothing asked for but text?
    pure logical function only_talks(command) result(talks)
@@ -182,6 +197,11 @@ contains
             call try_out(session, error)
          return
       end if
+      if (session%command%preview) then
+         call write_preview(session, session%previewed, error)
+         if (allocated(error)) deallocate (session%previewed)
+         return
+      end if
       call perform(session, code, error)
    end subroutine compute
 
@@ -242,6 +262,9 @@ contains
       call session%outputs%open(session%simulation, session%command%restart, note, error)
       if (allocated(error)) return
       if (len(note) > 0) call session%log%warn(note//"left out of the series; the run goes on")
+      if (size(session%outputs%snapshots) > 0) call write_walls(session%simulation, session%deck, &
+         session%outputs, session%outputs%folder, session%limits%time_end, error)
+      if (allocated(error)) return
       call run_to_end(session%simulation, session%outputs, session%place, session%limits, &
          session%log, code, reason, error)
       if (allocated(error)) then

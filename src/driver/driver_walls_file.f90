@@ -1,0 +1,159 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The walls of a scene for pictures: faces of the box, parts of them, and rigid regions, written
+!! once a run. See "Walls in files" in doc/developer/decisions.md.
+module driver_walls_file
+   use base_deck, only: deck_t, group_t
+   use base_error, only: error_t
+   use base_kinds, only: wp
+   use driver_output, only: outputs_t
+   use driver_simulation, only: simulation_t
+   use io_file, only: join_path
+   use io_walls, only: never, walls_t, walls_write
+   use mesh_boundary, only: face_names, face_types
+   use mesh_grid, only: grid_t
+   use mesh_surface_cut, only: cut_surface
+   implicit none
+   private
+
+   public :: write_walls
+
+   integer, parameter :: entries = 201               !! Times at which moving walls are placed
+   integer, parameter :: most_cells = 256            !! Squares of a divided face a direction
+
+contains
+
+   !> Write CASE_walls.hdf. Collective.
+   subroutine write_walls(simulation, deck, outputs, folder, time_end, error)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(deck_t), intent(in) :: deck               !! Names of the regions
+      type(outputs_t), intent(in) :: outputs         !! Case and header
+      character(len=*), intent(in) :: folder         !! Where the file goes
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      type(error_t), allocatable, intent(out) :: error !! The file cannot be written
+      type(walls_t) :: walls
+      integer :: face
+
+      do face = 1, 6
+         if (simulation%grid%active(ishft(face + 1, -1))) call add_face(walls, simulation, face)
+      end do
+      if (allocated(simulation%rigid)) call add_rigid(walls, simulation, deck, time_end)
+      call walls_write(simulation%communicator, join_path(folder, outputs%case//"_walls.hdf"), &
+         walls, outputs%header, error)
+   end subroutine write_walls
+
+   !> A face of the box: as a whole, or in the squares of its cells where it has parts.
+   subroutine add_face(walls, simulation, face)
+      type(walls_t), intent(inout) :: walls          !! Get the face
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: face                    !! 1 to 6
+      real(wp) :: low(3), high(3), first(3), last(3)
+      integer :: axis, across(2), cells(3), i, j, kind, wall
+
+      associate (grid => simulation%grid, boundary => simulation%boundary)
+         axis = ishft(face + 1, -1)
+         across = pack([1, 2, 3], [1, 2, 3] /= axis)
+         call flat_box(grid, low, high)
+         if (mod(face, 2) == 1) high(axis) = low(axis)
+         if (mod(face, 2) == 0) low(axis) = high(axis)
+         cells = 1
+         if (boundary%divided(face)) cells = merge(min(grid%cells, most_cells), 1, grid%active)
+         do j = 1, cells(across(2))
+            do i = 1, cells(across(1))
+               first = low
+               last = high
+               first(across) = low(across) + real([i, j] - 1, wp)*(high(across) - low(across)) &
+                  /real(cells(across), wp)
+               last(across) = low(across) + real([i, j], wp)*(high(across) - low(across)) &
+                  /real(cells(across), wp)
+               kind = boundary%kind(face)
+               if (boundary%divided(face)) kind = boundary%kind_at(face, 0.5_wp*(first + last))
+               call walls%name_wall(face_names(face), trim(face_types(kind)), face, wall)
+               call walls%add(wall, square(first, last, across, grid%active))
+            end do
+         end do
+      end associate
+   end subroutine add_face
+
+   !> Corners of the box, where particles are along directions that the scene lacks [m].
+   pure subroutine flat_box(grid, low, high)
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), intent(out) :: low(3)                !! Lower corner [m]
+      real(wp), intent(out) :: high(3)               !! Upper corner [m]
+
+      low = grid%lower
+      high = grid%upper
+      where (.not. grid%active) low = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), &
+         grid%axisymmetric)
+      where (.not. grid%active) high = low
+   end subroutine flat_box
+
+   !> A square in space, a segment in a plane, a point along a line, as (3, corner, 1) [m].
+   pure function square(first, last, across, active) result(piece)
+      real(wp), intent(in) :: first(3)               !! A corner [m]
+      real(wp), intent(in) :: last(3)                !! The opposite one [m]
+      integer, intent(in) :: across(2)               !! Directions in which it extends
+      logical, intent(in) :: active(3)               !! Directions of the scene
+      real(wp), allocatable :: piece(:, :, :)
+      integer :: ways(2)
+
+      ways = across
+      allocate (piece(3, 2**count(active(across)), 1))
+      piece(:, 1, 1) = first
+      if (size(piece, 2) == 2) piece(:, 2, 1) = last
+      if (size(piece, 2) < 4) return
+      piece(:, 2, 1) = first
+      piece(ways(1), 2, 1) = last(ways(1))
+      piece(:, 3, 1) = last
+      piece(:, 4, 1) = first
+      piece(ways(2), 4, 1) = last(ways(2))
+   end function square
+
+   !> Surfaces of the rigid regions where they begin, and their ways.
+   subroutine add_rigid(walls, simulation, deck, time_end)
+      type(walls_t), intent(inout) :: walls          !! Get the surfaces
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(deck_t), intent(in) :: deck               !! Names of the regions
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      real(wp), parameter :: part = 0.5_wp           ! step of the lattice over a cell
+      real(wp), allocatable :: piece(:, :, :), way(:, :, :)
+      real(wp) :: low(3), high(3)
+      character(len=:), allocatable :: face, region
+      type(group_t) :: group
+      integer :: faces, index, n, number, wall
+
+      faces = size(walls%name)
+      walls%time = [(time_end*real(n, wp)/real(entries - 1, wp), n=0, entries - 1)]
+      allocate (way(3, size(simulation%rigid%wall), entries))
+      do n = 1, entries
+         do wall = 1, size(way, 2)
+            way(:, wall, n) = simulation%rigid%wall(wall)%motion%shift(walls%time(n))
+         end do
+      end do
+      number = 0
+      do index = 1, deck%count("boundary")
+         group = deck%group("boundary", index)
+         call group%get("face", face)
+         if (face /= "" .or. .not. group%given("region")) cycle
+         call group%get("region", region)
+         number = number + 1
+         associate (rigid => simulation%rigid%wall(number))
+            call walls%name_wall(region, trim(face_types(rigid%kind)), 0, wall)
+            walls%begin(wall) = max(rigid%motion%begin, -never)
+            walls%end(wall) = min(rigid%motion%end, never)
+            ! what is in the box at some time, where it is at the start
+            call flat_box(simulation%grid, low, high)
+            low = low - maxval(way(:, number, :), dim=2)
+            high = high - minval(way(:, number, :), dim=2)
+            call cut_surface(rigid%region, low, high, simulation%grid%active, &
+               part*simulation%grid%spacing, piece)
+            call walls%add(wall, piece)
+         end associate
+      end do
+      if (.not. any(abs(way) > 0.0_wp)) then
+         deallocate (walls%time)
+         return
+      end if
+      allocate (walls%shift(3, size(walls%name), entries), source=0.0_wp)
+      walls%shift(:, faces + 1:, :) = way
+   end subroutine add_rigid
+end module driver_walls_file
