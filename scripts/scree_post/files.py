@@ -86,6 +86,7 @@ class Snapshot:
     units: dict = field(default_factory=dict)            # name: unit
     bodies: list = field(default_factory=list)           # {"name", "material", "colour"} per body
     first_body: int = 1                                  # value of the field body of bodies[0]
+    materials: list = field(default_factory=list)        # names, in the order of the deck
     provenance: dict = field(default_factory=dict)
     echo: str = ""                                       # the deck with every key as used, in SI
 
@@ -189,6 +190,8 @@ def snapshot(file, names=None, own_units=False):
                     snap.fields[name] = numbers(data[name])
                     snap.units[name] = units_of.data_unit(data[name])
             snap.bodies, snap.first_body = _bodies(handle)
+            if "bodies/material_name" in handle:
+                snap.materials = [str(text(name)) for name in handle["bodies/material_name"][...]]
             if "provenance" in handle:
                 record = handle["provenance"]
                 snap.provenance = {k: text(v) for k, v in record.attrs.items()}

@@ -3,12 +3,14 @@
 import os
 import shutil
 import subprocess
+import tempfile
 
 import numpy as np
 
 from .errors import EXIT_USAGE, PostError, modules
 
 ENDINGS = (".mp4", ".gif", ".png")
+EXACT = 32               # most frequent colours of a .gif, which are kept as they are
 
 
 def check_film(path, option="--out"):
@@ -55,11 +57,7 @@ def encode(pages, path, rate):
         if ending.lower() == ".png":
             return numbered(pages, stem)
         if ending.lower() == ".gif":
-            (image,) = modules("PIL.Image")
-            cover = image.Quantize.MAXCOVERAGE            # rare colours, as on the bar, too
-            stills = [image.fromarray(even(page)).quantize(256, cover) for page in pages]
-            stills[0].save(part, save_all=True, append_images=stills[1:],
-                           duration=int(1000 / rate), loop=0)
+            encode_gif(pages, part, rate)
         else:
             encode_mp4(pages, part, rate)
         os.replace(part, path)
@@ -69,6 +67,50 @@ def encode(pages, path, rate):
         if os.path.exists(part):
             os.remove(part)
     return [path]
+
+
+def encode_gif(pages, path, rate):
+    """All pages in one palette, so that no colour changes from page to page.
+
+    The palette is that of all pages, so they wait in a file until the last one is drawn.
+    """
+    (image,) = modules("PIL.Image")
+    seen, counts, shape = np.zeros(0, "u4"), np.zeros(0), None
+    with tempfile.TemporaryFile() as store:
+        pages_drawn = 0
+        for page in pages:
+            page = even(page)
+            shape = page.shape
+            store.write(page.tobytes())
+            packed = page.astype("u4")
+            packed = packed[..., 0] << 16 | packed[..., 1] << 8 | packed[..., 2]
+            found, number = np.unique(packed, return_counts=True)
+            seen, row = np.unique(np.concatenate([seen, found]), return_inverse=True)
+            counts = np.bincount(row.ravel(), np.concatenate([counts, number]))
+            pages_drawn += 1
+        palette = shared_palette(image, seen, counts)
+        store.seek(0)
+
+        def stills():
+            for _ in range(pages_drawn):
+                page = np.frombuffer(store.read(int(np.prod(shape))), "u1").reshape(shape)
+                yield image.fromarray(page).quantize(palette=palette, dither=image.Dither.NONE)
+
+        stills = stills()
+        next(stills).save(path, save_all=True, append_images=stills, duration=int(1000 / rate),
+                          loop=0, optimize=False, disposal=1)
+
+
+def shared_palette(image, seen, counts):
+    """A palette for packed colours: the most frequent ones as they are, such as the white of the
+    page, the others so that rare ones, as those of the colour bar, have their share."""
+    colours = np.stack([seen >> 16, seen >> 8 & 255, seen & 255], axis=1).astype("u1")
+    exact = colours[np.argsort(-counts, kind="stable")[:EXACT]]
+    others = image.fromarray(colours[None]).quantize(256 - EXACT, image.Quantize.MAXCOVERAGE)
+    entries = exact.ravel().tolist() + (others.getpalette() or [])
+    palette = image.new("P", (1, 1))
+    palette.putpalette((entries + [0] * 768)[:768])
+    return palette
 
 
 def numbered(pages, stem):

@@ -28,6 +28,7 @@ def add_arguments(parser):
     add("--bodies", metavar="A,B", help="only these bodies")
     add("--hide-failed", action="store_true", help="leave out failed particles")
     add("--no-mirror", action="store_true", help="do not complete the model at mirror planes")
+    add("--no-walls", action="store_true", help="leave out rigid regions and closed boundaries")
     add("--view", type=quantity, nargs=4, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"),
         help="part to show, in m or with a unit: --view -10mm 10mm 0 30mm")
     add("--keep", metavar="SIDE", help="3-D: only one side of a plane, such as 'y>0' or 'z<5mm'")
@@ -84,6 +85,7 @@ def options_of(arguments, snaps):
         title=title, dpi=arguments.dpi, camera=camera(arguments.camera), zoom=arguments.zoom,
         turn=getattr(arguments, "turn", 0.0),
         clock=look.scaled(latest, "s") if latest > 0.0 else (1.0, "s"),
+        walls=not arguments.no_walls,
         keep=side(arguments.keep) if arguments.keep else ())
 
 

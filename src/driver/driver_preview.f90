@@ -13,7 +13,6 @@ module driver_preview
    use driver_walls_file, only: write_walls
    use io_file, only: file_exists, folder_of, join_path, make_folder, program_path
    use io_snapshot, only: snapshot_format_t, snapshot_write
-   use io_text, only: whole_text
    use io_xdmf, only: series_t
    implicit none
    private
@@ -21,6 +20,7 @@ module driver_preview
    public :: draw_preview, write_preview
 
    integer(int64), parameter :: most_particles = 2000000_int64 !! More are thinned out
+   character(len=*), parameter :: newline = new_line("a")
    character(len=*), parameter :: tool = "scree-post" !! What draws
 
 contains
@@ -55,7 +55,7 @@ contains
             header, error)
          if (.not. allocated(error)) call series%add(communicator, series%path(0), error)
          if (.not. allocated(error)) call series%close(communicator, error)
-         if (.not. allocated(error)) call write_walls(plan%simulation, plan%deck, plan%outputs, &
+         if (.not. allocated(error)) call write_walls(plan%simulation, plan%outputs, &
             folder, plan%limits%time_end, error)
       end associate
    end subroutine write_preview
@@ -75,11 +75,15 @@ contains
       if (.not. file_exists(program)) program = tool
       call execute_command_line("command -v "//quoted(program)//" >/dev/null 2>&1", &
          exitstat=code, cmdstat=status)
-      if (status == 0 .and. code == 0) call execute_command_line(quoted(program)//" preview "// &
-         quoted(folder)//trim(silence), exitstat=code, cmdstat=status)
-      if (status == 0 .and. code == 0) return
-      text = "preview   written to "//folder//", not drawn: code "//whole_text(int(code, int64))// &
-         "; scripts/setup.sh installs scree-post, then type"//new_line("a")// &
-         "          build/venv/bin/"//tool//" preview "//quoted(folder)
+      if (status /= 0 .or. code /= 0) then
+         text = "written to "//folder//". No picture: scree-post was not found. "// &
+            "scripts/setup.sh installs it; then type"//newline// &
+            "  build/venv/bin/"//tool//" preview "//quoted(folder)
+         return
+      end if
+      call execute_command_line(quoted(program)//" preview "//quoted(folder)//trim(silence), &
+         exitstat=code, cmdstat=status)
+      if (status /= 0 .or. code /= 0) text = "written to "//folder//". No picture: see above. "// &
+         "To try again, type"//newline//"  "//quoted(program)//" preview "//quoted(folder)
    end subroutine draw_preview
 end module driver_preview

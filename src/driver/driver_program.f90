@@ -262,7 +262,7 @@ contains
       call session%outputs%open(session%simulation, session%command%restart, note, error)
       if (allocated(error)) return
       if (len(note) > 0) call session%log%warn(note//"left out of the series; the run goes on")
-      if (size(session%outputs%snapshots) > 0) call write_walls(session%simulation, session%deck, &
+      if (size(session%outputs%snapshots) > 0) call write_walls(session%simulation, &
          session%outputs, session%outputs%folder, session%limits%time_end, error)
       if (allocated(error)) return
       call run_to_end(session%simulation, session%outputs, session%place, session%limits, &

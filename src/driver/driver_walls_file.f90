@@ -2,16 +2,16 @@
 !> The walls of a scene for pictures: faces of the box, parts of them, and rigid regions, written
 !! once a run. See "Walls in files" in doc/developer/decisions.md.
 module driver_walls_file
-   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: wp
    use driver_output, only: outputs_t
    use driver_simulation, only: simulation_t
    use io_file, only: join_path
    use io_walls, only: never, walls_t, walls_write
-   use mesh_boundary, only: face_names, face_types
+   use mesh_boundary, only: boundary_t, face_names, face_types
    use mesh_grid, only: grid_t
    use mesh_surface_cut, only: cut_surface
+   use mesh_wall, only: wall_t
    implicit none
    private
 
@@ -23,9 +23,8 @@ module driver_walls_file
 contains
 
    !> Write CASE_walls.hdf. Collective.
-   subroutine write_walls(simulation, deck, outputs, folder, time_end, error)
+   subroutine write_walls(simulation, outputs, folder, time_end, error)
       type(simulation_t), intent(in) :: simulation   !! The run
-      type(deck_t), intent(in) :: deck               !! Names of the regions
       type(outputs_t), intent(in) :: outputs         !! Case and header
       character(len=*), intent(in) :: folder         !! Where the file goes
       real(wp), intent(in) :: time_end               !! End of the run [s]
@@ -36,7 +35,7 @@ contains
       do face = 1, 6
          if (simulation%grid%active(ishft(face + 1, -1))) call add_face(walls, simulation, face)
       end do
-      if (allocated(simulation%rigid)) call add_rigid(walls, simulation, deck, time_end)
+      if (allocated(simulation%rigid)) call add_rigid(walls, simulation, time_end)
       call walls_write(simulation%communicator, join_path(folder, outputs%case//"_walls.hdf"), &
          walls, outputs%header, error)
    end subroutine write_walls
@@ -47,7 +46,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: face                    !! 1 to 6
       real(wp) :: low(3), high(3), first(3), last(3)
-      integer :: axis, across(2), cells(3), i, j, kind, wall
+      integer :: axis, across(2), cells(3), i, j, part, wall
 
       associate (grid => simulation%grid, boundary => simulation%boundary)
          axis = ishft(face + 1, -1)
@@ -65,14 +64,57 @@ contains
                   /real(cells(across), wp)
                last(across) = low(across) + real([i, j], wp)*(high(across) - low(across)) &
                   /real(cells(across), wp)
-               kind = boundary%kind(face)
-               if (boundary%divided(face)) kind = boundary%kind_at(face, 0.5_wp*(first + last))
-               call walls%name_wall(face_names(face), trim(face_types(kind)), face, wall)
+               part = part_of(boundary, face, 0.5_wp*(first + last))
+               if (part > 0) then
+                  call name_part(walls, boundary%wall(part), wall)
+               else
+                  call walls%name_wall(face_names(face), trim(face_types(boundary%kind(face))), &
+                     face, wall)
+               end if
                call walls%add(wall, square(first, last, across, grid%active))
             end do
          end do
       end associate
    end subroutine add_face
+
+   !> The part of a face, or the whole face that comes and goes, that covers a place while it is
+   !! there: the last one that does; 0 = what always holds.
+   pure integer function part_of(boundary, face, place) result(part)
+      type(boundary_t), intent(in) :: boundary       !! The conditions
+      integer, intent(in) :: face                    !! 1 to 6
+      real(wp), intent(in) :: place(3)               !! On the face [m]
+      integer :: n
+
+      part = 0
+      if (.not. allocated(boundary%wall)) return
+      do n = 1, size(boundary%wall)
+         associate (wall => boundary%wall(n))
+            if (wall%face /= face) cycle
+            if (.not. allocated(wall%region)) then
+               part = n
+            else if (wall%region%contains(place)) then
+               part = n
+            end if
+         end associate
+      end do
+   end function part_of
+
+   !> The number of a wall in the file, with the times at which it is there.
+   pure subroutine name_part(walls, source, wall)
+      type(walls_t), intent(inout) :: walls          !! Get it if they lack it
+      type(wall_t), intent(in) :: source             !! A part of a face, or a rigid region
+      integer, intent(out) :: wall                   !! Its number
+      character(len=:), allocatable :: name
+
+      name = trim(source%name)
+      if (source%face > 0) then
+         name = face_names(source%face)
+         if (source%name /= "") name = name//" "//trim(source%name)
+      end if
+      call walls%name_wall(name, trim(face_types(source%kind)), source%face, wall)
+      walls%begin(wall) = max(source%motion%begin, -never)
+      walls%end(wall) = min(source%motion%end, never)
+   end subroutine name_part
 
    !> Corners of the box, where particles are along directions that the scene lacks [m].
    pure subroutine flat_box(grid, low, high)
@@ -109,37 +151,24 @@ contains
    end function square
 
    !> Surfaces of the rigid regions where they begin, and their ways.
-   subroutine add_rigid(walls, simulation, deck, time_end)
+   subroutine add_rigid(walls, simulation, time_end)
       type(walls_t), intent(inout) :: walls          !! Get the surfaces
       type(simulation_t), intent(in) :: simulation   !! The run
-      type(deck_t), intent(in) :: deck               !! Names of the regions
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), parameter :: part = 0.5_wp           ! step of the lattice over a cell
       real(wp), allocatable :: piece(:, :, :), way(:, :, :)
       real(wp) :: low(3), high(3)
-      character(len=:), allocatable :: face, region
-      type(group_t) :: group
-      integer :: faces, index, n, number, wall
+      integer :: faces, n, number, wall
 
       faces = size(walls%name)
       walls%time = [(time_end*real(n, wp)/real(entries - 1, wp), n=0, entries - 1)]
       allocate (way(3, size(simulation%rigid%wall), entries))
-      do n = 1, entries
-         do wall = 1, size(way, 2)
-            way(:, wall, n) = simulation%rigid%wall(wall)%motion%shift(walls%time(n))
-         end do
-      end do
-      number = 0
-      do index = 1, deck%count("boundary")
-         group = deck%group("boundary", index)
-         call group%get("face", face)
-         if (face /= "" .or. .not. group%given("region")) cycle
-         call group%get("region", region)
-         number = number + 1
+      do number = 1, size(way, 2)
          associate (rigid => simulation%rigid%wall(number))
-            call walls%name_wall(region, trim(face_types(rigid%kind)), 0, wall)
-            walls%begin(wall) = max(rigid%motion%begin, -never)
-            walls%end(wall) = min(rigid%motion%end, never)
+            do n = 1, entries
+               way(:, number, n) = rigid%motion%shift(walls%time(n))
+            end do
+            call name_part(walls, rigid, wall)
             ! what is in the box at some time, where it is at the start
             call flat_box(simulation%grid, low, high)
             low = low - maxval(way(:, number, :), dim=2)

@@ -15,6 +15,8 @@ module mesh_surface_cut
    integer, parameter :: halvings = 40                !! Of an edge: below rounding of positions
    real(wp), parameter :: most_points = 2.0e6_wp      !! Of the lattice; more make it coarser
    real(wp), parameter :: parts = 16.0_wp             !! Least number of steps across a set
+   !> Steps of the lattice before the set: surfaces that follow the lattice give flat pieces
+   real(wp), parameter :: offset = 0.6180339887_wp
 
    !> What is cut.
    type :: lattice_t
@@ -88,7 +90,7 @@ contains
       lattice%origin = low
       where (active)
          lattice%last = ceiling((high - low)/lattice%step) + 2
-         lattice%origin = low - lattice%step
+         lattice%origin = low - offset*lattice%step
       end where
    end subroutine lay
 
