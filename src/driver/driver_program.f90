@@ -4,7 +4,7 @@ module driver_program
    use base_agreement, only: agree
    use base_communicator, only: communicator_t, message_passing_version
    use base_deck, only: group_t
-   use base_error, only: error_t, exit_success
+   use base_error, only: error_t, exit_again, exit_success
    use base_kinds, only: wp
    use base_log, only: log_debug, log_error, log_info, log_t, log_warn
    use base_schema_text, only: explain, template
@@ -18,7 +18,7 @@ module driver_program
    use driver_effects, only: effects_text
    use driver_estimate, only: estimate_text, most_particles
    use driver_example, only: copied_t, copy_example, examples_text, next_steps
-   use driver_job, only: job_text
+   use driver_job, only: job_text, resume_command
    use driver_lists, only: list_text
    use driver_plan, only: declare_all, lay_out, plan_t, read_plan
    use driver_point, only: drive_point
@@ -284,6 +284,8 @@ contains
       call agree(session%simulation%communicator, late)
       if (.not. allocated(error)) then
          call session%log%info("ended     "//reason)
+         if (code == exit_again) call session%log%info("go on     "//resume_command( &
+            session%simulation%communicator%size))
          call move_alloc(late, error)
       end if
    end subroutine perform

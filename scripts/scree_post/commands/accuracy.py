@@ -63,7 +63,7 @@ class Grid:
         """Word for --set and edge of a cell, in the unit of the deck."""
         if self.key == "dx":
             size = self.spacing * self.common / parts
-            return f"grid.dx={size:.17g}", size
+            return f"grid.dx={size:.15g}", size
         cells = [count * parts // self.common if axis in self.axes else count
                  for axis, count in enumerate(self.cells)]
         return "grid.cells=" + ",".join(map(str, cells)), self.spacing * self.common / parts
@@ -348,7 +348,7 @@ def write_table(path, found):
                          "core_seconds", "value", "kind", "order", "extrapolated", "error_bound"])
         for (method, quantity), (runs, unit, verdict) in found.items():
             for run in runs:
-                writer.writerow([quantity, unit, method or "", repr(run.size), repr(run.factor),
+                writer.writerow([quantity, unit, method or "", f"{run.size:.12g}", f"{run.factor:.12g}",
                                  run.particles, run.steps, repr(run.seconds),
                                  repr(run.values[quantity]), verdict.kind, repr(verdict.order),
                                  repr(verdict.limit), repr(verdict.error)])
