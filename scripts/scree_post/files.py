@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from . import units as units_of
 from .errors import EXIT_FILE, PostError, modules, readable, unknown
 
+UNTITLED = "untitled"    # title of a deck that gives none
 DIMENSIONS = ("3d", "plane_strain", "axisymmetric", "1d")
 
 
@@ -100,6 +101,12 @@ class Snapshot:
         """Faces that are planes of symmetry, such as ["xlo", "ylo"]."""
         value = self.provenance.get("symmetry", "")
         return value.split() if isinstance(value, str) else [str(text(face)) for face in value]
+
+    @property
+    def title(self):
+        """Title of the run, the name of the case where the deck gives none."""
+        title = str(self.provenance.get("title") or "")
+        return str(self.provenance.get("case") or "") if title in ("", UNTITLED) else title
 
     def body_rows(self):
         """Row of `bodies` of every particle; 0 where there is one body only."""

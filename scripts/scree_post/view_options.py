@@ -71,10 +71,9 @@ def options_of(arguments, snaps):
     if arguments.range and not arguments.range[0] < arguments.range[1]:
         raise PostError("--range wants LOW < HIGH", EXIT_USAGE)
     check_view(arguments.view)
-    record = snaps[-1].provenance
     title = arguments.title
     if title is None:
-        title = str(record.get("title") or record.get("case") or "")
+        title = snaps[-1].title
     latest = max(abs(snap.time) for snap in snaps)
     return Options(
         colour=colours.colour_for(arguments.colour, snaps, arguments.range, arguments.map),

@@ -8,7 +8,7 @@ module driver_walls_file
    use driver_simulation, only: simulation_t
    use io_file, only: join_path
    use io_walls, only: never, walls_t, walls_write
-   use mesh_boundary, only: boundary_t, face_names, face_types
+   use mesh_boundary, only: boundary_t, face_names, face_outflow, face_types
    use mesh_grid, only: grid_t
    use mesh_surface_cut, only: cut_surface
    use mesh_wall, only: wall_t
@@ -47,6 +47,7 @@ contains
       integer, intent(in) :: face                    !! 1 to 6
       real(wp) :: low(3), high(3), first(3), last(3)
       integer :: axis, across(2), cells(3), i, j, part, wall
+      real(wp) :: begin, finish
 
       associate (grid => simulation%grid, boundary => simulation%boundary)
          axis = ishft(face + 1, -1)
@@ -65,17 +66,44 @@ contains
                last(across) = low(across) + real([i, j], wp)*(high(across) - low(across)) &
                   /real(cells(across), wp)
                part = part_of(boundary, face, 0.5_wp*(first + last))
+               begin = never
+               finish = never
                if (part > 0) then
-                  call name_part(walls, boundary%wall(part), wall)
-               else
-                  call walls%name_wall(face_names(face), trim(face_types(boundary%kind(face))), &
-                     face, wall)
+                  call name_part(walls, boundary%wall(part), begin, finish, wall)
+                  call walls%add(wall, square(first, last, across, grid%active))
                end if
-               call walls%add(wall, square(first, last, across, grid%active))
+               ! the face itself, before a part comes and after it has gone
+               call add_plain(walls, boundary, face, -never, begin, square(first, last, across, &
+                  grid%active))
+               call add_plain(walls, boundary, face, finish, never, square(first, last, across, &
+                  grid%active))
             end do
          end do
       end associate
    end subroutine add_face
+
+   !> A piece of a face by itself, for a time that is not empty.
+   pure subroutine add_plain(walls, boundary, face, begin, finish, piece)
+      type(walls_t), intent(inout) :: walls          !! Get it
+      type(boundary_t), intent(in) :: boundary       !! The conditions
+      integer, intent(in) :: face                    !! 1 to 6
+      real(wp), intent(in) :: begin                  !! It is there from then on [s]
+      real(wp), intent(in) :: finish                 !! It is gone from then on [s]
+      real(wp), intent(in) :: piece(:, :, :)         !! (3, corner, 1) [m]
+      integer :: kind, wall
+
+      if (.not. finish > begin .or. finish <= 0.0_wp) return
+      kind = boundary%kind(face)
+      ! a whole face that comes and goes is open without its wall
+      if (allocated(boundary%wall)) then
+         do wall = 1, size(boundary%wall)
+            if (boundary%wall(wall)%face == face .and. .not. allocated(boundary%wall(wall)%region)) &
+               kind = face_outflow
+         end do
+      end if
+      call walls%name_wall(face_names(face), trim(face_types(kind)), face, begin, finish, wall)
+      call walls%add(wall, piece)
+   end subroutine add_plain
 
    !> The part of a face, or the whole face that comes and goes, that covers a place while it is
    !! there: the last one that does; 0 = what always holds.
@@ -100,9 +128,11 @@ contains
    end function part_of
 
    !> The number of a wall in the file, with the times at which it is there.
-   pure subroutine name_part(walls, source, wall)
+   pure subroutine name_part(walls, source, begin, finish, wall)
       type(walls_t), intent(inout) :: walls          !! Get it if they lack it
       type(wall_t), intent(in) :: source             !! A part of a face, or a rigid region
+      real(wp), intent(out) :: begin                 !! It is there from then on [s]
+      real(wp), intent(out) :: finish                !! It is gone from then on [s]
       integer, intent(out) :: wall                   !! Its number
       character(len=:), allocatable :: name
 
@@ -111,9 +141,10 @@ contains
          name = face_names(source%face)
          if (source%name /= "") name = name//" "//trim(source%name)
       end if
-      call walls%name_wall(name, trim(face_types(source%kind)), source%face, wall)
-      walls%begin(wall) = max(source%motion%begin, -never)
-      walls%end(wall) = min(source%motion%end, never)
+      begin = source%motion%begin
+      if (.not. begin > 0.0_wp) begin = -never
+      finish = min(source%motion%end, never)
+      call walls%name_wall(name, trim(face_types(source%kind)), source%face, begin, finish, wall)
    end subroutine name_part
 
    !> Corners of the box, where particles are along directions that the scene lacks [m].
@@ -157,7 +188,7 @@ contains
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), parameter :: part = 0.5_wp           ! step of the lattice over a cell
       real(wp), allocatable :: piece(:, :, :), way(:, :, :)
-      real(wp) :: low(3), high(3)
+      real(wp) :: low(3), high(3), begin, finish
       integer :: faces, n, number, wall
 
       faces = size(walls%name)
@@ -168,7 +199,7 @@ contains
             do n = 1, entries
                way(:, number, n) = rigid%motion%shift(walls%time(n))
             end do
-            call name_part(walls, rigid, wall)
+            call name_part(walls, rigid, begin, finish, wall)
             ! what is in the box at some time, where it is at the start
             call flat_box(simulation%grid, low, high)
             low = low - maxval(way(:, number, :), dim=2)

@@ -39,27 +39,32 @@ module io_walls
 
 contains
 
-   !> Number of the wall of a name and type, which becomes a new one if there is none.
-   pure subroutine walls_name_wall(self, name, kind, face, wall)
+   !> Number of the wall of a name, type and time, which becomes a new one if there is none. Rigid
+   !! regions are walls of their own.
+   pure subroutine walls_name_wall(self, name, kind, face, begin, end, wall)
       class(walls_t), intent(inout) :: self              !! The walls
       character(len=*), intent(in) :: name               !! Region or face
       character(len=*), intent(in) :: kind               !! Type of boundary
       integer, intent(in) :: face                        !! 1 to 6, 0 = rigid region
+      real(wp), intent(in) :: begin                      !! It is there from then on [s]
+      real(wp), intent(in) :: end                        !! It is gone from then on [s]
       integer, intent(out) :: wall                       !! Its number
       character(len=wall_name_length) :: padded
 
       if (.not. allocated(self%name)) allocate (self%name(0), self%kind(0), self%face(0), &
          self%begin(0), self%end(0), self%point(3, 0), self%corners(0), self%wall(0))
       do wall = 1, size(self%name)
-         if (self%name(wall) == name .and. self%kind(wall) == kind .and. face > 0) return
+         if (face == 0 .or. self%name(wall) /= name .or. self%kind(wall) /= kind) cycle
+         if (abs(self%begin(wall) - begin) > 0.0_wp .or. abs(self%end(wall) - end) > 0.0_wp) cycle
+         return
       end do
       padded = name
       self%name = [self%name, padded]
       padded = kind
       self%kind = [self%kind, padded]
       self%face = [self%face, face]
-      self%begin = [self%begin, -never]
-      self%end = [self%end, never]
+      self%begin = [self%begin, begin]
+      self%end = [self%end, end]
    end subroutine walls_name_wall
 
    !> Add cells of one kind to a wall.

@@ -48,7 +48,7 @@ def run(arguments):
     look.check_picture(out)
     title = arguments.title
     if title is None:
-        title = str(snap.provenance.get("title") or case)
+        title = snap.title
     options = preview_page.options_for(snap, arguments.by, tuple(arguments.view or ()), title,
                                        arguments.dpi, camera(arguments.camera))
     look.save(preview_page.draw(snap, options), out, arguments.dpi)

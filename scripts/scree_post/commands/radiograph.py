@@ -135,9 +135,7 @@ def run(arguments):
     pixel = arguments.pixel or default_pixel(last)
     options = {"mu": arguments.mu, "unit": arguments.unit, "towards": flight(last),
                "view": arguments.view}
-    title = arguments.title or str(
-        last.provenance.get("title") or last.provenance.get("case") or ""
-    )
+    title = arguments.title or last.title
 
     def make(file):
         return radiograph(snapshot(file, FIELDS), pixel, arguments.axis, options["towards"])
