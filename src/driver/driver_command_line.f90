@@ -439,8 +439,7 @@ contains
 
       text = "usage: scree [options] DECK.nml"//newline//newline// &
          "  -n, --check            read and check the deck, say what a run will cost"//newline// &
-         "  -p, --preview          write and draw the first state and the walls, no step; "// &
-         "into"//newline//"                         a folder of its own, OUTDIR_preview"// &
+         "  -p, --preview          draw the first state and the walls into OUTDIR_preview"// &
          newline// &
          "      --no-estimate      with --check: do not estimate the time of the run"//newline// &
          "  -s, --set G.K=VALUE    put a value in place of the deck's; may be repeated"//newline// &
@@ -459,8 +458,7 @@ contains
          "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
          newline//"                         --threads N and --time HH:MM:SS"//newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
-         "  -h, --help             this text"//newline// &
-         "  -V, --version          version, compiler and libraries"//newline//newline
+         "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline
       text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem,"// &
          newline//"  4 physics gave up, 5 internal error, 75 stopped with a checkpoint: run "// &
          "again"//newline//newline//"examples:"//newline// &

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> A scene before it runs: its first state and its walls in files, and a picture of them.
 !!
-!! The program writes what only it knows; scree-post draws it. The reason stands under "Preview" in
-!! doc/developer/decisions.md.
+!! The program writes what only it knows; scree-post draws it. doc/developer/decisions.md says why
+!! (Interface).
 module driver_preview
    use base_agreement, only: agree
    use base_error, only: error_t

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The walls of a scene for pictures: faces of the box, parts of them, and rigid regions, written
-!! once a run. See "Walls in files" in doc/developer/decisions.md.
+!! once a run. doc/developer/decisions.md says why (Files).
 module driver_walls_file
    use base_error, only: error_t
    use base_kinds, only: wp
@@ -97,8 +97,8 @@ contains
       ! a whole face that comes and goes is open without its wall
       if (allocated(boundary%wall)) then
          do wall = 1, size(boundary%wall)
-            if (boundary%wall(wall)%face == face .and. .not. allocated(boundary%wall(wall)%region)) &
-               kind = face_outflow
+            if (boundary%wall(wall)%face /= face) cycle
+            if (.not. allocated(boundary%wall(wall)%region)) kind = face_outflow
          end do
       end if
       call walls%name_wall(face_names(face), trim(face_types(kind)), face, begin, finish, wall)

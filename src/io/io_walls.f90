@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Walls of a scene as a VTKHDF file: the faces of the box with their types and the surfaces of rigid
-!! regions, for ParaView and for pictures.
+!> Walls of a scene as a VTKHDF file, for ParaView and for pictures: the faces of the box with their
+!! types and the surfaces of rigid regions.
 module io_walls
    use base_communicator, only: communicator_t
    use base_error, only: error_t
@@ -30,7 +30,7 @@ module io_walls
       integer, allocatable :: face(:)                    !! (wall) 1 to 6, 0 = rigid region
       real(wp), allocatable :: begin(:)                  !! (wall) It is there from then on [s]
       real(wp), allocatable :: end(:)                    !! (wall) It is gone from then on [s]
-      real(wp), allocatable :: time(:)                   !! (entry) Times of the shifts; none move [s]
+      real(wp), allocatable :: time(:)                   !! (entry) If any moves: when [s]
       real(wp), allocatable :: shift(:, :, :)            !! (3, wall, entry) Way since the start [m]
    contains
       procedure :: name_wall => walls_name_wall          !! Number of a wall, new or known

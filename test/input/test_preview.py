@@ -155,12 +155,12 @@ def plane(options, sheet):
                   "the same walls in the units of the deck")
     bytes_of = [run.path("_walls.hdf").read_bytes() for run in (runs[0], runs[2])]
     sheet.require(bytes_of[0] == bytes_of[1], "the same bytes on two ranks")
-    in_vtk(sheet, runs[0].path("_walls.hdf"), found)
+    in_vtk(sheet, runs[0].path("_walls.hdf"))
     pictures(sheet, runs[0])
     return runs[0]
 
 
-def in_vtk(sheet, path, found):
+def in_vtk(sheet, path):
     """VTK reads the file."""
     try:
         import vtk
@@ -171,7 +171,7 @@ def in_vtk(sheet, path, found):
     reader.SetFileName(str(path))
     reader.Update()
     data = reader.GetOutputDataObject(0)
-    count = sum(len(wall.cells) for wall in found.values())
+    count = sum(len(wall.cells) for wall in all_walls(path))
     sheet.require(data.GetNumberOfCells() == count and data.GetCell(0).GetClassName() == "vtkLine",
                   f"VTK sees {data.GetNumberOfCells()} cells of {count}")
     sheet.require(data.GetCellData().HasArray("wall") == 1, "VTK sees the number of the wall of each cell")
