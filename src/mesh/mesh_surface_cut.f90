@@ -105,13 +105,13 @@ contains
    end function place_of
 
    !> Whether a point belongs to the set and to the box.
-   pure logical function holds(set, lattice, x)
+   pure logical function holds(set, lattice, x) result(inside)
       class(point_set_t), intent(in) :: set          !! The set
       type(lattice_t), intent(in) :: lattice         !! Has the box
       real(wp), intent(in) :: x(3)                   !! [m]
 
-      holds = all((x >= lattice%lower .and. x <= lattice%upper) .or. .not. lattice%active)
-      if (holds) holds = set%contains(x)
+      inside = all((x >= lattice%lower .and. x <= lattice%upper) .or. .not. lattice%active)
+      if (inside) inside = set%contains(x)
    end function holds
 
    !> Cut the simplices of a cell.
@@ -151,15 +151,15 @@ contains
 
    !> Whether an order of the directions is the one that counts: those that the scene lacks come
    !! last, in ascending order.
-   pure logical function in_order(order, active)
+   pure logical function in_order(order, active) result(counts)
       integer, intent(in) :: order(3)                !! A permutation of 1, 2, 3
       logical, intent(in) :: active(3)               !! Directions of the scene
       integer :: n
 
-      in_order = .true.
+      counts = .true.
       do n = 1, 2
          if (active(order(n))) cycle
-         in_order = in_order .and. .not. active(order(n + 1)) .and. order(n) < order(n + 1)
+         counts = counts .and. .not. active(order(n + 1)) .and. order(n) < order(n + 1)
       end do
    end function in_order
 

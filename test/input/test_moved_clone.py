@@ -36,7 +36,7 @@ def main():
     first, second = options.work / "first", options.work / "zweiter Klon ü"
     for folder in (first, second):
         shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(case.ROOT / "scripts", first / "scripts", ignore=shutil.ignore_patterns("*.egg-info", "__pycache__"))
+    shutil.copytree(case.ROOT / "scripts", first / "scripts", ignore=shutil.ignore_patterns("__pycache__"))
     code, said = run(sys.executable, "-m", "venv", first / "build" / "venv")
     backend = importlib.util.find_spec("flit_core")
     if code or backend is None:

@@ -220,7 +220,8 @@ def line_and_space(options, sheet):
     sheet.near("area of the peg [m2]", surface_of(peg), 4.0 * math.pi * 4.0, 3.0 * 0.25 ** 2 / 4.0 / 4.0)
     floor = np.stack(found["floor: stick"].cells)
     # the part in the box, 10 x 10 x 1; edges are cut off by less than a step of a quarter
-    sheet.near("area of the floor in the box [m2]", surface_of(floor), 240.0, 120.0 * 0.25 * (2.0 - math.sqrt(2.0)) / 240)
+    lost = 120.0 * 0.25 * (2.0 - math.sqrt(2.0))
+    sheet.near("area of the floor in the box [m2]", surface_of(floor), 240.0, lost / 240.0)
     sheet.require(found["xlo: symmetry"].cells[0].shape == (4, 3), "a face in space is a quadrangle")
 
 
