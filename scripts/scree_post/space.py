@@ -13,7 +13,7 @@ from . import look
 from .errors import modules
 from .radiograph_page import scale_bar
 from .view import matter
-from .walls import STYLES, at_time, walls_of
+from .walls import STYLES, at_time, is_seen, walls_of
 
 CLASSES = 8              # sizes of spheres: VTK draws those of one call in one size
 SHARP = 2                # pixels of VTK a pixel of the page, along each side
@@ -90,7 +90,7 @@ class SpacePage:
         """Rigid regions as surfaces that are seen through, closed faces as their edges."""
         for wall in self.walls:
             pieces = at_time(wall, snap, self.options.mirror, snap.time)
-            if not len(pieces) or wall.kind == "outflow":
+            if not len(pieces) or not is_seen(wall, self.options.mirror):
                 continue
             count, corners = pieces.shape[:2]
             cells = np.arange(count * corners).reshape(count, corners)

@@ -109,6 +109,12 @@ def at_time(wall, snap, mirror, time):
     return images(pieces, snap) if mirror else pieces
 
 
+def is_seen(wall, mirror):
+    """Whether a picture of a run shows a wall: open faces are none, and where the model is completed
+    its planes of symmetry lie inside of it."""
+    return wall.kind != "outflow" and not (mirror and wall.kind == "symmetry" and wall.face)
+
+
 def outlines(segments):
     """Closed lines (n, 2) from segments (m, 2, 2) whose ends have the same bits."""
     ends = {}
@@ -135,7 +141,7 @@ def outlines(segments):
 def draw_plane(axes, walls, snap, options, metres, everything=False):
     """Walls in the plane of a run: rigid regions filled, faces as lines by their type.
 
-    Open faces are drawn with `everything` only.
+    Faces that are no obstacle are drawn with `everything` only.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.patches import PathPatch
@@ -144,7 +150,7 @@ def draw_plane(axes, walls, snap, options, metres, everything=False):
     for wall in walls:
         colour, dash = STYLES.get(wall.kind, STYLES["slip"])
         pieces = at_time(wall, snap, options.mirror, snap.time)[:, :, [0, 2]] * metres
-        if not len(pieces) or wall.kind == "outflow" and not everything:
+        if not len(pieces) or not everything and not is_seen(wall, options.mirror):
             continue
         drawn.append(wall)
         if wall.face == 0:
