@@ -40,6 +40,7 @@ contains
       real(wp), allocatable, intent(out) :: piece(:, :, :) !! (3, corner, piece) Its corners [m]
       type(lattice_t) :: lattice
       logical, allocatable :: inside(:, :, :)
+      real(wp), allocatable :: shorter(:, :, :)
       real(wp) :: low(3), high(3), x(3)
       integer :: directions, found, i, j, k
 
@@ -70,7 +71,9 @@ contains
             end do
          end do
       end if
-      piece = piece(:, :, :found)
+      allocate (shorter(3, directions, found))
+      shorter(:, :, :) = piece(:, :, :found)
+      call move_alloc(shorter, piece)
    end subroutine cut_surface
 
    !> A lattice around a box, one step wider on each side.
@@ -167,7 +170,7 @@ contains
    pure subroutine cut_simplex(set, lattice, corner, within, piece, found)
       class(point_set_t), intent(in) :: set          !! The set
       type(lattice_t), intent(in) :: lattice         !! The lattice
-      integer, intent(in) :: corner(:, 0:)           !! (3, corner) Its points
+      integer, contiguous, intent(in) :: corner(:, 0:) !! (3, corner) Its points
       logical, intent(in) :: within(0:)              !! Which of them belong to the set
       real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Grows
       integer, intent(inout) :: found                !! Pieces in it
