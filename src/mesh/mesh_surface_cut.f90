@@ -174,7 +174,7 @@ contains
       logical, intent(in) :: within(0:)              !! Which of them belong to the set
       real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Grows
       integer, intent(inout) :: found                !! Pieces in it
-      real(wp) :: cut(3, 4)
+      real(wp) :: cut(3, 4), inner(3), outer(3)
       integer :: a, b, number
 
       number = 0
@@ -182,8 +182,9 @@ contains
          do b = 0, ubound(corner, 2)
             if (.not. within(a) .or. within(b)) cycle
             number = number + 1
-            cut(:, number) = crossing(set, lattice, place_of(lattice, corner(:, a)), &
-               place_of(lattice, corner(:, b)))
+            inner = place_of(lattice, corner(:, a))
+            outer = place_of(lattice, corner(:, b))
+            cut(:, number) = crossing(set, lattice, inner, outer)
          end do
       end do
       if (number < count(lattice%active)) return
