@@ -2,12 +2,12 @@
 """Runs a deck for all combinations of values and collects the results.
 
 Every combination gets a folder of its own below --outdir. A combination that is done is not run
-again, one that was stopped goes on from its checkpoint, so that the same command resumes a study. The
-table keeps the runs of earlier sweeps of the same deck and program in that folder. It holds the
-values, how the run ended, and the quantities of --take: names of the summary, columns of the history
-at the end, with .max, .min or .mean over the history, or extents of the last snapshot such as length,
-radius, front_z. A value that holds commas is separated by semicolons:
---set 'body[ball].velocity=0,0,1;0,0,2'.
+again, one that was stopped goes on from its checkpoint, so that the same command resumes a
+study. The table keeps the runs of earlier sweeps of the same deck and program in that folder.
+It holds the values, how the run ended, and the quantities of --take: names of the summary,
+columns of the history at the end, with .max, .min or .mean over the history, or extents of the
+last snapshot such as length, radius, front_z. A value that holds commas is separated by
+semicolons: --set 'body[ball].velocity=0,0,1;0,0,2'.
 """
 import csv
 import os
