@@ -59,4 +59,5 @@ if ! cmake -S "${root}" -B "${folder}" "${generator[@]}" "-DCMAKE_BUILD_TYPE=${t
    cat "${log}" >&2
    stop_with 3 "CMake could not configure; is something missing that scripts/setup.sh installs?"
 fi
+renew_python || say "The Python environment is that of another folder; run scripts/setup.sh"
 cmake --build "${folder}" --parallel "${JOBS:-$(nproc)}"

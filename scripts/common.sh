@@ -42,3 +42,38 @@ find_compiler() {
       fi
    done
 }
+
+# A folder that was copied or moved holds the Python environment of its old place: commands that
+# begin with its path, and a link to its scripts/scree_post. Bring them here; nothing is downloaded.
+renew_python() {
+   local place="${root}/build/venv/place.stamp" bin="${root}/build/venv/bin"
+   [[ -x "${python}" ]] || return 0
+   [[ "$(cat -- "${place}" 2> /dev/null)" == "${root}" ]] && return 0
+   say "Bringing the Python environment in build/venv to this folder"
+   "${python}" -m venv --without-pip "${root}/build/venv" \
+      || return 1
+   "${python}" - "${bin}" "${python}" << 'END' || return 1
+import pathlib
+import sys
+
+folder, python = pathlib.Path(sys.argv[1]), sys.argv[2]
+# as pip writes it: the kernel takes no blanks and no long path behind "#!"
+head = f"#!{python}\n" if len(python.encode()) < 120 and " " not in python else (
+    f"#!/bin/sh\n'''exec' \"{python}\" \"$0\" \"$@\"\n' '''\n")
+for path in folder.iterdir():
+    if path.is_symlink() or not path.is_file():
+        continue
+    data = path.read_bytes()
+    lines = data.split(b"\n")
+    if data.startswith(b"#!") and b"python" in lines[0]:
+        rest = lines[1:]
+    elif data.startswith(b"#!/bin/sh\n'''exec'"):
+        rest = lines[3:]
+    else:
+        continue
+    path.write_bytes(head.encode() + b"\n".join(rest))
+END
+   "${python}" -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
+      --editable "${scripts}" || return 1
+   printf '%s\n' "${root}" > "${place}"
+}

@@ -125,6 +125,8 @@ install_missing() {
 setup_python() {
    local requirements="${scripts}/requirements.txt" stamp="${root}/build/venv/requirements.stamp"
    local commands="${root}/build/venv/bin"
+   # what cannot be brought here is made anew below
+   renew_python || rm -rf "${root}/build/venv"
    if [[ -x "${python}" ]] && cmp -s "${requirements}" "${stamp}" \
       && "${commands}/scree-post" --version > /dev/null 2>&1 \
       && "${commands}/scree-deck" --version > /dev/null 2>&1; then
@@ -145,6 +147,7 @@ setup_python() {
    "${python}" -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
       --editable "${scripts}" || stop_with 3 "pip could not install scripts/scree_post"
    cp "${requirements}" "${stamp}"
+   printf '%s\n' "${root}" > "${root}/build/venv/place.stamp"
 }
 
 collect_missing

@@ -8,7 +8,7 @@
     table = scree_post.history("out/case/case_history.csv")
     table["kinetic"], table.units["kinetic"]
 
-All values are in SI units, as in the files. Reading needs h5py and numpy only; the command
+All values are in SI, whatever units the files are in. Reading needs h5py and numpy only; the command
 scree-post, which draws and compares, stands in scree_post.commands.
 """
 from .errors import EXIT_FILE, EXIT_USAGE, PostError, modules, readable, run

@@ -53,11 +53,11 @@ def box_of(snap):
     return box
 
 
-def thickness(snap):
-    """Thickness of the slice of a run in plane strain [m]."""
-    if "thickness" in snap.provenance:
+def thickness(snap, axis=1):
+    """Thickness of a run along a direction that its scene lacks [m]."""
+    if axis == 1 and "thickness" in snap.provenance:
         return float(snap.provenance["thickness"])
     box = box_of(snap)
-    if box.low is None or box.high is None or not box.high[1] > box.low[1]:
+    if box.low is None or box.high is None or not box.high[axis] > box.low[axis]:
         return 1.0
-    return float(box.high[1] - box.low[1])
+    return float(box.high[axis] - box.low[axis])

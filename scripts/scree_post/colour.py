@@ -64,6 +64,8 @@ def values_of(snap, name):
     values = snap.fields[field]
     if field == "body":
         return snap.body_rows()
+    if field == "material" and snap.materials:           # the file counts from 1
+        return values.astype(int) - 1
     if values.ndim == 1:
         if part:
             raise PostError(f"{field} has no components; write {field}", EXIT_USAGE)
@@ -99,7 +101,9 @@ def colour_for(name, snaps, wanted=None, chosen_map=None):
             numbers = np.unique(np.concatenate([values_of(one, name) for one in snaps]))
             return Colour(name, label_of(snap, name), names=fragment_names(numbers), tints=fragment_tints())
         names = FAILED if field == "failed" else tuple(
-            snap.body_name(row) if field == "body" else f"material {row}" for row in range(count))
+            snap.body_name(row) if field == "body" else snap.materials[row]
+            if field == "material" and row < len(snap.materials) else f"material {row}"
+            for row in range(count))
         return Colour(name, label_of(snap, name), names=names)
     unit = "m" if name in ("x", "y", "z") else snap.units.get(field, "1")
     found = np.concatenate([values_of(one, name) for one in snaps])

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reading what Scree writes: snapshot series, snapshots and time histories.
 
-All values of snapshots are in SI units, whatever units the files are in. Only h5py and numpy are
-needed.
+All values are in SI, whatever units the files are in (see units.py). Only h5py and numpy are needed.
 """
 import csv
-import json
 import os
 from dataclasses import dataclass, field
 
+from . import units as units_of
 from .errors import EXIT_FILE, PostError, modules, readable, unknown
 
+UNTITLED = "untitled"    # title of a deck that gives none
 DIMENSIONS = ("3d", "plane_strain", "axisymmetric", "1d")
 
 
@@ -38,25 +38,31 @@ def history_file(path):
     return path
 
 
-def series(path):
-    """List of (time [s], file) of a .series file, a snapshot, or a folder with one series."""
+def series(path, own_units=False):
+    """List of (time [s], file) of a .series file, a snapshot, or a folder with one series.
+
+    With `own_units` the times are in the unit of the files.
+    """
     path = readable(series_file(path))
     if not path.endswith(".series"):
-        return [(snapshot_time(path), path)]
+        return [(snapshot_time(path, own_units), path)]
     try:
         with open(path, encoding="utf-8") as handle:
-            entries = json.load(handle)["files"]
-        folder = os.path.dirname(os.path.abspath(path))
-        frames = [(float(entry["time"]), os.path.join(folder, entry["name"])) for entry in entries]
+            entries = units_of.times_in(handle.read())
     except (ValueError, KeyError, TypeError) as error:
         raise PostError(
             f"{path} is not a snapshot series: {type(error).__name__}: {error}"
         ) from error
     except OSError as error:
         raise PostError(f"cannot read {path}: {error.strerror}") from error
+    folder = os.path.dirname(os.path.abspath(path))
+    frames = sorted((time, os.path.join(folder, name)) for time, name in entries)
     if not frames:
         raise PostError(f"{path} lists no snapshots")
-    return sorted(frames)
+    if own_units:
+        return frames
+    exponent = units_of.series_exponent([file for _, file in frames], open_file)
+    return [(units_of.shifted(time, exponent), file) for time, file in frames]
 
 
 def text(value):
@@ -81,6 +87,7 @@ class Snapshot:
     units: dict = field(default_factory=dict)            # name: unit
     bodies: list = field(default_factory=list)           # {"name", "material", "colour"} per body
     first_body: int = 1                                  # value of the field body of bodies[0]
+    materials: list = field(default_factory=list)        # names, in the order of the deck
     provenance: dict = field(default_factory=dict)
     echo: str = ""                                       # the deck with every key as used, in SI
 
@@ -94,6 +101,12 @@ class Snapshot:
         """Faces that are planes of symmetry, such as ["xlo", "ylo"]."""
         value = self.provenance.get("symmetry", "")
         return value.split() if isinstance(value, str) else [str(text(face)) for face in value]
+
+    @property
+    def title(self):
+        """Title of the run, the name of the case where the deck gives none."""
+        title = str(self.provenance.get("title") or "")
+        return str(self.provenance.get("case") or "") if title in ("", UNTITLED) else title
 
     def body_rows(self):
         """Row of `bodies` of every particle; 0 where there is one body only."""
@@ -117,32 +130,39 @@ class Snapshot:
         return [self.fields[name] for name in names]
 
 
-def _open(path):
+def open_file(path):
+    """A file of particles or of the grid, open."""
     (h5py,) = modules("h5py")
     try:
-        handle = h5py.File(readable(path), "r")
+        return h5py.File(readable(path), "r")
     except OSError as error:
         reason = (
             "still being written" if "unable to lock" in str(error) else "not HDF5, or cut short"
         )
         raise PostError(f"cannot open {path}: {reason}") from error
+
+
+def _open(path):
+    handle = open_file(path)
     if "VTKHDF/Points" not in handle:
         handle.close()
         raise PostError(f"{path} is not a particle snapshot: it has no /VTKHDF/Points")
     return handle
 
 
-def _time(handle, path):
-    try:
-        return float(handle["VTKHDF/FieldData/TimeValue"][0])
-    except (KeyError, IndexError) as error:
-        raise PostError(f"{path} has no /VTKHDF/FieldData/TimeValue") from error
+def _time(handle, path, own_units=False):
+    time = units_of.raw_time(handle) if own_units else units_of.time_si(handle)
+    if time is None:
+        raise PostError(f"{path} has no /VTKHDF/FieldData/TimeValue")
+    return time
 
 
-def snapshot_time(path):
-    """Time of a snapshot [s]."""
-    with _open(path) as handle:
-        return _time(handle, path)
+def snapshot_time(path, own_units=False):
+    """Time of a file of particles or of the grid [s], or in its own unit."""
+    with open_file(path) as handle:
+        if "VTKHDF" not in handle:
+            raise PostError(f"{path} is not a particle snapshot: it has no /VTKHDF/Points")
+        return _time(handle, path, own_units)
 
 
 def _bodies(handle):
@@ -158,25 +178,27 @@ def _bodies(handle):
     return table, int(group.attrs.get("first_index", 1))
 
 
-def _in_si(data):
-    """Numbers of a data set in SI, whatever `output_units` of the run was."""
-    factor = float(data.attrs.get("unitSI", 1.0))
-    return data[...] if factor == 1.0 else data[...] * factor
+def snapshot(file, names=None, own_units=False):
+    """Read a snapshot: points, fields (all, or those named), units, bodies, provenance.
 
+    With `own_units` all numbers are as they are in the file, for comparisons with other readers.
+    """
+    def numbers(data):
+        return data[...] if own_units else units_of.data_si(data)
 
-def snapshot(file, names=None):
-    """Read a snapshot: points, fields (all, or those named), units, bodies, provenance."""
     with _open(file) as handle:
         try:
             data = handle.get("VTKHDF/PointData", {})
-            points = _in_si(handle["VTKHDF/Points"]).astype("f8")
-            snap = Snapshot(file=file, time=_time(handle, file), points=points)
+            points = numbers(handle["VTKHDF/Points"]).astype("f8")
+            snap = Snapshot(file=file, time=_time(handle, file, own_units), points=points)
+            snap.units["time"] = units_of.raw_time_unit(handle) if own_units else "s"
             for name in data:
                 if names is None or name in names:
-                    snap.fields[name] = _in_si(data[name])
-                    unit = data[name].attrs.get("unitNameSI", data[name].attrs.get("units", "1"))
-                    snap.units[name] = str(text(unit))
+                    snap.fields[name] = numbers(data[name])
+                    snap.units[name] = units_of.data_unit(data[name])
             snap.bodies, snap.first_body = _bodies(handle)
+            if "bodies/material_name" in handle:
+                snap.materials = [str(text(name)) for name in handle["bodies/material_name"][...]]
             if "provenance" in handle:
                 record = handle["provenance"]
                 snap.provenance = {k: text(v) for k, v in record.attrs.items()}
@@ -206,7 +228,7 @@ def is_grid(file):
 
 
 class History(dict):
-    """Columns of a history by name; `units` holds the units, `order` the names."""
+    """Columns of a table by name, in SI; `units` holds the units, `order` the names."""
 
     def __init__(self):
         super().__init__()
@@ -215,7 +237,10 @@ class History(dict):
 
 
 def history(file):
-    """Read CASE_history.csv; a last line that is still being written is left out."""
+    """Read CASE_history.csv or another table of a run, in SI.
+
+    A last line that is still being written is left out.
+    """
     (numpy,) = modules("numpy")
     try:
         with open(readable(file), newline="", encoding="utf-8") as handle:
@@ -238,7 +263,9 @@ def history(file):
     table = History()
     for column, title in enumerate(head):
         name, _, unit = title.strip().partition("[")
-        table.order.append(name.strip())
-        table[name.strip()] = values[:, column]
-        table.units[name.strip()] = unit.rstrip("] ") or "1"
+        name = name.strip()
+        unit, exponent = units_of.si_unit(unit.rstrip("] ") or "1", name)
+        table.order.append(name)
+        table[name] = units_of.shifted(values[:, column], exponent)
+        table.units[name] = unit
     return table

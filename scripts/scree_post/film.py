@@ -3,12 +3,15 @@
 import os
 import shutil
 import subprocess
+import tempfile
 
 import numpy as np
 
 from .errors import EXIT_USAGE, PostError, modules
 
 ENDINGS = (".mp4", ".gif", ".png")
+CHUNK = 4096             # colours that are compared with a palette in one go
+EXACT = 32               # most frequent colours of a .gif, which are kept as they are
 
 
 def check_film(path, option="--out"):
@@ -55,11 +58,7 @@ def encode(pages, path, rate):
         if ending.lower() == ".png":
             return numbered(pages, stem)
         if ending.lower() == ".gif":
-            (image,) = modules("PIL.Image")
-            cover = image.Quantize.MAXCOVERAGE            # rare colours, as on the bar, too
-            stills = [image.fromarray(even(page)).quantize(256, cover) for page in pages]
-            stills[0].save(part, save_all=True, append_images=stills[1:],
-                           duration=int(1000 / rate), loop=0)
+            encode_gif(pages, part, rate)
         else:
             encode_mp4(pages, part, rate)
         os.replace(part, path)
@@ -69,6 +68,71 @@ def encode(pages, path, rate):
         if os.path.exists(part):
             os.remove(part)
     return [path]
+
+
+def encode_gif(pages, path, rate):
+    """All pages in one palette, so that no colour changes from page to page.
+
+    The palette is that of all pages, so they wait in a file until the last one is drawn.
+    """
+    (image,) = modules("PIL.Image")
+    seen, counts, shape = np.zeros(0, "u4"), np.zeros(0), None
+    with tempfile.TemporaryFile() as store:
+        pages_drawn = 0
+        for page in pages:
+            page = even(page)
+            shape = page.shape
+            store.write(page.tobytes())
+            found, number = np.unique(packed_colours(page), return_counts=True)
+            seen, row = np.unique(np.concatenate([seen, found]), return_inverse=True)
+            counts = np.bincount(row.ravel(), np.concatenate([counts, number]))
+            pages_drawn += 1
+        palette = shared_palette(image, seen, counts)
+        entry = nearest_entries(seen, palette)
+        store.seek(0)
+
+        def stills():
+            for _ in range(pages_drawn):
+                page = np.frombuffer(store.read(int(np.prod(shape))), "u1").reshape(shape)
+                still = image.fromarray(entry[np.searchsorted(seen, packed_colours(page))], "P")
+                still.putpalette(palette.ravel().tolist())
+                yield still
+
+        stills = stills()
+        next(stills).save(path, save_all=True, append_images=stills, duration=int(1000 / rate),
+                          loop=0, optimize=False, disposal=1)
+
+
+def packed_colours(page):
+    """A whole number for the colour of each pixel."""
+    page = page.astype("u4")
+    return page[..., 0] << 16 | page[..., 1] << 8 | page[..., 2]
+
+
+def unpacked(seen):
+    """Colours (n, 3) of whole numbers."""
+    return np.stack([seen >> 16, seen >> 8 & 255, seen & 255], axis=1).astype("i4")
+
+
+def nearest_entries(seen, palette):
+    """The entry of a palette (256, 3) that is nearest to each colour."""
+    found = np.zeros(len(seen), "u1")
+    for begin in range(0, len(seen), CHUNK):
+        part = unpacked(seen[begin:begin + CHUNK])
+        apart = ((part[:, None] - palette[None].astype("i4")) ** 2).sum(axis=2)
+        found[begin:begin + CHUNK] = apart.argmin(axis=1)
+    return found
+
+
+def shared_palette(image, seen, counts):
+    """A palette (256, 3) for packed colours: the most frequent ones as they are, such as the white of the
+    page, the others so that rare ones, as those of the colour bar, have their share."""
+    colours = unpacked(seen).astype("u1")
+    exact = colours[np.argsort(-counts, kind="stable")[:EXACT]]
+    others = image.fromarray(colours[None]).quantize(256 - EXACT, image.Quantize.MAXCOVERAGE)
+    others = np.array(others.getpalette() or [], "u1").reshape(-1, 3)[:256 - EXACT]
+    palette = np.concatenate([exact, others])
+    return np.concatenate([palette, np.repeat(palette[:1], 256 - len(palette), axis=0)])
 
 
 def numbered(pages, stem):

@@ -22,6 +22,16 @@ def factor(unit):
     return None
 
 
+def in_unit(unit):
+    """A reader like `quantity` whose bare numbers are in a unit such as us."""
+    def read(text):
+        try:
+            return float(text) * factor(unit)
+        except ValueError:
+            return quantity(text)
+    return read
+
+
 def quantity(text):
     """The SI value of a number with or without a unit, for argparse."""
     found = re.fullmatch(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)", text.strip())

@@ -7,6 +7,8 @@ import numpy as np
 from .box import box_of, thickness
 from .errors import PostError
 
+MOST_STRETCH = 16.0      # square of the longest edge over the area; more is drawn as a square
+
 
 def particle_size(snap, radius=None):
     """Present width of each particle in the plane of the model [m]."""
@@ -16,7 +18,29 @@ def particle_size(snap, radius=None):
         return np.sqrt(volume / (2.0 * math.pi * np.maximum(radius, 1.0e-300)))
     if snap.dimension == "plane_strain":
         return np.sqrt(volume / thickness(snap))
+    if snap.dimension == "1d":
+        return volume / (thickness(snap, 1) * thickness(snap, 2))
     return np.cbrt(volume)
+
+
+def plane_edges(snap, size):
+    """Edges (n, 2, 2) of each particle in the plane of a run in two dimensions [m].
+
+    Squares of the particle's volume; where the file holds the deformation gradient (xx, yx, zx, xy,
+    yy, zy, xz, yz, zz) the parallelogram of the same area that the deformation made of a square.
+    """
+    edges = np.zeros((len(size), 2, 2))
+    edges[:, 0, 0] = edges[:, 1, 1] = size
+    gradient = snap.fields.get("deformation_gradient")
+    if gradient is None or gradient.ndim != 2 or gradient.shape[1] != 9:
+        return edges
+    parts = np.stack([gradient[:, [0, 2]], gradient[:, [6, 8]]], axis=1).astype("f8")
+    area = parts[:, 0, 0] * parts[:, 1, 1] - parts[:, 0, 1] * parts[:, 1, 0]
+    longest = np.abs(parts).max(axis=(1, 2))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        usable = np.isfinite(area) & (area > 0.0) & (longest ** 2 < MOST_STRETCH * area)
+        scaled = size[:, None, None] * parts / np.sqrt(area)[:, None, None]
+    return np.where(usable[:, None, None], scaled, edges)
 
 
 def images(snap):

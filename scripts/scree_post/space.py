@@ -13,11 +13,13 @@ from . import look
 from .errors import modules
 from .radiograph_page import scale_bar
 from .view import matter
+from .walls import STYLES, at_time, is_seen, walls_of
 
 CLASSES = 8              # sizes of spheres: VTK draws those of one call in one size
 SHARP = 2                # pixels of VTK a pixel of the page, along each side
 LEAST = 1.5              # smallest sphere [pixels of VTK]
 SPREAD = 1.15            # of spheres over the spacing of particles
+WALL = 0.25              # opacity of rigid regions
 
 
 def basis(azimuth, elevation):
@@ -44,6 +46,7 @@ class SpacePage:
         self.options = options
         self.pyvista = quiet_pyvista()
         self.plot = look.pyplot()
+        self.walls = walls_of(snaps[-1]) if options.walls else []
         self.box = self.window([matter(snap, options) for snap in snaps])
         self.metres, self.unit = look.scaled(max(self.box[1] - self.box[0],
                                                  self.box[3] - self.box[2]), "m")
@@ -83,7 +86,26 @@ class SpacePage:
         scale = min(room / across, 7.5 / tall)
         return max(scale * across, 1.0), max(scale * tall, 1.0)
 
-    def spheres(self, part, share):
+    def add_walls(self, snap):
+        """Rigid regions as surfaces that are seen through, closed faces as their edges."""
+        for wall in self.walls:
+            pieces = at_time(wall, snap, self.options.mirror, snap.time)
+            if not len(pieces) or not is_seen(wall, self.options.mirror):
+                continue
+            count, corners = pieces.shape[:2]
+            cells = np.arange(count * corners).reshape(count, corners)
+            faces = np.concatenate([np.full((count, 1), corners), cells], axis=1)
+            mesh = self.pyvista.PolyData(pieces.reshape(-1, 3).astype("f4"), faces.ravel())
+            tint = STYLES.get(wall.kind, STYLES["slip"])[0]
+            if wall.face == 0:
+                self.plotter.add_mesh(mesh, color=tint, opacity=WALL, smooth_shading=False,
+                                      reset_camera=False)
+            else:
+                edges = mesh.clean().extract_feature_edges(feature_edges=False,
+                                                           manifold_edges=False)
+                self.plotter.add_mesh(edges, color=tint, line_width=2, reset_camera=False)
+
+    def spheres(self, part, share, snap):
         """The picture of the spheres as bytes (height, width, 3)."""
         wide, high = (int(SHARP * self.options.dpi * side) for side in self.shape())
         if self.plotter is None:
@@ -98,6 +120,7 @@ class SpacePage:
             plotter.add_points(part.points[rows].astype("f4"), scalars=tints[rows], rgba=True,
                                render_points_as_spheres=True, point_size=width, ambient=0.35,
                                diffuse=0.75, specular=0.1, reset_camera=False)
+        self.add_walls(snap)
         self.aim(part, share)
         plotter.render()
         return plotter.screenshot(return_img=True)
@@ -107,7 +130,9 @@ class SpacePage:
         right, up, towards = self.camera(share)
         box, camera = self.box, self.plotter.camera
         middle = 0.5 * (box[0] + box[1]) * right + 0.5 * (box[2] + box[3]) * up
-        depth = part.points @ towards if len(part.size) else np.zeros(1)
+        held = [np.concatenate(wall.cells) for wall in self.walls if wall.cells]
+        depth = np.concatenate([part.points, *held]) @ towards
+        depth = depth if len(depth) else np.zeros(1)
         reach = float(depth.max() - depth.min()) + (box[1] - box[0])
         place = middle + (float(depth.max()) + reach) * towards
         camera.parallel_projection = True
@@ -118,7 +143,7 @@ class SpacePage:
     def draw(self, snap, share=0.0):
         """The figure of one time."""
         part = matter(snap, self.options)
-        image = self.spheres(part, share)
+        image = self.spheres(part, share, snap)
         wide, high = self.shape()
         page = (wide + 1.9, high + 0.9)
         figure = self.plot.figure(figsize=page)

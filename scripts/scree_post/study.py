@@ -125,6 +125,16 @@ def version_of(program):
     return answer.stdout.strip()
 
 
+def read_stamp(folder):
+    """What was run in a folder, or nothing if no sweep made it."""
+    try:
+        with open(os.path.join(folder, STAMP), encoding="utf-8") as handle:
+            stamp = json.load(handle)
+    except (OSError, ValueError):
+        return {}
+    return stamp if isinstance(stamp, dict) and isinstance(stamp.get("values"), dict) else {}
+
+
 def is_done(run, stamp):
     """Whether an earlier call finished this run with the same deck and values."""
     try:

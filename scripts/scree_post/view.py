@@ -7,10 +7,12 @@ import numpy as np
 from . import colour as colours
 from . import look
 from .errors import EXIT_USAGE, PostError, unknown
-from .shape import images, particle_size
+from .shape import images, particle_size, plane_edges
+from .walls import draw_plane, walls_of
 
 LEAST_DOT = 0.4          # smallest width of a particle on the page [points]
-SPREAD = 1.3             # of drawn circles over the spacing of particles: no holes on a lattice
+SPREAD = 1.02            # of drawn particles over their width, so that no seam is left between them
+BELOW = 1.15             # of a layer below, for neighbours that moved apart by less than they are wide
 
 
 @dataclass
@@ -30,6 +32,7 @@ class Options:
     zoom: float = 1.0
     keep: tuple = ()                                     # axis, sign, place; 3-D only
     clock: tuple = (1.0, "s")                            # factor and unit of the time
+    walls: bool = True                                   # rigid regions and closed faces
 
 
 @dataclass
@@ -40,11 +43,12 @@ class Matter:
     points: object                                       # (n, 3) [m]
     size: object                                         # (n) [m]
     values: object                                       # (n) what they are coloured by [SI]
+    edges: object = None                                 # (n, 2, 2) in two dimensions, see shape
 
 
 def fields_for(name, hide_failed=False):
     """Fields that a picture needs."""
-    return {colours.field_of(name)[0], "body", "volume", "mass"} | (
+    return {colours.field_of(name)[0], "body", "volume", "mass", "deformation_gradient"} | (
         {"failed", "damage"} if hide_failed else set())
 
 
@@ -77,17 +81,22 @@ def matter(snap, options):
     values = colours.values_of(snap, options.colour.name)
     size = particle_size(snap, snap.points[:, 0])
     points, rows = snap.points, np.arange(len(snap.points))
+    signs = np.ones((len(rows), 3))
     if options.mirror:
-        points, rows, _ = images(snap)
+        points, rows, signs = images(snap)
     pick = keep[rows] & np.isfinite(points).all(axis=1)
     if options.keep:
         axis, sign, place = options.keep
         pick &= sign * (points[:, axis] - place) >= 0.0
-    points, rows = points[pick], rows[pick]
+    points, rows, signs = points[pick], rows[pick], signs[pick]
+    edges = None
+    if snap.dimension in ("plane_strain", "axisymmetric"):
+        edges = plane_edges(snap, size)[rows] * signs[:, None, [0, 2]]
     if snap.dimension == "axisymmetric" and options.mirror:
         points = np.concatenate([points, points * (-1.0, 1.0, 1.0)])
         rows = np.concatenate([rows, rows])
-    return Matter(snap.time, points, size[rows], values[rows])
+        edges = np.concatenate([edges, edges * (-1.0, 1.0)])
+    return Matter(snap.time, points, size[rows], values[rows], edges)
 
 
 def bounds(parts, plane=(0, 2)):
@@ -114,6 +123,7 @@ class PlanePage:
 
     def __init__(self, snap, options, box):
         self.options, self.dimension = options, snap.dimension
+        self.walls = walls_of(snap) if options.walls else []
         self.box = options.view or box
         self.metres, self.unit = look.scaled(max(abs(edge) for edge in self.box), "m")
         self.plot = look.pyplot()
@@ -137,6 +147,7 @@ class PlanePage:
             self.line(axes, part)
         else:
             self.dots(figure, axes, part)
+            draw_plane(axes, self.walls, snap, self.options, self.metres)
             colours.legend(figure, axes, self.options.colour)
         factor, unit = self.options.clock
         head = f"{self.options.title}\n" if self.options.title else ""
@@ -144,17 +155,20 @@ class PlanePage:
         return figure
 
     def dots(self, figure, axes, part):
-        """Particles as circles of their own size, those behind a failed one not hidden by it."""
-        from matplotlib.collections import EllipseCollection
+        """Particles as large as their volume: squares, or what their deformation made of them."""
+        from matplotlib.collections import PolyCollection
         k, box = self.metres, self.box
         wide, _ = figure.get_size_inches()
         least = LEAST_DOT / 72.0 / wide * (box[1] - box[0])
-        size = k * np.maximum(SPREAD * part.size, least)
-        axes.add_collection(EllipseCollection(
-            size, size, np.zeros(len(size)), units="xy", offsets=k * part.points[:, [0, 2]],
-            offset_transform=axes.transData, facecolors=colours.paint(self.options.colour,
-                                                                      part.values),
-            linewidths=0.0, antialiaseds=len(size) < 20000, rasterized=True))
+        middle = part.points[:, [0, 2]]
+        tints = colours.paint(self.options.colour, part.values)
+        for layer, spread in ((0.95, BELOW), (1.0, SPREAD)):
+            grown = np.maximum(spread, least / np.maximum(part.size, 1.0e-300))
+            one, two = (0.5 * grown[:, None] * part.edges[:, row] for row in (0, 1))
+            corners = np.stack([middle - one - two, middle + one - two, middle + one + two,
+                                middle - one + two], axis=1)
+            axes.add_collection(PolyCollection(k * corners, facecolors=tints, linewidths=0.0,
+                                               antialiaseds=False, rasterized=True, zorder=layer))
         axes.set_xlim(k * box[0], k * box[1])
         axes.set_ylim(k * box[2], k * box[3])
         axes.set_aspect("equal")

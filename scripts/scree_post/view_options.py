@@ -28,6 +28,7 @@ def add_arguments(parser):
     add("--bodies", metavar="A,B", help="only these bodies")
     add("--hide-failed", action="store_true", help="leave out failed particles")
     add("--no-mirror", action="store_true", help="do not complete the model at mirror planes")
+    add("--no-walls", action="store_true", help="leave out rigid regions and closed boundaries")
     add("--view", type=quantity, nargs=4, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"),
         help="part to show, in m or with a unit: --view -10mm 10mm 0 30mm")
     add("--keep", metavar="SIDE", help="3-D: only one side of a plane, such as 'y>0' or 'z<5mm'")
@@ -70,10 +71,9 @@ def options_of(arguments, snaps):
     if arguments.range and not arguments.range[0] < arguments.range[1]:
         raise PostError("--range wants LOW < HIGH", EXIT_USAGE)
     check_view(arguments.view)
-    record = snaps[-1].provenance
     title = arguments.title
     if title is None:
-        title = str(record.get("title") or record.get("case") or "")
+        title = snaps[-1].title
     latest = max(abs(snap.time) for snap in snaps)
     return Options(
         colour=colours.colour_for(arguments.colour, snaps, arguments.range, arguments.map),
@@ -84,6 +84,7 @@ def options_of(arguments, snaps):
         title=title, dpi=arguments.dpi, camera=camera(arguments.camera), zoom=arguments.zoom,
         turn=getattr(arguments, "turn", 0.0),
         clock=look.scaled(latest, "s") if latest > 0.0 else (1.0, "s"),
+        walls=not arguments.no_walls,
         keep=side(arguments.keep) if arguments.keep else ())
 
 

@@ -10,6 +10,7 @@ Extents are those of the centres of particles, weighted by mass if a percentile 
 out. The outermost centres lie half a particle inside of the surface, which is an error of first
 order in the size of cells; a percentile below 100 has it not.
 """
+import argparse
 import json
 import math
 from pathlib import Path
@@ -17,6 +18,8 @@ from pathlib import Path
 import scree_post
 
 from .errors import PostError
+from .quantity import quantity as number_with_unit
+from .units import summary_unit
 
 AXES = {"x": 0, "y": 1, "z": 2}
 EXTENTS = ("length", "width", "radius", *(f"{side}_{axis}" for side in ("front", "back", "extent")
@@ -108,6 +111,8 @@ class Written:
         name = quantity.partition(":")[0]
         if name in EXTENTS:
             return "m"
+        if name in self.numbers():
+            return summary_unit(name)
         table = self.history
         return table.units.get(name, "") if table is not None else ""
 
@@ -171,8 +176,8 @@ def pick(table, name, how):
         return float(values.min())
     if how.startswith("at="):
         try:
-            when = float(how[3:])
-        except ValueError:
+            when = number_with_unit(how[3:])
+        except argparse.ArgumentTypeError:
             when = math.nan
         begin, end = float(table["time"][0]), float(table["time"][-1])
         if not begin <= when <= end:
@@ -180,5 +185,5 @@ def pick(table, name, how):
                             scree_post.EXIT_USAGE)
         (np,) = scree_post.modules("numpy")
         return float(np.interp(when, table["time"], values))
-    raise PostError(f"'{name}:{how}': after the colon stands last, max, min or at=TIME",
+    raise PostError(f"'{name}:{how}': after the colon stands last, max, min or at=TIME such as at=5us",
                     scree_post.EXIT_USAGE)

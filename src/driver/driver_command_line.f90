@@ -13,6 +13,7 @@ module driver_command_line
       character(len=:), allocatable :: deck              !! Name of the deck
       logical :: check = .false.                         !! Read and check, compute nothing
       logical :: estimate = .true.                       !! A check times the first steps
+      logical :: preview = .false.                       !! Write and draw the first state
       logical :: point = .false.                         !! Drive one material point
       logical :: restart = .false.                       !! Go on from a checkpoint
       logical :: overwrite = .false.                     !! Replace the results of a former run
@@ -45,7 +46,7 @@ module driver_command_line
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(22) = [ &
+   type(option_t), parameter :: options(23) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
@@ -56,7 +57,8 @@ module driver_command_line
       option_t("force   ", " ", nothing), option_t("new     ", " ", a_value), &
       option_t("job     ", " ", a_value), option_t("ranks   ", " ", a_value), &
       option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
-      option_t("no-estimate", " ", nothing), option_t("overwrite", " ", nothing)]
+      option_t("no-estimate", " ", nothing), option_t("overwrite", " ", nothing), &
+      option_t("preview ", "p", nothing)]
    character(len=9), parameter :: lists(5) = [character(len=9) :: "materials", "fields", &
       "shapes", "examples", "former"]
    character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
@@ -259,6 +261,8 @@ contains
          command%check = .true.
       case ("no-estimate")
          command%estimate = .false.
+      case ("preview")
+         command%preview = .true.
       case ("point")
          command%point = .true.
       case ("restart")
@@ -377,6 +381,10 @@ contains
       else if (command%overwrite .and. command%restart) then
          call complain(error, "--overwrite and --restart exclude each other: a run either "// &
             "begins anew or goes on; give --outdir to go on in another folder")
+      else if (command%preview .and. (command%check .or. command%point .or. command%restart &
+         .or. allocated(command%job))) then
+         call complain(error, "--preview excludes --check, --point, --restart and --job; call "// &
+            "scree twice")
       else if (.not. allocated(command%deck)) then
          call complain(error, "no deck; usage: scree [options] DECK.nml, and scree --help for more")
       else
@@ -438,6 +446,8 @@ contains
 
       text = "usage: scree [options] DECK.nml"//newline//newline// &
          "  -n, --check            read and check the deck, say what a run will cost"//newline// &
+         "  -p, --preview          draw the first state and the walls into OUTDIR_preview"// &
+         newline// &
          "      --no-estimate      with --check: do not estimate the time of the run"//newline// &
          "  -s, --set G.K=VALUE    put a value in place of the deck's; may be repeated"//newline// &
          "  -c, --case NAME        prefix of all output files"//newline// &
@@ -456,11 +466,11 @@ contains
          "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
          newline//"                         --threads N and --time HH:MM:SS"//newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
-         "  -h, --help; -V, --version   this text; version, compiler and libraries"// &
-         newline//newline
+         "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline
       text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem"// &
          newline//"  or results in the way, 4 physics gave up, 5 internal error, 75 stopped "// &
          "with a"//newline//"  checkpoint: run again"//newline//newline//"examples:"//newline// &
+         "  scree --check input/debris_cloud/scene.nml"//newline// &
          "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
          "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline// &
          "The README and doc/guide explain the rest."

@@ -5,12 +5,13 @@ module driver_job
    use base_error, only: error_t, exit_again, exit_input, fail
    use base_kinds, only: int64, wp
    use base_text, only: number
+   use driver_command_line, only: program_arguments
    use driver_plan, only: plan_t
    use io_file, only: join_path, program_path
    implicit none
    private
 
-   public :: job_text
+   public :: job_text, quoted, resume_command
 
    real(wp), parameter :: particles_of_rank = 1.0e6_wp !! doc/developer/scaling.md says why
    integer, parameter :: usual_threads = 4           !! Of a rank, where there are tiles for them
@@ -211,6 +212,51 @@ contains
       write (line, "(i0.2, 2(':', i2.2))") left/3600, mod(left/60, 60), mod(left, 60)
       time = trim(line)
    end function clock_of
+
+   !> The command that goes on with a run that was stopped with a checkpoint: what was typed, with
+   !! --restart in place of one that may name an older file.
+   function resume_command(ranks) result(text)
+      integer, intent(in) :: ranks                   !! Of the run
+      character(len=:), allocatable :: text
+      character(len=16) :: digits
+      integer :: n
+      logical :: after
+
+      text = ""
+      write (digits, "(i0)") ranks
+      if (ranks > 1) text = "mpirun -n "//trim(digits)//" "
+      text = text//quoted(program_name())
+      after = .false.
+      associate (arguments => program_arguments())
+         do n = 1, size(arguments)
+            call add_word(arguments(n)%text, after, text)
+         end do
+      end associate
+      text = text//" --restart"
+   end function resume_command
+
+   !> Add a word to the command, unless it is --restart or the file behind that.
+   pure subroutine add_word(word, after, text)
+      character(len=*), intent(in) :: word           !! From the command line
+      logical, intent(inout) :: after                !! Was the word before --restart?
+      character(len=:), allocatable, intent(inout) :: text !! Grows
+      logical :: file
+
+      file = after .and. len(word) > 3 .and. index(word, ".h5", back=.true.) == len(word) - 2
+      after = word == "--restart" .or. word == "-r"
+      if (.not. (file .or. after .or. index(word, "--restart=") == 1)) &
+         text = text//" "//quoted(word)
+   end subroutine add_word
+
+   !> The name under which the program was called.
+   function program_name() result(name)
+      character(len=:), allocatable :: name
+      integer :: length
+
+      call get_command_argument(0, length=length)
+      allocate (character(len=length) :: name)
+      if (length > 0) call get_command_argument(0, name)
+   end function program_name
 
    !> A word as the shell takes it for one.
    pure function quoted(word) result(text)

@@ -4,7 +4,7 @@ module driver_program
    use base_agreement, only: agree
    use base_communicator, only: communicator_t, message_passing_version
    use base_deck, only: group_t
-   use base_error, only: error_t, exit_file, exit_success, fail
+   use base_error, only: error_t, exit_again, exit_file, exit_success, fail
    use base_kinds, only: wp
    use base_log, only: log_debug, log_error, log_info, log_t, log_warn
    use base_schema_text, only: explain, template
@@ -18,10 +18,11 @@ module driver_program
    use driver_effects, only: effects_text
    use driver_estimate, only: estimate_text, most_particles
    use driver_example, only: copied_t, copy_example, examples_text, next_steps
-   use driver_job, only: job_text
+   use driver_job, only: job_text, resume_command
    use driver_lists, only: list_text
    use driver_plan, only: declare_all, lay_out, plan_t, read_plan
    use driver_point, only: drive_point
+   use driver_preview, only: draw_preview, write_preview
    use driver_restart, only: resume
    use driver_run, only: is_finished, run_to_end
    use driver_signal, only: outlive_file_limit
@@ -29,6 +30,7 @@ module driver_program
    use driver_threads, only: choose_threads, share_cores, threads_text, yield_when_waiting
    use driver_trust, only: number_lattices
    use io_deck_changes, only: changes_t
+   use driver_walls_file, only: write_walls
    use io_deck_check, only: check_case
    use io_digest, only: file_digest
    use io_file, only: join_path, make_folder, write_file
@@ -44,6 +46,7 @@ module driver_program
    type, extends(plan_t) :: session_t
       type(log_t) :: log                             !! Screen and log file
       integer :: most_threads = 1                    !! Threads of a rank at most
+      character(len=:), allocatable :: previewed     !! Folder of a preview that is to be drawn
    end type session_t
 
 contains
@@ -72,7 +75,19 @@ contains
       end if
       call session%log%close()
       call session%simulation%communicator%finish()
+      if (allocated(session%previewed) .and. session%simulation%communicator%rank == 0) &
+         call draw(session)
    end subroutine run_program
+
+   !> Draw a preview.
+   subroutine draw(session)
+      type(session_t), intent(in) :: session         !! Its files are written
+      character(len=:), allocatable :: text
+
+      flush (output_unit)
+      call draw_preview(session%previewed, session%command%quiet, text)
+      if (len(text) > 0) write (output_unit, "(a)") text
+   end subroutine draw
 
    !> Is nothing asked for but text?
    pure logical function only_talks(command) result(talks)
@@ -190,6 +205,11 @@ contains
             call try_out(session, error)
          return
       end if
+      if (session%command%preview) then
+         call write_preview(session, session%previewed, error)
+         if (allocated(error)) deallocate (session%previewed)
+         return
+      end if
       call perform(session, code, error)
    end subroutine compute
 
@@ -259,6 +279,9 @@ contains
       call session%outputs%open(session%simulation, session%command%restart, note, error)
       if (allocated(error)) return
       if (len(note) > 0) call session%log%warn(note//"left out of the series; the run goes on")
+      if (size(session%outputs%snapshots) > 0) call write_walls(session%simulation, &
+         session%outputs, session%outputs%folder, session%limits%time_end, error)
+      if (allocated(error)) return
       call run_to_end(session%simulation, session%outputs, session%place, session%limits, &
          session%log, code, reason, error)
       if (allocated(error)) then
@@ -278,6 +301,8 @@ contains
       call agree(session%simulation%communicator, late)
       if (.not. allocated(error)) then
          call session%log%info("ended     "//reason)
+         if (code == exit_again) call session%log%info("go on     "//resume_command( &
+            session%simulation%communicator%size))
          call move_alloc(late, error)
       end if
    end subroutine perform

@@ -64,7 +64,7 @@ contains
       bytes = bytes_per_particle(simulation, counts(1))
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
       call log%info(rules_text(simulation%guard))
-      call log%info(balance_text(now, rate, bytes))
+      call log%info(balance_text(now, rate, real(counts(2), wp)/max(wall, nano), bytes))
       call final_trust(simulation, code, now, trust)
       call log%info(trust_text(trust))
       call warn_of_balance(simulation%method, now, trust, log)
@@ -234,10 +234,10 @@ contains
       text = "steps     limited by"
       do rule = 1, rules
          if (guard%steps(rule) == 0) cycle
-         write (part, "(f6.2,a)") 100.0_wp*real(guard%steps(rule), wp) &
+         write (part, "(f8.2,a)") 100.0_wp*real(guard%steps(rule), wp) &
             /real(sum(guard%steps), wp), " %"
          if (text(len(text):) == "%") text = text//","
-         text = text//" "//trim(rule_names(rule))//trim(part)
+         text = text//" "//trim(rule_names(rule))//" "//trim(adjustl(part))
       end do
    end function rules_text
 
@@ -255,9 +255,10 @@ contains
    end subroutine add_rules
 
    !> The books as two lines of text.
-   function balance_text(now, rate, bytes) result(text)
+   function balance_text(now, rate, whole_rate, bytes) result(text)
       type(balance_t), intent(in) :: now             !! The books
-      real(wp), intent(in) :: rate                   !! Particle updates a second
+      real(wp), intent(in) :: rate                   !! Particle updates a second of the steps
+      real(wp), intent(in) :: whole_rate             !! The same of the whole call, output included
       real(wp), intent(in) :: bytes                  !! A particle
       character(len=:), allocatable :: text
       character(len=200) :: line
@@ -271,8 +272,9 @@ contains
             " particles that had failed or left their bounds, with", now%entry(removed_mass), " kg"
          text = text//trim(line)//new_line("a")
       end if
-      write (line, "(a,f8.2,a,i0,a)") "speed     ", 1.0e-6_wp*rate, &
-         " million particle updates/s in the steps, ", nint(bytes, int64), " bytes/particle"
+      write (line, "(a,f8.2,a,f8.2,a,i0,a)") "speed     ", 1.0e-6_wp*rate, &
+         " million particle updates/s in the steps,", 1.0e-6_wp*whole_rate, &
+         " with start and output; ", nint(bytes, int64), " bytes/particle"
       text = text//trim(line)
    end function balance_text
 

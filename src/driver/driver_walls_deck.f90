@@ -84,6 +84,7 @@ contains
          end do
       end if
       call group%get("region", region)
+      wall%name = region
       do index = 1, size(shapes)
          if (shapes(index)%name /= region .or. .not. allocated(shapes(index)%shape%shape)) cycle
          if (allocated(shapes(index)%points)) call deck%complain(group, "'"//region// &

@@ -29,6 +29,7 @@ module mesh_wall
 
    !> A wall that moves, comes and goes, or covers the nodes in a region only.
    type, extends(rule_t) :: wall_t
+      character(len=64) :: name = ""                 !! Of its region, for pictures
       integer :: face = 0                            !! The face on which it lies, 0 = a body
       type(motion_t) :: motion                       !! How it moves, and while it is there
       class(point_set_t), allocatable :: region      !! Where it is, if not everywhere

@@ -61,6 +61,9 @@ def signals(options, sheet):
         stopped = run.summary
         sheet.require(0 < stopped["steps"] < ENDLESS, f"{name}: stops at step {stopped['steps']}")
         sheet.require(stopped["exit_code"] == 75, f"{name}: the summary says 75")
+        told = run.path(".log").read_text(encoding="utf-8").splitlines()[-1]
+        sheet.require(told.startswith("go on ") and told.endswith(f"{run.deck} --restart")
+                      and ("mpirun -n 2 " in told) == (ranks == 2), f"{name}: the last line goes on: {told}")
         run.ranks = 3 - ranks
         last = f"time.max_steps={stopped['steps'] + 50}"
         run.run("-q", "--restart", "-s", last)

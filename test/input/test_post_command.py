@@ -199,7 +199,7 @@ def sweep(options, *words):
 
 
 def test_sweep(options):
-    """Values of one run under another, a failure that is silent, a study that begins anew."""
+    """Values of one run under another, a failure that is silent, a study that begins anew, rows that are lost."""
     shutil.rmtree(options.work / "sweep", ignore_errors=True)
     words = ("--set", "material.poisson=0.2,0.7,0.3", "--take", "steps,kinetic,kinetic.min",
              "--jobs", "2")
@@ -228,6 +228,13 @@ def test_sweep(options):
     again = sweep(options, *words)
     assert again.stdout.count("there ") == 4 and again.stdout.count("FAILED") == 2, again.stdout
     assert stamps == {path: path.stat().st_mtime_ns for path in stamps}, "a run was made again"
+    more = sweep(options, "--set", "material.poisson=0.25", "--take", "steps,kinetic")
+    assert "with 4 runs of earlier sweeps" in more.stdout and "2 earlier runs" in more.stdout, more.stdout
+    with open(options.work / "sweep" / "sweep.csv", newline="", encoding="utf-8") as handle:
+        kept = {(row["grid.dx"], row["material.poisson"]): row["kinetic [J]"] for row in csv.DictReader(handle)}
+    assert set(kept) == {(dx, nu) for dx in ("0.1", "0.2") for nu in ("0.2", "0.25", "0.3")}, kept
+    assert all(kept[row["grid.dx"], row["material.poisson"]] == row["kinetic [J]"] for row in rows
+               if row["exit_code"] == "0"), "rows of earlier sweeps have changed"
     first = Path(rows[0]["folder"])
     text = (first / "sweep.json").read_text(encoding="utf-8")
     (first / "sweep.json").write_text(text.replace('"deck": "', '"deck": "0'), encoding="utf-8")

@@ -169,7 +169,8 @@ def test_movie(options):
         assert min(changed) > 0.001, f"pages that do not differ: {changed}"
         bar = [page[page.shape[0] // 4:3 * page.shape[0] // 4, int(0.90 * page.shape[1]):]
                for page in pages]
-        assert max(np.abs(one - bar[0]).mean() for one in bar) < 4.0, "the colour bar changes"
+        most = 4.0 if out.suffix == ".mp4" else 0.0      # a .gif has one palette for all pages
+        assert max(np.abs(one - bar[0]).mean() for one in bar) <= most, "the colour bar changes"
     assert not list(options.work.glob("*.part*"))
     good(call("movie", base / "two_discs", "--every", "5", "--from", "0.5", "--out",
               options.work / "page.png", "--dpi", "50"))

@@ -45,10 +45,10 @@ def main():
     base = runs[0].folder
     names = sorted(path.name for path in base.iterdir()
                    if path.suffix in (".hdf", ".csv", ".series", ".xdmf", ".h5", ".vtkhdf"))
-    sheet.require(sum(name.endswith(".hdf") for name in names) == 8, f"8 snapshots in {names}")
+    sheet.require(sum(name.endswith(".hdf") for name in names) == 9, f"8 snapshots and the walls in {names}")
     sheet.require(any(name.endswith("_history.csv") for name in names), "there is a history")
     snapshots = [name for name in names if name.endswith(".hdf")]
-    sheet.require(len({(base / name).read_bytes() for name in snapshots}) == 8, "snapshots differ")
+    sheet.require(len({(base / name).read_bytes() for name in snapshots}) == 9, "snapshots differ")
     lines = (base / "fall_history.csv").read_text(encoding="utf-8").splitlines()
     sheet.require(len(lines) > 10, "the history has lines")
     for run in runs[1:]:

@@ -25,7 +25,9 @@ import scree_post
 
 from .. import written as written_files
 from ..errors import EXIT_USAGE, PostError
+from ..quantity import quantity as number_with_unit
 from ..study import find_program, jobs_for, threads_of_a_run
+from ..units import deck_length
 
 SUMMARY = "how accurate a number of a deck is, and what more costs"
 EXAMPLES = ("accuracy input/taylor_copper/scene.nml --quantity length radius --factors 4,2,1",
@@ -47,6 +49,7 @@ class Grid:
     key: str                                             # dx or cells: what the deck gives
     axes: tuple                                          # along which there is more than a cell
     spacing: float                                       # edge of a cell, in the unit of the deck
+    unit: str = "m"                                      # of lengths in the deck
 
     @property
     def common(self):
@@ -61,7 +64,7 @@ class Grid:
         """Word for --set and edge of a cell, in the unit of the deck."""
         if self.key == "dx":
             size = self.spacing * self.common / parts
-            return f"grid.dx={size:.17g}", size
+            return f"grid.dx={size:.15g}", size
         cells = [count * parts // self.common if axis in self.axes else count
                  for axis, count in enumerate(self.cells)]
         return "grid.cells=" + ",".join(map(str, cells)), self.spacing * self.common / parts
@@ -94,13 +97,16 @@ class Verdict:
 
 def read_grid(deck, settings):
     """The grid of a deck, with what --set changes of it."""
-    group, dimension = {}, "3d"
+    group, dimension, system = {}, "3d", "si"
     for read in groups(deck):
         group.update(read.get("grid", {}))
+        system = read.get("units", {}).get("system", system)
         dimension = read.get("run", {}).get("dimension", dimension)
     for name, value in settings:
         if name == "run.dimension":
             dimension = value.strip("'\"")
+        elif name == "units.system":
+            system = value.strip("'\"")
         elif name.startswith("grid."):
             numbers = [float(word) for word in value.split(",")]
             group[name[5:]] = numbers if len(numbers) > 1 else numbers[0]
@@ -118,7 +124,7 @@ def read_grid(deck, settings):
         cells = [max(1, round(span / group["dx"])) if axis in axes else 1
                  for axis, span in enumerate(spans)]
     return Grid(tuple(group["lo"]), tuple(group["hi"]), tuple(cells), key, axes,
-                spans[axes[0]] / cells[axes[0]])
+                spans[axes[0]] / cells[axes[0]], deck_length(system))
 
 
 def groups(deck):
@@ -186,7 +192,7 @@ def make_run(options, grid, method, factor, parts):
     code, text = ask(options, ["-q", "--overwrite", "--case", name, "--outdir", options.work / name,
                                *words_of(options, method, word), options.deck])
     if code:
-        raise PostError(f"the run with cells of {size:.4g} ended with exit code {code}:\n"
+        raise PostError(f"the run with cells of {size:.4g} {grid.unit} ended with exit code {code}:\n"
                         + text.strip()[-1500:], code if code in (2, 3, 4) else 4)
     case = written_files.Written(options.work / name, name)
     summary = case.summary
@@ -198,7 +204,7 @@ def make_run(options, grid, method, factor, parts):
     for quantity in options.quantity:
         run.values[quantity] = case.value(quantity, options.body, options.percentile)
     if sys.stderr.isatty():
-        print(f"{method or 'deck'}, cells of {size:.4g}: {run.steps} steps, "
+        print(f"{method or 'deck'}, cells of {size:.4g} {grid.unit}: {run.steps} steps, "
               f"{run.seconds:.3g} core-seconds", file=sys.stderr, flush=True)
     return run
 
@@ -278,7 +284,7 @@ def forecast(runs, verdict, tolerance, dimensions):
 def tolerance_of(text, verdict, fine):
     """The tolerance as a number in the unit of the quantity; 1% is of the extrapolated value."""
     if not text.endswith("%"):
-        return float(text)
+        return number_with_unit(text)
     base = verdict.limit if math.isfinite(verdict.limit) else fine
     return 0.01 * float(text[:-1]) * abs(base)
 
@@ -301,31 +307,32 @@ def sentence(verdict, unit, fine):
             f"{bound}")
 
 
-def plan_text(runs, verdict, text, dimensions):
+def plan_text(runs, verdict, text, grid):
     """What a tolerance would cost."""
+    dimensions = len(grid.axes)
     _, seen = cost_law(runs, dimensions)
     law = f"cost as h^-{dimensions + 1}, {seen:.1f} seen"
     fine = runs[-1]
     wanted = tolerance_of(text, verdict, fine.values[verdict.name])
     if verdict.error <= wanted:
-        return f"{text} is met by cells of {fine.size:.4g}: {fine.seconds:.3g} core-seconds"
+        return f"{text} is met by cells of {fine.size:.4g} {grid.unit}: {fine.seconds:.3g} core-seconds"
     plan = forecast(runs, verdict, wanted, dimensions)
     if plan is None:
         return f"{text} cannot be planned: there is no order to go by"
     if plan[1] > 1.0e15:
         return f"{text} is out of reach at order {verdict.order:.2f}"
-    return (f"{text} needs cells of about {plan[0]:.3g}, {fine.size / plan[0]:.1f} times smaller: "
+    return (f"{text} needs cells of about {plan[0]:.3g} {grid.unit}, {fine.size / plan[0]:.1f} times smaller: "
             f"{plan[1]:.3g} core-seconds ({law})")
 
 
-def report(options, method, quantity, runs, unit, dimensions):
+def report(options, method, quantity, runs, unit, grid):
     """Print the table of one quantity and method; its verdict."""
     chosen = runs[-3:]
     verdict = judge([run.size for run in chosen], [run.values[quantity] for run in chosen])
     verdict.name = quantity
     unit = f" {unit}" if unit and unit != "1" else ""
     print(f"\n{quantity}{unit and f' [{unit.strip()}]'}{', ' + method if method else ''}")
-    print(f"  {'cells of':>10} {'particles':>10} {'steps':>8} {'core-seconds':>13} {'value':>18}"
+    print(f"  {f'cells [{grid.unit}]':>10} {'particles':>10} {'steps':>8} {'core-seconds':>13} {'value':>18}"
           f" {'change':>10}")
     before = None
     for run in runs:
@@ -335,7 +342,7 @@ def report(options, method, quantity, runs, unit, dimensions):
               f" {value:18.10g} {change:>10}")
         before = value
     print("  " + sentence(verdict, unit, runs[-1].values[quantity]))
-    print("  " + plan_text(runs, verdict, options.tolerance, dimensions))
+    print("  " + plan_text(runs, verdict, options.tolerance, grid))
     return verdict
 
 
@@ -347,13 +354,13 @@ def write_table(path, found):
                          "core_seconds", "value", "kind", "order", "extrapolated", "error_bound"])
         for (method, quantity), (runs, unit, verdict) in found.items():
             for run in runs:
-                writer.writerow([quantity, unit, method or "", repr(run.size), repr(run.factor),
+                writer.writerow([quantity, unit, method or "", f"{run.size:.12g}", f"{run.factor:.12g}",
                                  run.particles, run.steps, repr(run.seconds),
                                  repr(run.values[quantity]), verdict.kind, repr(verdict.order),
                                  repr(verdict.limit), repr(verdict.error)])
 
 
-def draw(path, found):
+def draw(path, found, length):
     """Values against the size of cells with the extrapolated one, and errors against cost."""
     plot = scree_post.pyplot()
     names = list(dict.fromkeys(quantity for _, quantity in found))
@@ -372,7 +379,7 @@ def draw(path, found):
                 if verdict.kind == "monotone" and far:
                     row[1].plot(*zip(*far), "o-", color=colour, ms=4, label=method or "deck")
         unit = f" [{lines[0][2]}]" if lines[0][2] else ""
-        row[0].set(xlabel="edge of a cell, unit of the deck", ylabel=quantity + unit)
+        row[0].set(xlabel=f"edge of a cell [{length}]", ylabel=quantity + unit)
         row[0].legend(title="at 0: extrapolated", fontsize=9, title_fontsize=9)
         if not row[1].lines:
             row[1].axis("off")
@@ -410,11 +417,11 @@ def change(text):
 def tolerance(text):
     """A tolerance: a number, or a percentage."""
     try:
-        if float(text.rstrip("%")) > 0.0:
+        if (float(text[:-1]) if text.endswith("%") else number_with_unit(text)) > 0.0:
             return text
-    except ValueError:
+    except (ValueError, argparse.ArgumentTypeError):
         pass
-    raise argparse.ArgumentTypeError(f"'{text}' is not like 1% (of the value) or 0.002 (in its unit)")
+    raise argparse.ArgumentTypeError(f"'{text}' is not like 1% (of the value), 0.002 (in SI) or 2mm")
 
 
 def percentile(text):
@@ -469,10 +476,10 @@ def run(options):
         written = written_files.Written(options.work / name, name)
         for quantity in options.quantity:
             unit = written.unit(quantity)
-            verdict = report(options, method, quantity, runs, unit, len(grid.axes))
+            verdict = report(options, method, quantity, runs, unit, grid)
             found[method, quantity] = runs, unit, verdict
     if options.csv:
         write_table(options.csv, found)
     if options.plot:
-        draw(options.plot, found)
+        draw(options.plot, found, grid.unit)
     return 0

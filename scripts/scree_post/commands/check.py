@@ -4,8 +4,8 @@
 Every snapshot is opened with h5py and with the VTKHDF reader of VTK, the .xdmf with its Xdmf2
 reader, and the .vtkhdf index, where there is one, with the VTKHDF reader: the number of points and
 cells, the bounds, the time, and the components and mean of every field must agree. Of files of
-fields on the grid every number must. Exit code 77 means that the package vtk is missing and that
-what h5py alone can check did agree.
+fields on the grid every number must. Numbers are compared in the units of the files. Exit code 77
+means that the package vtk is missing and that what h5py alone can check did agree.
 """
 
 import os
@@ -74,7 +74,7 @@ def compare(report, label, wanted, found, cells):
         return
     span = max(max(abs(edge) for edge in pair) for pair in wanted[1]) or 1.0
     off = max(abs(a - b) for one, two in zip(wanted[1], found[1]) for a, b in zip(one, two))
-    report.check(off <= EDGE * span, f"{label}: bounds differ by {off:.1e} m")
+    report.check(off <= EDGE * span, f"{label}: bounds differ by {off:.1e}")
     for name, (parts, mean, size) in sorted(wanted[2].items()):
         if name not in found[2]:
             report.check(False, f"{label}: field {name} is not seen")
@@ -167,10 +167,10 @@ def check_xdmf(report, vtk, file, wanted):
     )
     for seen, (time, parts) in zip(times, wanted):
         close = abs(seen - time) <= 1.0e-6 * max(abs(time), 1.0e-300)
-        report.check(close, f"{name}: time {seen:.9g} s, {time:.9g} s written")
+        report.check(close, f"{name}: time {seen:.9g}, {time:.9g} written")
         reader.UpdateTimeStep(seen)
         found, cells = from_vtk(merged(vtk, reader.GetOutputDataObject(0)))
-        compare(report, f"{name} at {time:.4g} s", parts, found, cells)
+        compare(report, f"{name} at {time:.4g}", parts, found, cells)
 
 
 def check_grid(report, vtk, file, time):
@@ -243,10 +243,10 @@ def check_snapshots(report, vtk, steps):
     """Every snapshot against itself and the series; the result is what was written."""
     wanted = []
     for time, file in steps:
-        snap = snapshot(file)
+        snap = snapshot(file, own_units=True)
         name = os.path.basename(file)
         report.check(abs(snap.time - time) <= 1.0e-12 * max(abs(time), 1.0e-300),
-                     f"{name}: time {snap.time!r} s in the file, {time!r} s in the series")
+                     f"{name}: time {snap.time!r} {snap.units['time']} in the file, {time!r} in the series")
         check_structure(report, file, snap)
         wanted.append((time, summary(snap.points, snap.fields)))
         if vtk:
@@ -266,14 +266,14 @@ def check_index(report, vtk, index, wanted):
         print(f"{name}: left out, this VTK is older than 9.3 and reads one time a file")
         return
     for step, (time, parts) in enumerate(wanted):
-        compare(report, f"{name} at {time:.4g} s", parts, *from_vtk(from_hdf(vtk, index, step)))
+        compare(report, f"{name} at {time:.4g}", parts, *from_vtk(from_hdf(vtk, index, step)))
 
 
 def run(arguments):
     """Check a series, its .xdmf and its index."""
     source = series_file(arguments.series)
     report, vtk = Report(arguments.verbose), load_vtk()
-    steps = series(source)
+    steps = series(source, own_units=True)
     if is_grid(steps[0][1]):
         check_grids(report, vtk, steps)
         return EXIT_DIFFERENT if report.differ else 0 if vtk else EXIT_NO_VTK

@@ -145,7 +145,7 @@ def run(arguments):
     with Progress(len(frames), "searching") as progress:
         for _, file in frames:
             snap = snapshot(file, FIELDS)
-            title = str(snap.provenance.get("title") or snap.provenance.get("case") or "")
+            title = snap.title
             found.append(fragments_of(snap, arguments.reach, arguments.cell,
                                       not arguments.no_mirror))
             found[-1].rows = [row for row in found[-1].rows if row[2] >= arguments.least]

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Says what a file holds: fields, units, ranges, bodies, times, and where it comes from.
 
-Takes a snapshot, a series, a checkpoint, a history, or a folder of results. Of a series the last
-snapshot is shown unless --time names another one.
+Takes a snapshot, a series, a checkpoint, a history or another table, or a folder of results. Of a
+series the last snapshot is shown unless --time names another one. All numbers are in SI, also of
+files in other units (output_units of the deck).
 """
 import os
 
 import numpy as np
 
+from .. import units as units_of
 from ..errors import EXIT_USAGE, PostError, modules, readable
 from ..files import history, is_grid, series, snapshot, text
 from ..progress import Progress
@@ -88,14 +90,24 @@ def describe_snapshot(snap, others=()):
     ranges(fields, {"position": "m", **snap.units})
 
 
+def span_text(times):
+    """The times of a series in words."""
+    return f"{times[0]:.6g} to {times[-1]:.6g} s" + (
+        f", about every {np.median(np.diff(times)):.4g} s" if len(times) > 1 else "")
+
+
+def nearest(times, wanted):
+    """Row of the time nearest to the one that is wanted, by default the last."""
+    return -1 if wanted is None else int(np.argmin(np.abs(times - wanted)))
+
+
 def describe_series(path, arguments):
     """Times, and one snapshot."""
     frames = series(path)
     times = np.array([time for time, _ in frames])
     print(f"{path}: {len(frames)} snapshots")
-    line("times", f"{times[0]:.6g} to {times[-1]:.6g} s"
-         + (f", about every {np.median(np.diff(times)):.4g} s" if len(times) > 1 else ""))
-    row = -1 if arguments.time is None else int(np.argmin(np.abs(times - arguments.time)))
+    line("times", span_text(times))
+    row = nearest(times, arguments.time)
     others = []
     if arguments.all:
         with Progress(len(frames), "reading") as progress:
@@ -118,15 +130,16 @@ def describe_checkpoint(path):
         for name, group in handle["particles"].items():
             count = len(group["identity"]) if "identity" in group else 0
             print(f"material {name}: {count} particles")
-            fields = {key: [group[key][...]] for key in group}
-            units = {key: str(text(group[key].attrs.get("units", "1"))) for key in group}
+            fields = {key: [units_of.data_si(group[key])] for key in group}
+            units = {key: units_of.data_unit(group[key]) for key in group}
             ranges(fields, units)
 
 
 def describe_history(path):
     """Lines and ranges of the columns."""
     table = history(path)
-    print(f"{path}: history of {len(table['time'])} lines")
+    kind = "history" if path.endswith("_history.csv") else "table"
+    print(f"{path}: {kind} of {len(table['time'])} lines")
     width = max(len(name) for name in table.order)
     print(f"{'column':<{width}}  {'unit':<9} {'first':>13} {'last':>13} {'least':>13} "
           f"{'greatest':>13}")
@@ -141,27 +154,30 @@ def describe_history(path):
         print(f"always zero: {', '.join(zero)}")
 
 
-def describe_grids(path):
-    """Times of a series of grids, and ranges of the last one or of a lone file."""
+def describe_grids(path, arguments):
+    """Times of a series of grids, and ranges of one of them or of a lone file."""
     (h5py,) = modules("h5py")
     if path.endswith(".series"):
         frames = series(path)
+        times = np.array([time for time, _ in frames])
         print(f"{path}: {len(frames)} grids")
-        line("times", f"{frames[0][0]:.6g} to {frames[-1][0]:.6g} s")
-        path = frames[-1][1]
+        line("times", span_text(times))
+        path = frames[nearest(times, arguments.time)][1]
     else:
         print(f"{path}: grid")
     with h5py.File(path, "r") as handle:
         group, record = handle["VTKHDF"], handle["provenance"].attrs
-        for name in (*ORIGIN, "step", "time"):
+        for name in (*ORIGIN, "step"):
             line(name, text(record[name]) if name in record else "")
+        line("time", f"{units_of.time_si(handle) or 0.0:.9g} s")
         extent = [int(edge) for edge in group.attrs["WholeExtent"]]
         line("points", " x ".join(str(extent[2 * k + 1] - extent[2 * k] + 1) for k in range(3)))
         for name in ("Origin", "Spacing"):
-            line(name.lower(), " ".join(f"{value:.6g}" for value in group.attrs[name]) + " m")
+            edges = units_of.shifted(group.attrs[name][...], units_of.data_exponent(group))
+            line(name.lower(), " ".join(f"{value:.6g}" for value in edges) + " m")
         data = group["PointData"]
-        ranges({name: [flat(data[name][...])] for name in data},
-               {name: str(text(data[name].attrs.get("units", "1"))) for name in data})
+        ranges({name: [flat(units_of.data_si(data[name]))] for name in data},
+               {name: units_of.data_unit(data[name]) for name in data})
 
 
 def flat(values):
@@ -212,7 +228,7 @@ def describe(path, arguments):
     """A file of any kind."""
     kind = kind_of(readable(path))
     if kind == "grid" or kind == "series" and is_grid(first_of(path)):
-        describe_grids(path)
+        describe_grids(path, arguments)
     elif kind == "series":
         describe_series(path, arguments)
     elif kind == "history":

@@ -16,6 +16,7 @@ from ..areal_density import checked, radiograph
 from ..errors import EXIT_DEFECT, EXIT_USAGE, PostError
 from ..files import series, series_file, snapshot
 from ..progress import Progress
+from ..quantity import in_unit
 from ..radiograph_page import Picture
 
 SUMMARY = "what a flash X-ray would see, as page and as film"
@@ -33,17 +34,18 @@ def add_arguments(parser):
     add("--out", metavar="PNG",
         help="picture (.png, .pdf, .svg); default CASE_radiograph.png beside the series")
     which = parser.add_mutually_exclusive_group()
-    which.add_argument("--time", type=float, nargs="+", metavar="T", help="nearest snapshots [us]")
+    which.add_argument("--time", type=in_unit("us"), nargs="+", metavar="T",
+                       help="nearest snapshots, in us or with a unit: 5us, 2ms")
     which.add_argument("--last", action="store_true", help="the last snapshot only")
     which.add_argument("--frames", type=int, default=4, metavar="N", help="number of frames (4)")
     add("--axis", choices=("x", "y"), default="y", help="line of sight (y); 3-D only")
-    add("--pixel", type=float, metavar="MM",
-        help="size of a pixel [mm]; default: 700 over the cloud")
+    add("--pixel", type=in_unit("mm"), metavar="L",
+        help="size of a pixel, in mm or with a unit; default: 700 over the cloud")
     add("--mu", type=float, metavar="MU", help="absorption [m2/kg]; default: chosen for contrast")
     add("--unit", choices=("kg/m2", "g/cm2"), default="kg/m2",
         help="of the areal density (kg/m2)")
-    add("--view", type=float, nargs=4, metavar=("ZLO", "ZHI", "VLO", "VHI"),
-        help="part to show [mm]")
+    add("--view", type=in_unit("mm"), nargs=4, metavar=("ZLO", "ZHI", "VLO", "VHI"),
+        help="part to show, in mm or with a unit")
     add("--title", help="default: the title of the run")
     add("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
     add("--movie", metavar="FILE", help="also a film of all snapshots, .gif or .mp4")
@@ -71,10 +73,8 @@ def choose(frames, arguments):
     wanted = arguments.time
     if wanted is None:
         count = arguments.frames
-        wanted = [
-            1.0e6 * (times[0] + (times[-1] - times[0]) * k / count) for k in range(1, count + 1)
-        ]
-    nearest = {int(np.argmin(np.abs(times - 1.0e-6 * time))) for time in wanted}
+        wanted = [times[0] + (times[-1] - times[0]) * k / count for k in range(1, count + 1)]
+    nearest = {int(np.argmin(np.abs(times - time))) for time in wanted}
     return [frames[index] for index in sorted(nearest)]
 
 
@@ -113,10 +113,13 @@ def movie(frames, make, title, options, arguments):
 
 def table(frames):
     """What was drawn, and the mass in the picture beside that of the particles."""
-    print(f"{'time [us]':>10} {'front [mm]':>11} {'speed [m/s]':>12} {'particles [kg]':>15} "
-          f"{'image [kg]':>13} {'difference':>11}")
+    clock, second = look.scaled(max(abs(frame.time) for frame in frames), "s")
+    metres, length = look.scaled(max((abs(frame.front) for frame in frames
+                                      if math.isfinite(frame.front)), default=0.0), "m")
+    print(f"{f'time [{second}]':>10} {f'front [{length}]':>11} {'speed [m/s]':>12} "
+          f"{'particles [kg]':>15} {'image [kg]':>13} {'difference':>11}")
     for frame in frames:
-        print(f"{1e6 * frame.time:10.3f} {1e3 * frame.front:11.3f} {frame.speed:12.1f} "
+        print(f"{clock * frame.time:10.3f} {metres * frame.front:11.3f} {frame.speed:12.1f} "
               f"{frame.mass:15.8e} "
               f"{frame.sigma.sum() * frame.pixel ** 2:13.6e} {frame.mass_error:11.1e}")
 
@@ -129,12 +132,10 @@ def run(arguments):
     out = arguments.out or os.path.join(os.path.dirname(source) or ".", f"{stem}_radiograph.png")
     frames = series(source)
     last = snapshot(frames[-1][1], FIELDS)
-    pixel = 1.0e-3 * arguments.pixel if arguments.pixel else default_pixel(last)
+    pixel = arguments.pixel or default_pixel(last)
     options = {"mu": arguments.mu, "unit": arguments.unit, "towards": flight(last),
-               "view": [1.0e-3 * edge for edge in arguments.view] if arguments.view else None}
-    title = arguments.title or str(
-        last.provenance.get("title") or last.provenance.get("case") or ""
-    )
+               "view": arguments.view}
+    title = arguments.title or last.title
 
     def make(file):
         return radiograph(snapshot(file, FIELDS), pixel, arguments.axis, options["towards"])

@@ -2,13 +2,13 @@
 """Runs a deck for all combinations of values and collects the results.
 
 Every combination gets a folder of its own below --outdir. A combination that is done is not run
-again, one that was stopped goes on from its checkpoint, so that the same command resumes a study.
-Results of another deck or program are replaced only with --overwrite. A run has one thread, and as
-many run at a time as there are cores. A
-table holds the values, how the run ended, and the quantities of --take: names of the summary,
-columns of the history at the end, with .max, .min or .mean over the history, or extents of the last
-snapshot such as length, radius, front_z. A value that holds commas is separated by semicolons:
---set 'body[ball].velocity=0,0,1;0,0,2'.
+again, one that was stopped goes on from its checkpoint, so that the same command resumes a
+study. Results of another deck or program are replaced only with --overwrite. A run has one thread,
+and as many run at a time as there are cores. The table keeps the runs of earlier sweeps of the same
+deck and program in that folder. It holds the values, how the run ended, and the quantities of
+--take: names of the summary, columns of the history at the end, with .max, .min or .mean over the
+history, or extents of the last snapshot such as length, radius, front_z. A value that holds commas
+is separated by semicolons: --set 'body[ball].velocity=0,0,1;0,0,2'.
 """
 import csv
 import os
@@ -18,7 +18,9 @@ import numpy as np
 from .. import look
 from ..errors import EXIT_DIFFERENT, EXIT_USAGE, PostError, readable, unknown
 from ..files import history
-from ..study import Study, combinations, find_program, jobs_for, settings, short, threads_of_a_run
+from ..study import (Run, Study, combinations, find_program, is_done, jobs_for, read_stamp, settings, short,
+                      stamp_of, threads_of_a_run, version_of)
+from ..units import summary_unit
 from ..written import EXTENTS, Written
 
 SUMMARY = "a deck for many values: table and plot of what came out"
@@ -62,7 +64,7 @@ def quantity_of(run, name):
     if not over:
         for place in (run.summary, run.summary.get("extremes", {}), run.summary.get("exact", {})):
             if isinstance(place, dict) and isinstance(place.get(base), (int, float)):
-                return float(place[base]), ""
+                return float(place[base]), summary_unit(base)
     path = os.path.join(run.folder, f"{run.case}_history.csv")
     if os.path.exists(path):
         table = history(path)
@@ -70,7 +72,7 @@ def quantity_of(run, name):
             return float(OVER.get(over, lambda values: values[-1])(table[base])), table.units[base]
         ends = {**ends, **dict.fromkeys(table.order)}
     if not over and isinstance(ends.get(base), (int, float)):
-        return float(ends[base]), ""
+        return float(ends[base]), summary_unit(base)
     known = [key for key, value in run.summary.items() if isinstance(value, (int, float))]
     known += list(run.summary.get("extremes", {}))
     known += [key for key in (*ends, *EXTENTS) if key not in known]
@@ -78,10 +80,11 @@ def quantity_of(run, name):
 
 
 def results(runs, names):
-    """Rows of the table and units by name; empty where a run failed."""
+    """Rows of the table and units by name; empty where a run failed, or has no such key of its own."""
     rows, units = [], {}
+    keys = dict.fromkeys(key for run in runs for key in run.values)
     for run in runs:
-        row = {**run.values, "exit_code": "" if run.code is None else run.code}
+        row = {**dict.fromkeys(keys, ""), **run.values, "exit_code": "" if run.code is None else run.code}
         for name in names:
             row[name] = ""
             if run.code == 0:
@@ -90,6 +93,24 @@ def results(runs, names):
         row["folder"], row["reason"] = run.folder, run.reason
         rows.append(row)
     return rows, units
+
+
+def earlier(base, deck, program, runs):
+    """Finished runs of earlier sweeps in this folder with the same deck and program, and how many
+    there are of others."""
+    found, others, version = [], 0, version_of(program)
+    known = {run.folder for run in runs}
+    for name in sorted(os.listdir(base)):
+        folder = os.path.join(base, name)
+        stamp = read_stamp(folder)
+        if folder in known or not stamp:
+            continue
+        run = Run(stamp["values"], folder, f"{deck_name(deck)}_{name}", code=0, kept=True)
+        if is_done(run, stamp_of(run, deck, version)):
+            found.append(run)
+        else:
+            others += 1
+    return found, others
 
 
 def write_table(path, rows, units):
@@ -204,11 +225,18 @@ def run(arguments):
 
     Study(program, deck, threads, arguments.overwrite).all(runs, jobs, ended)
     failed = [one for one in runs if one.code != 0]
-    rows, units = results(runs, names)
+    before, others = earlier(base, deck, program, runs)
+    rows, units = results(runs + before, names)
     table = os.path.join(base, "sweep.csv")
     write_table(table, rows, units)
-    print(f"{len(runs) - len(failed)} of {len(runs)} runs finished\nwrote {table}")
+    print(f"{len(runs) - len(failed)} of {len(runs)} runs finished\nwrote {table}"
+          + (f" with {len(before)} runs of earlier sweeps" if before else ""))
+    if others:
+        print(f"left out of the table: {others} earlier runs in {base} that failed, or that another deck or "
+              "program made")
     if len(failed) < len(runs):
-        look.save(picture(rows, keys, names, units, deck_name(deck)), out, 150)
+        same = [row for row, one in zip(rows, runs + before) if set(one.values) == set(keys)]
+        seen = {key: list(dict.fromkeys(row[key] for row in same)) for key in keys}
+        look.save(picture(same, seen, names, units, deck_name(deck)), out, 150)
         print(f"wrote {out}")
     return EXIT_DIFFERENT if failed else 0

@@ -107,7 +107,7 @@ def judge_forecast(options, sheet, deck):
     _, text, _ = tool(options, deck, "--quantity", "internal", "--factors", "4,2,1", "--tolerance", "0.03%",
                       "--csv", "coarse.csv")
     sheet.require("0.03% needs cells of about" in text, f"a forecast: {text}")
-    size = float(text.split("needs cells of about ")[1].split(",")[0])
+    size = float(text.split("needs cells of about ")[1].split()[0])
     cells = 6 * math.ceil(5.0 / size)      # so that the bar ends where a cell does
     run = case.Case(options, "foretold", DECK.format(size=f"cells={cells},1,1")).run("-q")
     sheet.below("error of the foretold cells over the tolerance", abs(run.history["internal"][-1] / ENERGY - 1.0)

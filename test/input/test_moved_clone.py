@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A clone that was copied into another folder brings its Python environment along.
+
+Would catch: commands of build/venv that call the Python or the sources of the old place, that do not start in a folder
+with a blank and an umlaut in its name, and an environment that is made anew each time.
+"""
+
+import importlib.util
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import case    # noqa: E402
+import report  # noqa: E402
+
+RENEW = 'set -euo pipefail; source "$1/scripts/common.sh"; renew_python'
+
+
+def run(*words):
+    """Exit code and all that was said."""
+    answer = subprocess.run([str(word) for word in words], text=True, stdout=subprocess.PIPE, check=False,
+                            stderr=subprocess.STDOUT)
+    return answer.returncode, answer.stdout
+
+
+def renew(root):
+    """Bring the environment of a clone to where it is."""
+    return run("bash", "-c", RENEW, "bash", root)
+
+
+def main():
+    """A small environment in one folder, copied into another one."""
+    options, sheet = case.arguments(__doc__), report.Report()
+    first, second = options.work / "first", options.work / "zweiter Klon ü"
+    for folder in (first, second):
+        shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(case.ROOT / "scripts", first / "scripts", ignore=shutil.ignore_patterns("__pycache__"))
+    code, said = run(sys.executable, "-m", "venv", first / "build" / "venv")
+    backend = importlib.util.find_spec("flit_core")
+    if code or backend is None:
+        report.skip_all(f"no environment can be made here, or flit_core is missing: {said[-200:]}")
+    (packages,) = (first / "build/venv/lib").glob("python3*/site-packages")
+    shutil.copytree(Path(backend.origin).parent, packages / "flit_core")
+    code, said = renew(first)
+    sheet.require(code == 0, f"the first environment: {said}")
+    command = Path("build/venv/bin/scree-post")
+    sheet.require(run(first / command, "--version")[0] == 0, "its command starts")
+    shutil.copytree(first, second, symlinks=True)
+    code, said = renew(second)
+    sheet.require(code == 0 and "Bringing" in said, f"the copy is brought along: {said}")
+    code, said = run(second / command, "--version")
+    sheet.require(code == 0 and "scree-post" in said, f"the command of the copy starts: {said}")
+    asks = "import scree_post; print(scree_post.__file__)"
+    code, said = run(second / "build/venv/bin/python", "-c", asks)
+    sheet.require(code == 0 and said.strip() == str(second / "scripts/scree_post/__init__.py"), f"it imports {said}")
+    held = [path.name for path in (second / "build/venv/bin").iterdir()
+            if path.is_file() and not path.is_symlink() and f"{first}/".encode() in path.read_bytes()]
+    sheet.require(not held, f"commands with the path of the old place: {held}")
+    sheet.require(renew(second) == (0, ""), "a second call has nothing to do")
+    shutil.rmtree(first)
+    sheet.require(run(second / command, "--version")[0] == 0, "it needs nothing of the old place")
+    shutil.rmtree(second)
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
