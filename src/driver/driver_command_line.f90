@@ -56,8 +56,8 @@ module driver_command_line
       option_t("job     ", " ", a_value), option_t("ranks   ", " ", a_value), &
       option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
       option_t("no-estimate", " ", nothing)]
-   character(len=9), parameter :: lists(5) = [character(len=9) :: "materials", "fields", &
-      "shapes", "examples", "former"]
+   character(len=9), parameter :: lists(6) = [character(len=9) :: "materials", "fields", &
+      "shapes", "units", "examples", "former"]
    character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
 
 contains
@@ -395,7 +395,7 @@ contains
       end do
       near = closest(name, names)
       if (near /= "") near = "; did you mean "//near//"?"
-      call complain(error, "--list knows materials, fields, shapes, examples and former, not '"// &
+      call complain(error, "--list knows materials, fields, shapes, units, examples and former, not '"// &
          name//"'"//near)
    end subroutine check_list
 
@@ -444,7 +444,7 @@ contains
          "      --explain KEY      what a key or group of the deck means"//newline// &
          "      --point            drive one material along &point, write CASE_point.csv"// &
          newline// &
-         "      --list WHAT        materials, fields, shapes, examples or former"//newline// &
+         "      --list WHAT        materials, fields, shapes, units, examples or former"//newline// &
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
          "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
          newline//"                         --threads N and --time HH:MM:SS"//newline// &
