@@ -291,7 +291,7 @@ UNKNOWN = [
     ("plain", "&time", "&tyme", 3, "unknown group &tyme; did you mean &time?"),
     ("plain", "&body", "&bodys", 7, "unknown group &bodys; did you mean &body?"),
     ("plain", "&region", "&geometry", 6,
-     "unknown group &geometry; there are: include run units grid time method effects"),
+     "unknown group &geometry; there are: include define run units grid time"),
     ("plain", "&run", "& run", 1,
      "text outside a group: & run dimension = 'plane_strain' /; a group begins with &name"),
     ("plain", "&run", "&", 1,
