@@ -7,6 +7,7 @@ value of the command line that the definitions do not see, an echo that runs to 
 deck with them that scree-deck cannot read.
 """
 
+import math
 import unittest
 from types import SimpleNamespace
 
@@ -41,7 +42,7 @@ PLAIN = """&run dimension = 'plane_strain' /
 &body name = 'plate'  region = 'plate'  material = 'al'  ppc = 2 1 2 /
 &output name = 'h'  kind = 'history'  every = 5 /
 """
-COSINE = "-5811.030459396413"          # 6.71*cos(30 deg) in double precision, rounded to its shortest decimal
+COSINE = f"{-6.71 * math.cos(math.radians(30))!r}e3"     # the shortest decimal of these bits, in km/s
 
 
 class Numbers(unittest.TestCase):
