@@ -12,6 +12,7 @@ module base_deck
    use base_deck_override, only: override, take_apart
    use base_deck_preset, only: apply_presets
    use base_deck_problems, only: problems_t
+   use base_deck_repeat, only: repeat_groups
    use base_deck_value, only: value_t
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
@@ -97,6 +98,7 @@ contains
          call groups(i)%get("name", groups(i)%title)
       end do
       self%groups = groups(:filled)
+      call repeat_groups(schema, self%problems, self%groups)
       call self%index%build(schema, self%groups)
       call apply_presets(schema, self%index, self%problems, self%groups)
       call check_groups(schema, self%groups, self%index, file, self%problems)

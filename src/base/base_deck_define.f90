@@ -201,17 +201,21 @@ contains
    end subroutine read_value
 
    !> Replace the expressions of a value by their numbers. Where one has a fault the piece is broken.
-   subroutine definitions_resolve(self, label, file, piece, problems)
+   subroutine definitions_resolve(self, label, file, piece, problems, within)
       class(definitions_t), intent(in) :: self           !! The names
       character(len=*), intent(in) :: label              !! The group, for messages
       character(len=*), intent(in) :: file               !! Where
       type(piece_t), intent(inout) :: piece              !! What is written
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      logical, intent(in), optional :: within            !! Also expressions within texts
       character(len=:), allocatable :: fault, where_is
       real(wp) :: value
       integer :: i, line, place
       logical :: faulty
 
+      if (present(within)) then
+         if (within) call resolve_texts(self, label, file, piece, problems)
+      end if
       if (.not. any(piece%tokens%formula)) return
       do i = 1, size(piece%tokens)
          associate (token => piece%tokens(i))
@@ -232,6 +236,36 @@ contains
          end associate
       end do
    end subroutine definitions_resolve
+
+   !> Replace the expressions within texts by their numbers in brackets.
+   subroutine resolve_texts(self, label, file, piece, problems)
+      type(definitions_t), intent(in) :: self            !! The names
+      character(len=*), intent(in) :: label              !! The group, for messages
+      character(len=*), intent(in) :: file               !! Where
+      type(piece_t), intent(inout) :: piece              !! What is written
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      character(len=:), allocatable :: fault
+      real(wp) :: value
+      integer :: closing, i, opening, place
+      logical :: faulty
+
+      do i = 1, size(piece%tokens)
+         associate (token => piece%tokens(i))
+            opening = index(token%text, "{")
+            do while (opening > 0 .and. .not. piece%broken)
+               closing = opening + index(token%text(opening:)//"}", "}") - 1
+               call compute(self, token%text(opening + 1:closing - 1), value, fault, place, faulty)
+               piece%broken = faulty .or. fault /= ""
+               if (fault /= "") call problems%error(file, merge(0, token%line, &
+                  file == command_line), label//": "//piece%key//" = "//token%raw//"  <- letter "// &
+                  number(opening + place)//": "//fault)
+               token%text = token%text(:opening - 1)//"("//decimal(value)//")"// &
+                  token%text(min(closing, len(token%text)) + 1:)
+               opening = index(token%text, "{")
+            end do
+         end associate
+      end do
+   end subroutine resolve_texts
 
    !> The value of one expression.
    subroutine compute(self, text, value, fault, place, faulty)

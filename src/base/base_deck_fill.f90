@@ -7,7 +7,8 @@ module base_deck_fill
    use base_deck_value, only: convert, read_default, value_t
    use base_former, only: find_former, tell_former
    use base_namelist, only: block_t, namelist_t, piece_t, token_t
-   use base_schema, only: group_rule_t, kind_integer, kind_logical, kind_real, key_t, schema_t
+   use base_schema, only: group_rule_t, kind_integer, kind_logical, kind_real, kind_text, key_t, &
+      schema_t
    use base_text, only: closest, join, number, shortened
    implicit none
    private
@@ -122,7 +123,8 @@ contains
                cycle
             end if
             resolved = piece
-            call definitions%resolve("&"//rule%name, block%file, resolved, problems)
+            call definitions%resolve("&"//rule%name, block%file, resolved, problems, &
+               rule%keys(place)%kind == kind_text .and. rule%keys(place)%unit_text /= "")
             call store(rule, place, resolved, block%file, system, problems, group)
          end associate
       end do

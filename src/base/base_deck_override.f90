@@ -157,7 +157,8 @@ contains
          call problems%error(command_line, 0, "&"//rule%name//": "//key//" = "//value// &
             "  <- is no value")
       else
-         call definitions%resolve("&"//rule%name, command_line, piece, problems)
+         call definitions%resolve("&"//rule%name, command_line, piece, problems, &
+            rule%keys(place)%kind == kind_text .and. rule%keys(place)%unit_text /= "")
       end if
       if (piece%broken) then
          continue

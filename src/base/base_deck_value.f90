@@ -4,6 +4,7 @@ module base_deck_value
    use base_deck_number, only: check_range, convert_number, expectation, item_t, read_whole
    use base_kinds, only: wp
    use base_namelist, only: token_t
+   use base_place_formula, only: convert_formula
    use base_schema, only: key_t, kind_integer, kind_logical, kind_real, kind_text
    use base_text, only: closest, join, lower, number, split, text_t
    use base_unit_words, only: begins_unit, split_unit
@@ -309,6 +310,8 @@ contains
          end select
       case default
          call check_words(key, item%text, value%texts(place)%text, complaint)
+         if (complaint == "" .and. key%unit_text /= "") &
+            call convert_formula(key, system, longest_text, value%texts(place)%text, complaint)
       end select
       if (complaint == "") value%filled(place) = .true.
    end subroutine convert_item

@@ -9,6 +9,7 @@ module driver_begin
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
    use driver_start, only: fill_simulation, first_step, spin_bodies, survey_t
+   use driver_velocity_start, only: add_formula_velocities
    use particle_fill, only: body_t
    implicit none
    private
@@ -30,6 +31,8 @@ contains
       call take_fields(simulation, bodies, shapes, error)
       if (allocated(error)) return
       call spin_bodies(simulation, bodies)
+      call add_formula_velocities(simulation, bodies, error)
+      if (allocated(error)) return
       call weigh_down(simulation, bodies)
       call place_exact(simulation, error)
       if (allocated(error)) return

@@ -297,7 +297,7 @@ contains
             call group%get("packing", packing)
             body%cut = packing == "cut"
             body%jitter = packing == "jitter"
-            call group%get("velocity", body%velocity)
+            call read_velocity(group, body)
             call group%get("spin", body%spin)
             call group%get("temperature", body%temperature)
             if (deck%sound("material", body%store)) &
@@ -314,6 +314,22 @@ contains
          end associate
       end do
    end subroutine read_bodies
+
+   !> Velocity by its components, or by speed and direction, and formulas of what is added.
+   subroutine read_velocity(group, body)
+      type(group_t), intent(in) :: group             !! The &body
+      type(body_t), intent(inout) :: body            !! Gets its velocity
+      real(wp) :: direction(3), speed
+
+      call group%get("velocity", body%velocity)
+      if (group%given("speed")) then
+         call group%get("speed", speed)
+         call group%get("direction", direction)
+         direction = direction/maxval(abs(direction))
+         body%velocity = speed*(direction/norm2(direction))
+      end if
+      if (group%given("velocity_formula")) call group%list("velocity_formula", body%formula)
+   end subroutine read_velocity
 
    !> Particles at random places, no two of them near each other.
    subroutine pack_disks(deck, grid, index, body)
