@@ -200,7 +200,7 @@ contains
       if (abs(given%factor - 1.0_wp) > 0.0_wp) value = value*given%factor
    end subroutine read_value
 
-   !> Replace the expressions of a value by their numbers. Where one has a fault the piece is broken.
+   !> Replace the expressions of a value by their numbers. One with a fault breaks the piece.
    subroutine definitions_resolve(self, label, file, piece, problems, within)
       class(definitions_t), intent(in) :: self           !! The names
       character(len=*), intent(in) :: label              !! The group, for messages
@@ -257,8 +257,8 @@ contains
                call compute(self, token%text(opening + 1:closing - 1), value, fault, place, faulty)
                piece%broken = faulty .or. fault /= ""
                if (fault /= "") call problems%error(file, merge(0, token%line, &
-                  file == command_line), label//": "//piece%key//" = "//token%raw//"  <- letter "// &
-                  number(opening + place)//": "//fault)
+                  file == command_line), label//": "//piece%key//" = "//token%raw// &
+                  "  <- letter "//number(opening + place)//": "//fault)
                token%text = token%text(:opening - 1)//"("//decimal(value)//")"// &
                   token%text(min(closing, len(token%text)) + 1:)
                opening = index(token%text, "{")

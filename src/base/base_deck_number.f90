@@ -89,6 +89,8 @@ contains
          complaint = complaint//" such as GPa"
       case ("deg")
          complaint = complaint//" such as rad"
+      case default
+         continue
       end select
       complaint = complaint//", not '"//written//"'"
    end function unfit_unit

@@ -232,8 +232,8 @@ contains
          if (items(i)%unit == "") bare = bare .or. &
             scan(items(i)%text(:scan(items(i)%text//"e", "eEdD") - 1), "123456789") > 0
       end do
-      if (bare .and. united) complaint = "has numbers with and without a unit; write one behind "// &
-         "each number that is not 0"
+      if (bare .and. united) complaint = &
+         "has numbers with and without a unit; write one behind each number that is not 0"
    end function mixed_units
 
    !> Count the values that follow when there are too many anyway.
@@ -311,7 +311,8 @@ contains
       case default
          call check_words(key, item%text, value%texts(place)%text, complaint)
          if (complaint == "" .and. key%unit_text /= "") &
-            call convert_formula(key, system, longest_text, value%texts(place)%text, complaint)
+            call convert_formula(key, system, longest_text, value%texts(place)%text, &
+            complaint)
       end select
       if (complaint == "") value%filled(place) = .true.
    end subroutine convert_item

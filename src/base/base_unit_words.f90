@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Units that a deck may write behind a number, such as km/s, g/cm3 or J/(kg K).
 !!
-!! Prefixes and most units are powers of ten of SI, so they shift the decimal exponent of the written
-!! number before it is read: 2.7 g/cm3 and 2700 kg/m3 become the same bits. Minutes, hours and
-!! angles have a factor besides.
+!! Prefixes and most units are powers of ten of SI, so they shift the decimal exponent of the
+!! written number before it is read: 2.7 g/cm3 and 2700 kg/m3 become the same bits. Minutes, hours
+!! and angles have a factor besides.
 module base_unit_words
    use base_constants, only: pi
    use base_decimal, only: decimal_none, read_decimal
@@ -185,6 +185,8 @@ contains
          self%angle = self%angle + power
       case ("rad")
          self%angle = self%angle + power
+      case default
+         continue
       end select
    end subroutine take_symbol
 

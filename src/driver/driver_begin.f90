@@ -3,6 +3,7 @@
 module driver_begin
    use base_error, only: error_t
    use driver_exact_start, only: place_exact, strain_exact
+   use driver_gravity, only: note_gravity
    use driver_lithostatic, only: weigh_down
    use driver_point_clock, only: take_clock
    use driver_point_fields, only: take_fields
@@ -39,6 +40,7 @@ contains
       call strain_exact(simulation)
       call first_step(simulation)
       call take_clock(simulation, bodies, shapes)
+      call note_gravity(simulation)
       call simulation%ledger%balance(simulation%communicator, simulation%grid, &
          simulation%stores, simulation%materials, simulation%ledger%start)
    end subroutine begin_run

@@ -2,6 +2,7 @@
 !> Scripts for the schedulers of clusters. A job that comes to the end of its time writes a
 !! checkpoint, leaves with the exit code that asks for another run, and is put into the queue again.
 module driver_job
+   use base_deck_override, only: removal_mark
    use base_error, only: error_t, exit_again, exit_input, fail
    use base_kinds, only: int64, wp
    use base_text, only: number
@@ -89,7 +90,13 @@ contains
          if (allocated(command%output_folder)) &
             text = text//" --outdir "//quoted(command%output_folder)
          do n = 1, size(command%overrides)
-            text = text//" --set "//quoted(command%overrides(n)%text)
+            associate (override => command%overrides(n)%text)
+               if (index(override, removal_mark) == 1) then
+                  text = text//" --unset "//quoted(override(2:))
+               else
+                  text = text//" --set "//quoted(override)
+               end if
+            end associate
          end do
          if (command%force) text = text//" --force"
       end associate

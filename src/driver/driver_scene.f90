@@ -9,6 +9,7 @@ module driver_scene
    use driver_bounds, only: read_bounds
    use driver_contact_deck, only: read_contact
    use driver_exact_deck, only: read_exact
+   use driver_gravity, only: read_gravity
    use driver_lithostatic, only: read_lithostatic
    use driver_matter, only: all_gases, stores_work
    use driver_method, only: position_of
@@ -244,20 +245,15 @@ contains
       end do
    end subroutine check_periodic
 
-   !> Gravity, if it acts.
+   !> Erosion, and gravity if it acts.
    subroutine read_effects(deck, simulation)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! The run
       type(group_t) :: group
-      logical :: acts
 
       group = deck%group("effects", 1)
       call group%get("erosion", simulation%erosion)
-      call group%get("gravity", acts)
-      if (.not. acts) return
-      allocate (simulation%gravity(3))
-      call group%get("gravity_vector", simulation%gravity)
-      where (.not. simulation%grid%active) simulation%gravity = 0.0_wp
+      call read_gravity(deck, simulation)
    end subroutine read_effects
 
    !> The materials.

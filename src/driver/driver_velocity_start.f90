@@ -18,8 +18,8 @@ module driver_velocity_start
 
 contains
 
-   !> Add the velocities of formulas to those that the particles of their bodies have. Particles that
-   !! carry a linear velocity field or a rotation get those of the formula. Collective.
+   !> Add the velocities of formulas to those that the particles of their bodies have. Particles
+   !! that carry a linear velocity field or a rotation get those of the formula. Collective.
    subroutine add_formula_velocities(simulation, bodies, error)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(body_t), intent(in) :: bodies(:)          !! The bodies
@@ -37,7 +37,8 @@ contains
          call add_to_body(simulation, bodies(body), formula, fault)
          if (simulation%communicator%any(allocated(fault))) then
             if (.not. allocated(fault)) fault = "it has no value at particles of another rank"
-            call fail(error, exit_input, "&body '"//bodies(body)%name//"': velocity_formula: "//fault)
+            call fail(error, exit_input, "&body '"//bodies(body)%name//"': velocity_formula: "// &
+               fault)
             return
          end if
       end do
@@ -51,17 +52,21 @@ contains
       character(len=:), allocatable, intent(out) :: fault !! Not allocated if all have values
       real(wp) :: point(3), velocity(3), slopes(9)
       integer(int64) :: last
-      integer :: p, tile
+      integer :: k, p, tile
 
       associate (store => simulation%stores(body%store), grid => simulation%grid)
          last = body%first_identity + product(body%sites(grid)) - 1
          do tile = 1, size(store%count)
             do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                if (store%identity(p) < body%first_identity .or. store%identity(p) > last) cycle
-               point = store%position(p, :)
+               do k = 1, 3
+                  point(k) = store%position(p, k)
+               end do
                call evaluate(formula, grid%active, point, velocity, fault)
                if (allocated(fault)) return
-               store%velocity(p, :) = store%velocity(p, :) + velocity
+               do k = 1, 3
+                  store%velocity(p, k) = store%velocity(p, k) + velocity(k)
+               end do
                if (.not. (allocated(store%affine) .or. allocated(store%spin))) cycle
                call find_slopes(formula, grid%active, point, 0.25_wp*grid%spacing, slopes, fault)
                if (allocated(fault)) return
@@ -120,8 +125,18 @@ contains
       integer, intent(in) :: p                       !! Which particle
       type(store_t), intent(inout) :: store          !! Gets them
 
-      if (allocated(store%affine)) store%affine(p, :) = store%affine(p, :) + slopes
-      if (allocated(store%spin)) store%spin(p, :) = store%spin(p, :) + 0.5_wp* &
-         [slopes(6) - slopes(8), slopes(7) - slopes(3), slopes(2) - slopes(4)]
+      real(wp) :: turn(3)
+      integer :: k
+
+      if (allocated(store%affine)) then
+         do k = 1, 9
+            store%affine(p, k) = store%affine(p, k) + slopes(k)
+         end do
+      end if
+      if (.not. allocated(store%spin)) return
+      turn = 0.5_wp*[slopes(6) - slopes(8), slopes(7) - slopes(3), slopes(2) - slopes(4)]
+      do k = 1, 3
+         store%spin(p, k) = store%spin(p, k) + turn(k)
+      end do
    end subroutine add_slopes
 end module driver_velocity_start

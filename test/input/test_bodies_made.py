@@ -83,9 +83,9 @@ class Bodies(unittest.TestCase):
         self.assertLess(np.abs(first.fields["velocity"] - wanted).max(), 1e-9)
         two = self.run_of("ranks", mine, ranks=2)
         self.assertEqual(run.summary["digest"], two.summary["digest"])
-        plain = self.run_of("plain", body.format(
-            "velocity = 100 0 0  velocity_formula = '(1/4*(x*1e3 - 4))*1e3', '7', '(-0.2*(x*0 + z*1e3) + sin(x*1e3))*1e3'"),
-            units="si").snapshots()[0][1]
+        formula = "'(1/4*(x*1e3 - 4))*1e3', '7', '(-0.2*z*1e3 + sin(x*1e3))*1e3'"
+        plain = self.run_of("plain", body.format(f"velocity = 100 0 0  velocity_formula = {formula}"),
+                            units="si").snapshots()[0][1]
         self.assertLess(np.abs(plain.fields["velocity"] - wanted).max(), 1e-9)
 
     def test_formula_turns_as_spin_does(self):
@@ -94,7 +94,7 @@ class Bodies(unittest.TestCase):
         for method in ("method = 'ddmp'", "/\n&method transfer = 'apic'"):
             with self.subTest(method):
                 states = []
-                for name, motion in (("spin", f"spin = 0, {omega} /us, 0".replace(" /us", "/us")),
+                for name, motion in (("spin", f"spin = 0, {omega}/us, 0"),
                                      ("turn", f"velocity_formula = '{omega}*(z - 2.5)', '0', '-{omega}*(x - 4)'")):
                     run = self.run_of(name, BOX.format("a", "") + BODY.format("a", motion), method=method)
                     states.append(run.snapshots()[-1][1].fields["velocity"])
