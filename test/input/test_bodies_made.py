@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# tiers: smoke
 """Bodies that are repeated, thrown by speed and direction, turned about their centres, or set in motion by formulas.
 
 Would catch a copy that is not the body written by hand, a direction that is not made a unit vector, a rotation about
