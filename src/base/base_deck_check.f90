@@ -168,8 +168,8 @@ contains
       end associate
    end subroutine check_key
 
-   !> Put the default in the place of a value that the command line made useless. What belongs to it
-   !! is useless by the command line as well.
+   !> Put the default in the place of a value that the command line made useless. What belongs to
+   !! it is useless by the command line as well.
    subroutine drop(key, value)
       type(key_t), intent(in) :: key                     !! The key
       type(value_t), intent(inout) :: value              !! Its value

@@ -157,8 +157,8 @@ contains
       call schema%logical("effects", "gravity", "acceleration of all matter", default=".false.")
       call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &
          default="0 0 -9.80665", owner="gravity")
-      call schema%text("effects", "gravity_table", "file of lines t, gx, gy, gz in the units of "// &
-         "the deck, added to gravity_vector, straight between; path relative to the deck", &
+      call schema%text("effects", "gravity_table", "file of lines t, gx, gy, gz in the units "// &
+         "of the deck, added to gravity_vector, straight between; path relative to the deck", &
          owner="gravity")
       call schema%logical("effects", "contact", "bodies have velocities of their own, and touch", &
          default=".false.")
