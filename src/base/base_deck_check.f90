@@ -142,7 +142,7 @@ contains
       type(deck_index_t), intent(in) :: index            !! Where they are
       integer, intent(in) :: which                       !! Index of the group
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
-      logical, intent(out) :: unused                     !! A value of the command line turned it off
+      logical, intent(out) :: unused                     !! The command line turned it off
       character(len=:), allocatable :: reason
       logical :: sure
 
