@@ -32,6 +32,7 @@ contains
       integer, intent(inout) :: filled                   !! Number of groups
       character(len=:), allocatable :: choice, group, key, value
       integer :: place, rule, which
+      type(value_t) :: empty
       logical :: removes
 
       removes = index(text, removal_mark) == 1
@@ -68,7 +69,9 @@ contains
       if (removes) then
          if (.not. groups(which)%values(place)%given) call problems%warning(command_line, 0, &
             "&"//group//": "//key//" is not given, so --unset changes nothing")
-         groups(which)%values(place) = value_t(key=schema%groups(rule)%keys(place)%name)
+         ! not by a constructor: gfortran 12 loses the length of the name
+         empty%key = schema%groups(rule)%keys(place)%name
+         groups(which)%values(place) = empty
          return
       end if
       call put(schema%groups(rule), place, key, value, definitions, system, &

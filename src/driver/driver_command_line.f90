@@ -436,8 +436,8 @@ contains
       text = "usage: scree [options] DECK.nml"//newline//newline// &
          "  -n, --check            read and check the deck, say what a run will cost"//newline// &
          "      --no-estimate      with --check: do not estimate the time of the run"//newline// &
-         "  -s, --set G.K=VALUE    put a value in place of the deck's; may be repeated"//newline// &
-         "      --unset G.K        remove a key of the deck; may be repeated"//newline// &
+         "  -s, --set G.K=VALUE    value in place of the deck's; --unset G.K removes it"// &
+         newline// &
          "  -c, --case NAME        prefix of all output files"//newline// &
          "  -o, --outdir DIR       folder of all output files, default out/CASE"//newline// &
          "  -r, --restart [FILE]   go on from FILE.h5 or the newest valid checkpoint"//newline// &
