@@ -83,8 +83,10 @@ def document(program):
         # a key may have the name of a group: both are explained
         place = next(n for n, line in enumerate(said) if line.startswith(f"&{group} "))
         head, keys = said[place:place + 2]
-        lines += [f"## &{group}", "", sentence(head.split(None, 1)[1]), "",
-                  "| key | kind, range | default | meaning |", "|---|---|---|---|"]
+        lines += [f"## &{group}", "", sentence(head.split(None, 1)[1]), ""]
+        if len(keys.split()) == 1:
+            continue
+        lines += ["| key | kind, range | default | meaning |", "|---|---|---|---|"]
         lines += [row(program, group, key) for key in keys.split()[1:]]
         lines.append("")
     return "\n".join(lines)

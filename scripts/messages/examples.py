@@ -123,7 +123,7 @@ DECKS = {
         "&body name = 'one'  region = 'ball'  material = 'metal' /",
         "&region name = 'cube'  shape = 'box'  lo = 0 0 0  hi = 0.2 1 0.2 /\n"
         "&body name = 'one'  region = 'ball'  material = 'metal' /"),
-    "expects-a-number": ("plain", "dx = 0.1", "dx = 0.1 m", None),
+    "expects-a-number": ("plain", "dx = 0.1", "dx = 1e", None),
     "expects-some-numbers": ("plain", "'metal' /", "'metal'  velocity = 100 /", "'metal'  velocity = 100 0 0 /"),
     "expects-up-to-some-numbers": ("sand", "every = 20", "times = now", "times = 0.1 0.5 1"),
     "expects-a-whole-number": ("sand", "every = 20", "every = 2e1", None),

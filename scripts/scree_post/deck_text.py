@@ -11,7 +11,9 @@ from dataclasses import dataclass, field
 from .errors import PostError
 
 QUOTED = re.compile(r"'(?:[^'\r\n]|'')*'|\"(?:[^\"\r\n]|\"\")*\"")
-PLAIN = re.compile(r"(?:\([^)=/&!'\"\r\n]*\)|&(?![A-Za-z])|[^\s,=/!'\"&])+")
+FORMULA = re.compile(r"\{[^}\r\n]*\}")
+# A slash belongs to a unit such as km/s if letters or brackets are close to it.
+PLAIN = re.compile(r"(?:\([^)=/&!'\"\r\n]*\)|&(?![A-Za-z])|(?<=[A-Za-z0-9.)])/(?=[A-Za-z(])|[^\s,=/!'\"&{])+")
 NAME = re.compile(r"&[A-Za-z]\w*", re.ASCII)
 COMMENT = re.compile(r"![^\r\n]*")
 
@@ -126,6 +128,10 @@ class DeckText:
                     if not outside:
                         raise self._broken(at, "the quote is not closed")
                     found = re.compile(r"[^\r\n]*").match(self.text, at)
+            elif letter == "{":
+                kind, found = "formula", FORMULA.match(self.text, at)
+                if not found and not outside:
+                    raise self._broken(at, "the brace is not closed")
             elif letter not in "/=,":
                 found = NAME.match(self.text, at)
                 kind = "name" if found else "plain"

@@ -4,19 +4,21 @@
 !! Usage: `read`, then checks of one's own with `complain` and `warn`, then `verdict`.
 module base_deck
    use base_deck_check, only: check_groups, check_schema, label_of
+   use base_deck_define, only: definitions_t
    use base_deck_echo, only: echo
    use base_deck_fill, only: fill_defaults, fill_groups, start_group
    use base_deck_group, only: group_t, unset_whole
    use base_deck_index, only: deck_index_t
-   use base_deck_override, only: override, take_apart
+   use base_deck_override, only: override, removal_mark, take_apart
    use base_deck_preset, only: apply_presets
    use base_deck_problems, only: problems_t
+   use base_deck_repeat, only: repeat_groups
    use base_deck_value, only: value_t
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
    use base_namelist, only: namelist_t
    use base_schema, only: kind_integer, kind_logical, kind_real, kind_text, schema_t
-   use base_text, only: brief, lower, text_t
+   use base_text, only: brief, lower, number, text_t
    use base_units, only: system_names, system_number, system_si, unit_of, unit_t
    implicit none
    private
@@ -29,6 +31,7 @@ module base_deck
       integer :: system = system_si                      !! Units it is written in
       type(schema_t), private :: schema                  !! What is allowed
       type(problems_t) :: problems                       !! What is wrong
+      type(definitions_t), private :: definitions        !! Names that stand for numbers
       type(group_t), allocatable, private :: groups(:)   !! All groups
       type(deck_index_t), private :: index               !! Where they are
       type(text_t), allocatable, private :: files(:)     !! Its files in the order of reading
@@ -80,11 +83,14 @@ contains
       self%written = namelist%count
       call move_alloc(namelist%files, self%files)
       self%system = chosen_system(namelist, overrides)
+      call self%definitions%read(namelist, overrides, self%system, self%problems)
       allocate (groups(namelist%count + size(overrides) + size(schema%groups)))
       filled = 0
-      call fill_groups(schema, namelist, self%system, self%problems, groups, filled)
+      call fill_groups(schema, namelist, self%definitions, self%system, self%problems, groups, &
+         filled)
       do i = 1, size(overrides)
-         call override(schema, overrides(i)%text, self%system, self%problems, groups, filled)
+         call override(schema, overrides(i)%text, self%definitions, self%system, self%problems, &
+            groups, filled)
       end do
       call add_absent(schema, file, groups, filled)
       do i = 1, filled
@@ -92,6 +98,7 @@ contains
          call groups(i)%get("name", groups(i)%title)
       end do
       self%groups = groups(:filled)
+      call repeat_groups(schema, self%problems, self%groups)
       call self%index%build(schema, self%groups)
       call apply_presets(schema, self%index, self%problems, self%groups)
       call check_groups(schema, self%groups, self%index, file, self%problems)
@@ -114,6 +121,7 @@ contains
          end do
       end do
       do i = 1, size(overrides)
+         if (overrides(i)%text == removal_mark//"units.system") name = "si"
          call take_apart(overrides(i)%text, group, choice, key, value)
          if (group == "units" .and. key == "system") name = value
       end do
@@ -306,10 +314,15 @@ contains
    function deck_echo(self) result(text)
       class(deck_t), intent(in) :: self                  !! The deck
       character(len=:), allocatable :: text
+      integer :: i
 
-      text = echo(self%schema, self%groups, self%index)
       text = "! Written in SI ("//trim(system_names(system_si))//"); the deck was in "// &
-         trim(system_names(self%system))//"."//new_line("a")//text
+         trim(system_names(self%system))//"."//new_line("a")
+      do i = 1, size(self%definitions%names)
+         text = text//"! &define "//self%definitions%names(i)%text//" = "// &
+            number(self%definitions%values(i))//" in the units of the deck"//new_line("a")
+      end do
+      text = text//echo(self%schema, self%groups, self%index)
    end function deck_echo
 
    !> Indices of a group and a key of a certain kind; 0 if there is no such key.

@@ -3,7 +3,7 @@
 module base_deck_check
    use base_deck_group, only: group_t
    use base_deck_index, only: deck_index_t
-   use base_deck_problems, only: problems_t
+   use base_deck_problems, only: command_line, problems_t
    use base_deck_value, only: read_default, value_t
    use base_error, only: error_t, exit_internal, fail
    use base_former, only: former_t
@@ -94,11 +94,12 @@ contains
    !> Check all groups. Keys with an error of their own are taken as they were meant.
    subroutine check_groups(schema, groups, index, deck_file, problems)
       type(schema_t), intent(in) :: schema               !! What is allowed
-      type(group_t), intent(in) :: groups(:)             !! All groups
+      type(group_t), intent(inout) :: groups(:)          !! All groups; unused keys are dropped
       type(deck_index_t), intent(in) :: index            !! Where they are
       character(len=*), intent(in) :: deck_file          !! Name of the deck
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       integer :: i, k, rule
+      logical :: unused
 
       do i = 1, size(groups)
          rule = schema%find(groups(i)%group)
@@ -107,7 +108,9 @@ contains
             cycle
          end if
          do k = 1, size(schema%groups(rule)%keys)
-            call check_key(schema, schema%groups(rule)%keys(k), k, groups, index, i, problems)
+            call check_key(schema, schema%groups(rule)%keys(k), k, groups, index, i, problems, &
+               unused)
+            if (unused) call drop(schema%groups(rule)%keys(k), groups(i)%values(k))
          end do
          if (schema%groups(rule)%find("name") > 0) call check_name(groups, index, i, problems)
       end do
@@ -131,7 +134,7 @@ contains
    end subroutine check_absent
 
    !> Check one key of one group: does it apply, must it be given, is the name known?
-   subroutine check_key(schema, key, place, groups, index, which, problems)
+   subroutine check_key(schema, key, place, groups, index, which, problems, unused)
       type(schema_t), intent(in) :: schema               !! What is allowed
       type(key_t), intent(in) :: key                     !! The key
       integer, intent(in) :: place                       !! Its index
@@ -139,14 +142,21 @@ contains
       type(deck_index_t), intent(in) :: index            !! Where they are
       integer, intent(in) :: which                       !! Index of the group
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      logical, intent(out) :: unused                     !! The command line turned it off
       character(len=:), allocatable :: reason
       logical :: sure
 
+      unused = .false.
       associate (group => groups(which), value => groups(which)%values(place))
          if (.not. value%valid) return
-         call weigh(schema, key, groups, index, which, reason, sure)
+         call weigh(schema, key, groups, index, which, reason, sure, unused)
+         unused = unused .and. sure .and. value%given .and. reason /= ""
+         if (unused) unused = value%file /= command_line
          if (.not. sure) return
-         if (value%given .and. reason /= "") then
+         if (unused) then
+            call problems%warning(value%file, value%line, label_of(group)//": "//key%name//" "// &
+               reason//"; it is ignored, as the command line turned it off")
+         else if (value%given .and. reason /= "") then
             call problems%error(value%file, value%line, label_of(group)//": "//key%name//" "// &
                reason)
          else if (key%required .and. reason == "" .and. value%count() == 0) then
@@ -157,6 +167,17 @@ contains
          end if
       end associate
    end subroutine check_key
+
+   !> Put the default in the place of a value that the command line made useless. What belongs to
+   !! it is useless by the command line as well.
+   subroutine drop(key, value)
+      type(key_t), intent(in) :: key                     !! The key
+      type(value_t), intent(inout) :: value              !! Its value
+      character(len=:), allocatable :: complaint
+
+      call read_default(key, value, complaint)
+      value%file = command_line
+   end subroutine drop
 
    !> True if a key means something in its group.
    logical function applies(schema, key, groups, index, which) result(holds)
@@ -173,7 +194,7 @@ contains
    end function applies
 
    !> Why a key means nothing in its group; empty if it does.
-   subroutine weigh(schema, key, groups, index, which, reason, sure)
+   subroutine weigh(schema, key, groups, index, which, reason, sure, commanded)
       type(schema_t), intent(in) :: schema               !! What is allowed
       type(key_t), intent(in) :: key                     !! The key
       type(group_t), intent(in) :: groups(:)             !! All groups
@@ -181,10 +202,12 @@ contains
       integer, intent(in) :: which                       !! Index of the group
       character(len=:), allocatable, intent(out) :: reason !! Follows the name of the key
       logical, intent(out) :: sure                       !! False: a fault in another key hides it
+      logical, intent(out), optional :: commanded        !! Is it so by a value of the command line?
       integer :: i, other, owner, rule
 
       reason = ""
       sure = .true.
+      if (present(commanded)) commanded = .false.
       do i = 1, size(key%owners)
          associate (condition => key%owners(i))
             other = which
@@ -195,7 +218,10 @@ contains
             sure = sure .and. groups(other)%values(owner)%valid
             call compare(schema%groups(rule)%keys(owner), condition, groups(other)%values(owner), &
                other == which, reason)
-            if (reason /= "") return
+            if (reason == "") cycle
+            if (present(commanded) .and. allocated(groups(other)%values(owner)%file)) &
+               commanded = groups(other)%values(owner)%file == command_line
+            return
          end associate
       end do
    end subroutine weigh

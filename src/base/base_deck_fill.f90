@@ -1,12 +1,14 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> From the pieces of a deck to groups with values: every unknown, repeated or wrong piece is told.
 module base_deck_fill
+   use base_deck_define, only: definitions_t
    use base_deck_group, only: group_t
    use base_deck_problems, only: command_line, problems_t
    use base_deck_value, only: convert, read_default, value_t
    use base_former, only: find_former, tell_former
    use base_namelist, only: block_t, namelist_t, piece_t, token_t
-   use base_schema, only: group_rule_t, kind_integer, kind_logical, kind_real, key_t, schema_t
+   use base_schema, only: group_rule_t, kind_integer, kind_logical, kind_real, kind_text, key_t, &
+      schema_t
    use base_text, only: closest, join, number, shortened
    implicit none
    private
@@ -18,9 +20,10 @@ module base_deck_fill
 contains
 
    !> Make a group of each block of the deck.
-   subroutine fill_groups(schema, namelist, system, problems, groups, filled)
+   subroutine fill_groups(schema, namelist, definitions, system, problems, groups, filled)
       type(schema_t), intent(in) :: schema               !! What is allowed
       type(namelist_t), intent(in) :: namelist           !! What is written
+      type(definitions_t), intent(in) :: definitions     !! Names in expressions
       integer, intent(in) :: system                      !! Units of the numbers
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       type(group_t), intent(inout) :: groups(:)          !! Gets the groups
@@ -31,6 +34,7 @@ contains
       allocate (counts(size(schema%groups)), source=0)
       do i = 1, namelist%count
          associate (block => namelist%blocks(i))
+            if (block%name == "define") cycle
             rule = schema%find(block%name)
             if (rule == 0) then
                call problems%error(block%file, block%line, unknown_group(schema, block%name))
@@ -44,7 +48,8 @@ contains
             end if
             filled = filled + 1
             call start_group(schema%groups(rule), counts(rule), groups(filled))
-            call fill_group(schema%groups(rule), block, system, problems, groups(filled))
+            call fill_group(schema%groups(rule), block, definitions, system, problems, &
+               groups(filled))
          end associate
       end do
    end subroutine fill_groups
@@ -89,12 +94,14 @@ contains
    end subroutine start_group
 
    !> Take the pieces of a block into its group.
-   subroutine fill_group(rule, block, system, problems, group)
+   subroutine fill_group(rule, block, definitions, system, problems, group)
       type(group_rule_t), intent(in) :: rule             !! What is allowed in it
       type(block_t), intent(in) :: block                 !! What is written
+      type(definitions_t), intent(in) :: definitions     !! Names in expressions
       integer, intent(in) :: system                      !! Units of the numbers
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       type(group_t), intent(inout) :: group              !! Gets the values
+      type(piece_t) :: resolved
       integer :: i, place
 
       group%present = .true.
@@ -115,7 +122,10 @@ contains
                   " is given twice, first in line "//number(group%values(place)%line))
                cycle
             end if
-            call store(rule, place, piece, block%file, system, problems, group)
+            resolved = piece
+            call definitions%resolve("&"//rule%name, block%file, resolved, problems, &
+               rule%keys(place)%kind == kind_text .and. rule%keys(place)%unit_text /= "")
+            call store(rule, place, resolved, block%file, system, problems, group)
          end associate
       end do
    end subroutine fill_group
@@ -199,7 +209,7 @@ contains
          ! what is always so is as if it were not written
          if (holds) value = value_t(key=key%name)
          if (was) return
-         hint = lost_sign(rule, piece%tokens)
+         hint = lost_sign(rule, piece%tokens)//lost_braces(key, piece%tokens)
          call problems%error(file, piece%line, "&"//rule%name//": "//key%name//piece%subscript// &
             " = "//written(piece%tokens)//complaint//hint)
       end associate
@@ -243,6 +253,29 @@ contains
          return
       end do
    end function lost_sign
+
+   !> What to add to a message about numbers: that braces are missing, or what expressions gave.
+   function lost_braces(key, tokens) result(hint)
+      type(key_t), intent(in) :: key                     !! The key
+      type(token_t), intent(in) :: tokens(:)             !! The values
+      character(len=:), allocatable :: hint
+      character(len=*), parameter :: numeric = "+-.0123456789eEdD"
+      integer :: i, star
+
+      hint = ""
+      if (key%kind /= kind_real .and. key%kind /= kind_integer) return
+      do i = 1, size(tokens)
+         if (tokens(i)%formula) hint = hint//"; "//tokens(i)%raw//" is "//tokens(i)%text
+         if (tokens(i)%formula .or. tokens(i)%quoted .or. tokens(i)%comma .or. hint /= "") cycle
+         associate (raw => tokens(i)%raw)
+            star = scan(raw, "*(")
+            if (star < 2 .or. star == len(raw)) cycle
+            if (verify(raw(:star - 1), "0123456789") == 0 .and. &
+               verify(raw(star + 1:), numeric) == 0) cycle
+            hint = "; expressions stand in braces: {"//raw//"}"
+         end associate
+      end do
+   end function lost_braces
 
    !> The values as they are written, cut if they are long.
    function written(tokens) result(text)

@@ -1,33 +1,57 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Values that the command line puts in place of those of the deck: `--set GROUP.KEY=VALUE`.
+!> Values that the command line puts in place of those of the deck, `--set GROUP.KEY=VALUE`, or
+!! removes, `--unset GROUP.KEY`.
 module base_deck_override
+   use base_deck_define, only: definitions_t, scan_value
    use base_deck_fill, only: start_group, store, tell_unknown
    use base_deck_group, only: group_t
    use base_deck_problems, only: command_line, problems_t
-   use base_namelist, only: namelist_t, piece_t, token_t
+   use base_deck_value, only: value_t
+   use base_namelist, only: piece_t, token_t
    use base_schema, only: group_rule_t, kind_text, schema_t
    use base_text, only: append, closest, join, lower, number, text_t
    implicit none
    private
 
-   public :: override, take_apart
+   public :: override, removal_mark, take_apart
+
+   !> Before GROUP.KEY that `--unset` removes.
+   character(len=1), parameter :: removal_mark = "!"
 
 contains
 
    !> Take one value of the command line into the groups.
-   subroutine override(schema, text, system, problems, groups, filled)
+   subroutine override(schema, text, definitions, system, problems, groups, filled)
       type(schema_t), intent(in) :: schema               !! What is allowed
-      character(len=*), intent(in) :: text               !! GROUP.KEY=VALUE or GROUP[NAME].KEY=VALUE
+      !> GROUP.KEY=VALUE, GROUP[NAME].KEY=VALUE, or with a mark before it what is to be removed
+      character(len=*), intent(in) :: text
+      type(definitions_t), intent(in) :: definitions     !! Names in expressions
       integer, intent(in) :: system                      !! Units of the numbers
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       type(group_t), intent(inout) :: groups(:)          !! All groups, with room for one more
       integer, intent(inout) :: filled                   !! Number of groups
       character(len=:), allocatable :: choice, group, key, value
       integer :: place, rule, which
+      type(value_t) :: empty
+      logical :: removes
 
-      call take_apart(text, group, choice, key, value)
-      if (key == "") then
+      removes = index(text, removal_mark) == 1
+      if (removes) then
+         call take_apart(text(2:)//"=", group, choice, key, value)
+      else
+         call take_apart(text, group, choice, key, value)
+      end if
+      if (removes .and. (key == "" .or. scan(text, "=") > 0)) then
+         call problems%error(command_line, 0, text(2:)//"  <- --unset expects GROUP.KEY")
+         return
+      else if (key == "") then
          call problems%error(command_line, 0, text//"  <- expects GROUP.KEY=VALUE")
+         return
+      end if
+      if (group == "define") then
+         ! values of definitions have been taken with them
+         if (removes) call problems%error(command_line, 0, "&define: "//key// &
+            " cannot be removed; --set gives it another value")
          return
       end if
       rule = schema%find(group)
@@ -41,8 +65,17 @@ contains
          return
       end if
       call choose(schema%groups(rule), choice, problems, groups, filled, which)
-      if (which > 0) call put(schema%groups(rule), place, key, value, system, problems, &
-         groups(which))
+      if (which == 0) return
+      if (removes) then
+         if (.not. groups(which)%values(place)%given) call problems%warning(command_line, 0, &
+            "&"//group//": "//key//" is not given, so --unset changes nothing")
+         ! not by a constructor: gfortran 12 loses the length of the name
+         empty%key = schema%groups(rule)%keys(place)%name
+         groups(which)%values(place) = empty
+         return
+      end if
+      call put(schema%groups(rule), place, key, value, definitions, system, &
+         problems, groups(which))
    end subroutine override
 
    !> Say that there is no such group.
@@ -131,32 +164,33 @@ contains
    end subroutine choose
 
    !> Put a value in the place of the one that a key had.
-   subroutine put(rule, place, key, value, system, problems, group)
+   subroutine put(rule, place, key, value, definitions, system, problems, group)
       type(group_rule_t), intent(in) :: rule             !! What is allowed
       integer, intent(in) :: place                       !! Index of the key
       character(len=*), intent(in) :: key                !! The key with its subscript
       character(len=*), intent(in) :: value              !! As written
+      type(definitions_t), intent(in) :: definitions     !! Names in expressions
       integer, intent(in) :: system                      !! Units of the numbers
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       type(group_t), intent(inout) :: group              !! Gets the value
-      type(namelist_t) :: namelist
       type(piece_t) :: piece
-      type(problems_t) :: ignored
-      character(len=*), parameter :: newline = new_line("a")
 
       piece%key = rule%keys(place)%name
       piece%subscript = key(index(key//"(", "("):)
       if (rule%keys(place)%kind == kind_text .and. scan(value, "'""") == 0) then
          call bare_texts(rule%keys(place)%places, value, piece%tokens)
       else
-         call namelist%scan("&g k = "//value//newline//"/", command_line, ignored)
-         piece%broken = ignored%errors > 0 .or. namelist%count /= 1
-         if (.not. piece%broken) piece%broken = size(namelist%blocks(1)%pieces) /= 1
-         if (.not. piece%broken) piece%tokens = namelist%blocks(1)%pieces(1)%tokens
+         call scan_value(value, piece)
       end if
       if (piece%broken) then
          call problems%error(command_line, 0, "&"//rule%name//": "//key//" = "//value// &
             "  <- is no value")
+      else
+         call definitions%resolve("&"//rule%name, command_line, piece, problems, &
+            rule%keys(place)%kind == kind_text .and. rule%keys(place)%unit_text /= "")
+      end if
+      if (piece%broken) then
+         continue
       else if (piece%subscript == "") then
          if (allocated(group%values(place)%filled)) group%values(place)%filled = .false.
          group%values(place)%valid = .true.

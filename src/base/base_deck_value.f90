@@ -1,11 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Values of keys: strict conversion of what is written into numbers, switches and texts in SI.
 module base_deck_value
-   use base_decimal, only: decimal_good, decimal_none, read_decimal
-   use base_kinds, only: int64, wp
+   use base_deck_number, only: check_range, convert_number, expectation, item_t, read_whole
+   use base_kinds, only: wp
    use base_namelist, only: token_t
+   use base_place_formula, only: convert_formula
    use base_schema, only: key_t, kind_integer, kind_logical, kind_real, kind_text
    use base_text, only: closest, join, lower, number, split, text_t
+   use base_unit_words, only: begins_unit, split_unit
    use base_units, only: system_si
    implicit none
    private
@@ -28,12 +30,6 @@ module base_deck_value
    contains
       procedure :: count => value_count                  !! Number of values
    end type value_t
-
-   !> One value as written, repeat counts resolved.
-   type :: item_t
-      character(len=:), allocatable :: text              !! Without quotes
-      logical :: quoted = .false.                        !! It stood in quotes
-   end type item_t
 
    integer, parameter :: longest_text = 240              !! Fits into a line with its quotes doubled
    character(len=*), parameter :: points_at = "  <- "    !! Between value and complaint
@@ -96,8 +92,9 @@ contains
       call make_room(key, value)
       first = max(subscript, 1)
       places = key%places - first + 1
-      call expand(tokens, places, items, complaint)
+      call expand(key, tokens, places, items, complaint)
       if (complaint == "" .and. size(items) == 0) complaint = expectation(key)
+      if (complaint == "" .and. key%kind == kind_real) complaint = mixed_units(items)
       do i = 1, min(size(items), places)
          if (complaint /= "") exit
          call convert_item(key, items(i), system, first + i - 1, value, complaint)
@@ -156,16 +153,18 @@ contains
    end subroutine make_room
 
    !> Resolve commas and repeat counts such as 3*0.0. Counts beyond the places are not carried out.
-   subroutine expand(tokens, places, items, complaint)
+   subroutine expand(key, tokens, places, items, complaint)
+      type(key_t), intent(in) :: key                     !! The key
       type(token_t), intent(in) :: tokens(:)             !! What is written
       integer, intent(in) :: places                      !! Number of places to fill
       type(item_t), allocatable, intent(out) :: items(:) !! The values
       character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
       type(item_t) :: item
       logical :: after_comma
-      integer :: copies, i, mark, pending
+      integer :: before, copies, i, mark, pending
 
       allocate (items(0))
+      before = 0
       after_comma = .true.
       pending = 1
       do i = 1, size(tokens)
@@ -174,7 +173,14 @@ contains
             after_comma = .true.
             cycle
          end if
+         if (.not. after_comma .and. size(items) > before .and. is_unit(key, tokens(i))) then
+            do copies = before + 1, size(items)
+               items(copies)%unit = trim(adjustl(items(copies)%unit//" "//tokens(i)%text))
+            end do
+            cycle
+         end if
          after_comma = .false.
+         before = size(items)
          copies = pending
          pending = 1
          item%text = tokens(i)%text
@@ -184,31 +190,65 @@ contains
             copies = copies*copies_of(item%text(:max(mark - 1, 0)))
             if (copies > 0) item%text = item%text(mark + 1:)
             if (copies > 0 .and. mark > 0 .and. item%text == "" .and. i < size(tokens)) then
-               if (tokens(i + 1)%quoted) then
+               if (tokens(i + 1)%quoted .or. tokens(i + 1)%formula) then
                   pending = copies
                   cycle
                end if
             end if
          end if
+         item%unit = ""
+         if (key%kind == kind_real .and. .not. item%quoted) &
+            call split_unit(item%text//"", item%text, item%unit)
          do copies = 1, min(max(copies, 1), places + 1 - size(items))
             call add_item(items, item)
          end do
-         if (size(items) > places) call add_rest(items, tokens(i + 1:))
+         if (size(items) > places) call add_rest(key, items, tokens(i + 1:))
          if (size(items) > places) exit
       end do
    end subroutine expand
 
+   !> True if a word behind a number is its unit.
+   pure logical function is_unit(key, token) result(yes)
+      type(key_t), intent(in) :: key                     !! The key
+      type(token_t), intent(in) :: token                 !! The word
+
+      yes = key%kind == kind_real .and. .not. (token%quoted .or. token%formula .or. token%comma)
+      if (yes) yes = begins_unit(token%raw)
+   end function is_unit
+
+   !> What is wrong if some numbers of a list have a unit and others, that are not 0, have none.
+   function mixed_units(items) result(complaint)
+      type(item_t), intent(in) :: items(:)               !! The numbers
+      character(len=:), allocatable :: complaint
+      logical :: bare, united
+      integer :: i
+
+      complaint = ""
+      bare = .false.
+      united = .false.
+      do i = 1, size(items)
+         if (items(i)%quoted) return
+         united = united .or. items(i)%unit /= ""
+         if (items(i)%unit == "") bare = bare .or. &
+            scan(items(i)%text(:scan(items(i)%text//"e", "eEdD") - 1), "123456789") > 0
+      end do
+      if (bare .and. united) complaint = &
+         "has numbers with and without a unit; write one behind each number that is not 0"
+   end function mixed_units
+
    !> Count the values that follow when there are too many anyway.
-   subroutine add_rest(items, tokens)
+   subroutine add_rest(key, items, tokens)
+      type(key_t), intent(in) :: key                     !! The key
       type(item_t), allocatable, intent(inout) :: items(:) !! The values
       type(token_t), intent(in) :: tokens(:)             !! What follows
       type(item_t) :: item
       integer :: i
 
       do i = 1, size(tokens)
-         if (tokens(i)%comma) cycle
+         if (tokens(i)%comma .or. is_unit(key, tokens(i))) cycle
          item%text = tokens(i)%text
          item%quoted = tokens(i)%quoted
+         item%unit = ""
          call add_item(items, item)
       end do
    end subroutine add_rest
@@ -254,10 +294,7 @@ contains
       end if
       select case (key%kind)
       case (kind_real)
-         call read_number(item%text, nint(key%unit%exponent(system)), value%numbers(place), &
-            complaint)
-         if (complaint == "?") complaint = expectation(key)
-         if (complaint == "") call finish_number(key, system, value%numbers(place), complaint)
+         call convert_number(key, item, system, value%numbers(place), complaint)
       case (kind_integer)
          call read_whole(item%text, value%wholes(place), complaint)
          if (complaint == "?") complaint = expectation(key)
@@ -273,85 +310,12 @@ contains
          end select
       case default
          call check_words(key, item%text, value%texts(place)%text, complaint)
+         if (complaint == "" .and. key%unit_text /= "") &
+            call convert_formula(key, system, longest_text, value%texts(place)%text, &
+            complaint)
       end select
       if (complaint == "") value%filled(place) = .true.
    end subroutine convert_item
-
-   !> Read a number, its decimal exponent shifted.
-   subroutine read_number(text, shift, number_read, complaint)
-      character(len=*), intent(in) :: text               !! What is written
-      integer, intent(in) :: shift                       !! Added to the decimal exponent
-      real(wp), intent(out) :: number_read               !! The number [SI]
-      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is no number
-      integer :: verdict
-
-      call read_decimal(text, shift, number_read, verdict)
-      select case (verdict)
-      case (decimal_good)
-         complaint = ""
-      case (decimal_none)
-         complaint = "?"
-      case default
-         complaint = "is too large or too small for a number"
-      end select
-   end subroutine read_number
-
-   !> Convert units that are no whole power of ten, and check the range.
-   subroutine finish_number(key, system, value, complaint)
-      type(key_t), intent(in) :: key                     !! The key
-      integer, intent(in) :: system                      !! Units of what was written
-      real(wp), intent(inout) :: value                   !! The number [SI]
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
-      real(wp) :: rest
-
-      rest = key%unit%exponent(system)
-      rest = rest - real(nint(rest), wp)
-      if (abs(rest) > 0.0_wp) value = value*10.0_wp**rest
-      call check_range(key, value, complaint)
-   end subroutine finish_number
-
-   !> Check the range of a number.
-   subroutine check_range(key, value, complaint)
-      type(key_t), intent(in) :: key                     !! The key
-      real(wp), intent(in) :: value                      !! The number [SI]
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
-      type(text_t), allocatable :: parts(:)
-      logical :: inside
-
-      inside = value >= key%least .and. value <= key%most
-      if (inside .and. key%least_open) inside = value > key%least
-      if (inside .and. key%most_open) inside = value < key%most
-      if (inside) return
-      call split(key%range, parts)
-      if (size(parts) == 4) then
-         complaint = "must be "//join(parts(:2), " ")//" and "//join(parts(3:), " ")
-      else
-         complaint = "must be "//key%range
-      end if
-      if (key%unit_text /= "") complaint = complaint//" "//key%unit_text
-      if (key%hint /= "") complaint = complaint//"; "//key%hint
-   end subroutine check_range
-
-   !> Read a whole number.
-   subroutine read_whole(text, whole, complaint)
-      character(len=*), intent(in) :: text               !! What is written
-      integer, intent(out) :: whole                      !! The number
-      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is no whole number
-      character(len=*), parameter :: figures = "0123456789"
-      integer(int64) :: long
-      integer :: first, status
-
-      whole = 0
-      complaint = "?"
-      first = merge(2, 1, scan(text//" ", "+-") == 1)
-      if (first > len(text) .or. verify(text(first:), figures) > 0) return
-      complaint = "must not be beyond "//number(huge(whole))
-      if (len(text) > 12) return
-      read (text, *, iostat=status) long
-      if (status /= 0 .or. abs(long) > huge(whole)) return
-      complaint = ""
-      whole = int(long)
-   end subroutine read_whole
 
    !> Check a text against the words that are allowed, in letters of either case.
    subroutine check_words(key, written, text, complaint)
@@ -375,34 +339,4 @@ contains
       near = closest(text, key%words)
       if (near /= "") complaint = complaint//"; did you mean '"//near//"'?"
    end subroutine check_words
-
-   !> What a key expects.
-   function expectation(key) result(text)
-      type(key_t), intent(in) :: key                     !! The key
-      character(len=:), allocatable :: text
-      character(len=16) :: one, several
-
-      select case (key%kind)
-      case (kind_real)
-         one = "a number"
-         several = "numbers"
-      case (kind_integer)
-         one = "a whole number"
-         several = "whole numbers"
-      case (kind_logical)
-         text = "expects .true. or .false."
-         return
-      case default
-         one = "a text in quotes"
-         several = "texts in quotes"
-      end select
-      text = "expects "
-      if (key%places == 1) then
-         text = text//trim(one)
-      else if (key%exact) then
-         text = text//number(key%places)//" "//trim(several)
-      else
-         text = text//"up to "//number(key%places)//" "//trim(several)
-      end if
-   end function expectation
 end module base_deck_value

@@ -8,7 +8,7 @@
 module base_namelist
    use base_deck_problems, only: problems_t
    use base_namelist_words, only: lexeme_t, scanner_t, word_broken, word_comma, word_equals, &
-      word_group, word_nothing, word_quoted, word_slash, word_plain
+      word_formula, word_group, word_nothing, word_quoted, word_slash, word_plain
    use base_text, only: append, lower, number, text_t
    implicit none
    private
@@ -21,6 +21,9 @@ module base_namelist
       character(len=:), allocatable :: text              !! The same without its quotes
       logical :: quoted = .false.                        !! It stood in quotes
       logical :: comma = .false.                         !! It is no value but a comma
+      logical :: formula = .false.                       !! It is an expression in braces
+      integer :: line = 0                                !! Line of the file
+      integer :: column = 0                              !! Place of its first letter in the line
    end type token_t
 
    !> One `key = value`.
@@ -94,7 +97,7 @@ contains
 
       if (after_slash) then
          call problems%error(scanner%file, found%line, "text after the / that ends the group: "// &
-            scanner%rest_of_line(found%first)//"; texts need quotes, numbers are no expressions")
+            scanner%rest_of_line(found%first)//"; texts need quotes, expressions braces")
       else
          call problems%error(scanner%file, found%line, "text outside a group: "// &
             scanner%rest_of_line(found%first)//"; a group begins with &name and ends with /")
@@ -289,6 +292,9 @@ contains
       token%text = token%raw
       token%comma = word%kind == word_comma
       token%quoted = word%kind == word_quoted
+      token%formula = word%kind == word_formula
+      token%line = word%line
+      token%column = word%column
       if (token%quoted) token%text = unquote(token%raw)
    end subroutine make_token
 

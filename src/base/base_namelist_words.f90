@@ -15,7 +15,8 @@ module base_namelist_words
    integer, parameter, public :: word_comma = 4          !! The sign ,
    integer, parameter, public :: word_quoted = 5         !! Text in quotes
    integer, parameter, public :: word_plain = 6          !! Anything else
-   integer, parameter, public :: word_broken = 7         !! Text whose closing quote is missing
+   integer, parameter, public :: word_broken = 7         !! Its closing quote or brace is missing
+   integer, parameter, public :: word_formula = 8        !! An expression in braces
 
    integer, parameter :: longest_line = 512              !! Longer ones are an error
    character(len=1), parameter :: mark = achar(1)        !! Begins a line that names file and line
@@ -27,6 +28,7 @@ module base_namelist_words
       integer :: first = 0                               !! First letter in the text
       integer :: last = 0                                !! Last letter in the text
       integer :: line = 0                                !! Line of the file
+      integer :: column = 0                              !! Place of the first letter in its line
    end type lexeme_t
 
    !> The text and how far it has been read.
@@ -111,6 +113,7 @@ contains
 
       call skip_blanks(self, crossed, problems)
       word%line = self%line
+      word%column = self%at - self%line_start + 1
       word%first = self%at
       word%last = self%at
       if (crossed .or. self%at > len(self%text)) return
@@ -123,6 +126,8 @@ contains
          word%kind = word_comma
       case ("'", """")
          call read_quoted(self, word, problems)
+      case ("{")
+         call read_formula(self, word, problems)
       case ("&")
          if (is_letter(self%text(self%at + 1:self%at + 1))) then
             word%kind = word_group
@@ -221,7 +226,24 @@ contains
          self%rest_of_line(self%at))
    end subroutine read_quoted
 
-   !> Read anything else, up to a blank or sign; blanks and commas in brackets belong to it.
+   !> Read an expression in braces. It ends in its line; if not, the line is lost.
+   subroutine read_formula(self, word, problems)
+      class(scanner_t), intent(in) :: self               !! At the opening brace
+      type(lexeme_t), intent(inout) :: word              !! The word, its begin known
+      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+
+      word%last = self%at + scan(self%text(self%at:), "}"//newline) - 1
+      word%kind = word_formula
+      if (self%text(word%last:word%last) == "}") return
+      word%last = word%last - 1
+      word%kind = word_broken
+      if (self%inside == "") return
+      call problems%error(self%file, self%line, "&"//self%inside//": the brace is not closed: "// &
+         self%rest_of_line(self%at)//"; an expression ends with } in its line")
+   end subroutine read_formula
+
+   !> Read anything else, up to a blank or sign; blanks and commas in brackets belong to it, and so
+   !! does the slash of a unit such as km/s.
    subroutine read_plain(self, word)
       class(scanner_t), intent(in) :: self               !! At its first letter
       type(lexeme_t), intent(inout) :: word              !! The word, its begin known
@@ -234,13 +256,24 @@ contains
             closing = scan(self%text(at:), ")=/&!'"""//newline) + at - 1
             if (self%text(closing:closing) == ")") at = closing
          end if
-         if (scan(self%text(at + 1:at + 1), ",=/!'""") == 1) exit
+         if (scan(self%text(at + 1:at + 1), ",=!{'""") == 1) exit
+         if (self%text(at + 1:at + 1) == "/" .and. .not. divides(self%text, at + 1)) exit
          if (self%text(at + 1:at + 1) <= " ") exit
          if (self%text(at + 1:at + 1) == "&" .and. is_letter(self%text(at + 2:at + 2))) exit
          at = at + 1
       end do
       word%last = at
    end subroutine read_plain
+
+   !> True for a slash within a unit: a letter or bracket follows at once, no blank is before it.
+   pure logical function divides(text, at) result(yes)
+      character(len=*), intent(in) :: text               !! The whole text, a newline at its end
+      integer, intent(in) :: at                          !! Place of the slash, not the first
+      character(len=*), parameter :: before = "0123456789.)"
+
+      yes = text(at + 1:at + 1) == "(" .or. is_letter(text(at + 1:at + 1))
+      yes = yes .and. (is_letter(text(at - 1:at - 1)) .or. scan(text(at - 1:at - 1), before) == 1)
+   end function divides
 
    !> Last letter of a name.
    pure integer function end_of_name(text, first) result(last)

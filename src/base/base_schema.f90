@@ -159,8 +159,9 @@ contains
       call self%add(key, group, name, doc, default, owner=owner)
    end subroutine schema_logical
 
-   !> Declare a key of texts: name t for one, t(2) for two, t(:40) for up to forty.
-   subroutine schema_text(self, group, name, doc, default, words, owner)
+   !> Declare a key of texts: name t for one, t(2) for two, t(:40) for up to forty. With a unit they
+   !! are formulas of the place.
+   subroutine schema_text(self, group, name, doc, default, words, owner, unit)
       class(schema_t), intent(inout) :: self             !! The schema
       character(len=*), intent(in) :: group              !! Group it belongs to
       character(len=*), intent(in) :: name               !! Name and number of values
@@ -168,10 +169,16 @@ contains
       character(len=*), intent(in), optional :: default  !! Without quotes
       character(len=*), intent(in), optional :: words    !! All that is allowed, blanks between
       character(len=*), intent(in), optional :: owner    !! When it means something
+      character(len=*), intent(in), optional :: unit     !! Of the value of a formula
       type(key_t) :: key
+      logical :: known
 
       key%kind = kind_text
       if (present(words)) call split(words, key%words)
+      if (present(unit)) then
+         key%unit_text = unit
+         call unit_of(unit, key%unit, known)
+      end if
       call self%add(key, group, name, doc, default, owner=owner)
    end subroutine schema_text
 

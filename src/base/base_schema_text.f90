@@ -195,6 +195,9 @@ contains
             if (rule%name == "include") then
                call buffer%line("! &include file = 'name.nml' /    "//rule%doc)
                cycle
+            else if (rule%name == "define") then
+               call buffer%line("! &define name = 1.0 /             "//rule%doc)
+               cycle
             end if
             call buffer%line("")
             call buffer%line("! "//rule%doc)

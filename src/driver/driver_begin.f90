@@ -3,12 +3,14 @@
 module driver_begin
    use base_error, only: error_t
    use driver_exact_start, only: place_exact, strain_exact
+   use driver_gravity, only: note_gravity
    use driver_lithostatic, only: weigh_down
    use driver_point_clock, only: take_clock
    use driver_point_fields, only: take_fields
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
    use driver_start, only: fill_simulation, first_step, spin_bodies, survey_t
+   use driver_velocity_start, only: add_formula_velocities
    use particle_fill, only: body_t
    implicit none
    private
@@ -30,12 +32,15 @@ contains
       call take_fields(simulation, bodies, shapes, error)
       if (allocated(error)) return
       call spin_bodies(simulation, bodies)
+      call add_formula_velocities(simulation, bodies, error)
+      if (allocated(error)) return
       call weigh_down(simulation, bodies)
       call place_exact(simulation, error)
       if (allocated(error)) return
       call strain_exact(simulation)
       call first_step(simulation)
       call take_clock(simulation, bodies, shapes)
+      call note_gravity(simulation)
       call simulation%ledger%balance(simulation%communicator, simulation%grid, &
          simulation%stores, simulation%materials, simulation%ledger%start)
    end subroutine begin_run

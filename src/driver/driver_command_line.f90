@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The command line: what the user asks the program to do.
 module driver_command_line
+   use base_deck_override, only: removal_mark
    use base_error, only: error_t, exit_input, fail
    use base_text, only: append, closest, text_t
    implicit none
@@ -18,7 +19,7 @@ module driver_command_line
       logical :: restart = .false.                       !! Go on from a checkpoint
       logical :: overwrite = .false.                     !! Replace the results of a former run
       character(len=:), allocatable :: checkpoint        !! Which; without it the newest valid one
-      type(text_t), allocatable :: overrides(:)          !! GROUP.KEY=VALUE in the order given
+      type(text_t), allocatable :: overrides(:)          !! GROUP.KEY=VALUE, !GROUP.KEY
       character(len=:), allocatable :: case_name         !! In place of the case of the deck
       character(len=:), allocatable :: output_folder     !! In place of out/CASE
       logical :: quiet = .false.                         !! Only warnings and errors on the screen
@@ -46,7 +47,7 @@ module driver_command_line
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(23) = [ &
+   type(option_t), parameter :: options(24) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
@@ -58,9 +59,9 @@ module driver_command_line
       option_t("job     ", " ", a_value), option_t("ranks   ", " ", a_value), &
       option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
       option_t("no-estimate", " ", nothing), option_t("overwrite", " ", nothing), &
-      option_t("preview ", "p", nothing)]
-   character(len=9), parameter :: lists(5) = [character(len=9) :: "materials", "fields", &
-      "shapes", "examples", "former"]
+      option_t("preview ", "p", nothing), option_t("unset   ", " ", a_value)]
+   character(len=9), parameter :: lists(6) = [character(len=9) :: "materials", "fields", &
+      "shapes", "units", "examples", "former"]
    character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
 
 contains
@@ -272,6 +273,8 @@ contains
          command%overwrite = .true.
       case ("set")
          call append(command%overrides, value)
+      case ("unset")
+         call append(command%overrides, removal_mark//value)
       case ("case")
          command%case_name = value
       case ("outdir")
@@ -409,8 +412,8 @@ contains
       end do
       near = closest(name, names)
       if (near /= "") near = "; did you mean "//near//"?"
-      call complain(error, "--list knows materials, fields, shapes, examples and former, not '"// &
-         name//"'"//near)
+      call complain(error, "--list knows materials, fields, shapes, units, examples and "// &
+         "former, not '"//name//"'"//near)
    end subroutine check_list
 
    !> A job is printed, not run; numbers of it need it.
@@ -449,7 +452,8 @@ contains
          "  -p, --preview          draw the first state and the walls into OUTDIR_preview"// &
          newline// &
          "      --no-estimate      with --check: do not estimate the time of the run"//newline// &
-         "  -s, --set G.K=VALUE    put a value in place of the deck's; may be repeated"//newline// &
+         "  -s, --set G.K=VALUE    value in place of the deck's; --unset G.K removes it"// &
+         newline// &
          "  -c, --case NAME        prefix of all output files"//newline// &
          "  -o, --outdir DIR       folder of all output files, default out/CASE"//newline// &
          "  -r, --restart [FILE]   go on from FILE.h5 or the newest valid checkpoint"//newline// &
@@ -461,7 +465,7 @@ contains
          "      --explain KEY      what a key or group of the deck means"//newline// &
          "      --point            drive one material along &point, write CASE_point.csv"// &
          newline// &
-         "      --list WHAT        materials, fields, shapes, examples or former"//newline// &
+         "      --list WHAT        materials, fields, shapes, units, examples, former"//newline// &
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
          "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
          newline//"                         --threads N and --time HH:MM:SS"//newline// &

@@ -10,6 +10,7 @@ module driver_fields
    use driver_dual_nodes, only: dual_fields
    use driver_exact_force, only: book_body_force
    use driver_gather, only: gather_particles, gather_parts_t
+   use driver_gravity, only: act_gravity
    use driver_normalise, only: find_factors
    use driver_nodes, only: finish_nodes, move_nodes, remap_nodes, start_nodes, strain_nodes
    use driver_retry, only: judge_nodes
@@ -62,12 +63,14 @@ contains
 
       if (allocated(simulation%contact)) then
          simulation%kick = simulation%method%kick(simulation%dt, dt)
+         call act_gravity(simulation)
          call push_fields(simulation, simulation%kick)
          return
       end if
       call find_force(simulation)
       do
          simulation%kick = simulation%method%kick(simulation%dt, dt)
+         call act_gravity(simulation)
          call move_nodes(simulation, simulation%kick, dt)
          if (simulation%method%transfer%sweeps() > 0) &
             call filter_nodes(simulation, simulation%kick)

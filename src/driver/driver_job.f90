@@ -2,6 +2,7 @@
 !> Scripts for the schedulers of clusters. A job that comes to the end of its time writes a
 !! checkpoint, leaves with the exit code that asks for another run, and is put into the queue again.
 module driver_job
+   use base_deck_override, only: removal_mark
    use base_error, only: error_t, exit_again, exit_input, fail
    use base_kinds, only: int64, wp
    use base_text, only: number
@@ -92,7 +93,13 @@ contains
          if (allocated(command%output_folder)) &
             text = text//" --outdir "//quoted(command%output_folder)
          do n = 1, size(command%overrides)
-            text = text//" --set "//quoted(command%overrides(n)%text)
+            associate (override => command%overrides(n)%text)
+               if (index(override, removal_mark) == 1) then
+                  text = text//" --unset "//quoted(override(2:))
+               else
+                  text = text//" --set "//quoted(override)
+               end if
+            end associate
          end do
          if (command%force) text = text//" --force"
       end associate
@@ -235,7 +242,7 @@ contains
       text = text//" --restart"
    end function resume_command
 
-   !> Add a word to the command, unless it is --restart or the file behind that.
+   !> Add a word to the command, unless it is --restart, the file behind that, or --overwrite.
    pure subroutine add_word(word, after, text)
       character(len=*), intent(in) :: word           !! From the command line
       logical, intent(inout) :: after                !! Was the word before --restart?
@@ -244,7 +251,7 @@ contains
 
       file = after .and. len(word) > 3 .and. index(word, ".h5", back=.true.) == len(word) - 2
       after = word == "--restart" .or. word == "-r"
-      if (.not. (file .or. after .or. index(word, "--restart=") == 1)) &
+      if (.not. (file .or. after .or. word == "--overwrite" .or. index(word, "--restart=") == 1)) &
          text = text//" "//quoted(word)
    end subroutine add_word
 

@@ -4,6 +4,7 @@ module driver_lists
    use base_former, only: former_line
    use base_schema, only: schema_t
    use base_text, only: join, number
+   use base_unit_words, only: unit_list
    use driver_history, only: history_names
    use exact_catalogue, only: exact_names
    use io_deck_schema, only: deck_version
@@ -31,6 +32,8 @@ contains
          associate (region => schema%groups(schema%find("region")))
             text = join(region%keys(region%find("shape"))%words, " ")
          end associate
+      case ("units")
+         text = unit_list()
       case ("former")
          text = former_lines(schema)
       case default

@@ -4,6 +4,7 @@ module driver_restart
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use driver_exact_error, only: load_errors, save_errors
+   use driver_gravity, only: note_gravity
    use driver_output, only: outputs_t
    use driver_simulation, only: simulation_t
    use driver_start, only: distribute
@@ -107,6 +108,7 @@ contains
       call state%get("last_step_length", length, error)
       if (allocated(error)) return
       simulation%dt = length(1)
+      call note_gravity(simulation)
       simulation%guard%longest = length(size(length))
       call outputs%load(state)
       call load_errors(simulation, state)

@@ -9,6 +9,7 @@ module driver_scene
    use driver_bounds, only: read_bounds
    use driver_contact_deck, only: read_contact
    use driver_exact_deck, only: read_exact
+   use driver_gravity, only: read_gravity
    use driver_lithostatic, only: read_lithostatic
    use driver_matter, only: all_gases, stores_work
    use driver_method, only: position_of
@@ -245,20 +246,15 @@ contains
       end do
    end subroutine check_periodic
 
-   !> Gravity, if it acts.
+   !> Erosion, and gravity if it acts.
    subroutine read_effects(deck, simulation)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! The run
       type(group_t) :: group
-      logical :: acts
 
       group = deck%group("effects", 1)
       call group%get("erosion", simulation%erosion)
-      call group%get("gravity", acts)
-      if (.not. acts) return
-      allocate (simulation%gravity(3))
-      call group%get("gravity_vector", simulation%gravity)
-      where (.not. simulation%grid%active) simulation%gravity = 0.0_wp
+      call read_gravity(deck, simulation)
    end subroutine read_effects
 
    !> The materials.
@@ -298,7 +294,7 @@ contains
             call group%get("packing", packing)
             body%cut = packing == "cut"
             body%jitter = packing == "jitter"
-            call group%get("velocity", body%velocity)
+            call read_velocity(group, body)
             call group%get("spin", body%spin)
             call group%get("temperature", body%temperature)
             if (deck%sound("material", body%store)) &
@@ -315,6 +311,22 @@ contains
          end associate
       end do
    end subroutine read_bodies
+
+   !> Velocity by its components, or by speed and direction, and formulas of what is added.
+   subroutine read_velocity(group, body)
+      type(group_t), intent(in) :: group             !! The &body
+      type(body_t), intent(inout) :: body            !! Gets its velocity
+      real(wp) :: direction(3), speed
+
+      call group%get("velocity", body%velocity)
+      if (group%given("speed")) then
+         call group%get("speed", speed)
+         call group%get("direction", direction)
+         direction = direction/maxval(abs(direction))
+         body%velocity = speed*(direction/norm2(direction))
+      end if
+      if (group%given("velocity_formula")) call group%list("velocity_formula", body%formula)
+   end subroutine read_velocity
 
    !> Particles at random places, no two of them near each other.
    subroutine pack_disks(deck, grid, index, body)

@@ -10,8 +10,8 @@ module driver_shapes
    use driver_prism, only: build_prism
    use driver_voxels, only: read_voxel_region
    use mesh_grid, only: grid_t
-   use particle_shape, only: box, combine, cylinder, set_difference, set_intersection, set_union, &
-      shape_holder_t, sphere
+   use particle_shape, only: box, combine, cylinder, rotation_matrix, set_difference, &
+      set_intersection, set_union, shape_holder_t, sphere, transform_point
    use particle_solids, only: cone, ellipsoid, half_space, torus
    implicit none
    private
@@ -56,8 +56,9 @@ contains
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Which one
       type(group_t) :: group
-      character(len=:), allocatable :: word
+      character(len=:), allocatable :: about, word
       real(wp) :: scale, rotate(3), translate(3)
+      logical :: own_centre
 
       if (shapes(index)%ready) return
       group = deck%group("region", index)
@@ -87,11 +88,35 @@ contains
       call group%get("scale", scale)
       call group%get("rotate", rotate)
       call group%get("translate", translate)
+      call group%get("rotate_about", about)
+      own_centre = about == "centre"
+      if (own_centre .and. (word == "halfspace" .or. word == "points")) then
+         call deck%complain(group, "a "//word//" has no centre to rotate about; use "// &
+            "rotate_about = 'origin'", key="rotate_about")
+      else if (own_centre .and. allocated(shapes(index)%shape%shape)) then
+         call keep_centre(shapes(index)%shape, scale, rotate, translate)
+      end if
       ! points are at their places already
       if (allocated(shapes(index)%shape%shape) .and. .not. allocated(shapes(index)%points)) &
          call shapes(index)%shape%shape%place(scale, rotate, translate)
       shapes(index)%ready = .true.
    end subroutine build
+
+   !> Add to a displacement what keeps the centre of a shape in its place while it is rotated.
+   pure subroutine keep_centre(holder, scale, rotate, translate)
+      type(shape_holder_t), intent(in) :: holder     !! The shape as it was declared
+      real(wp), intent(in) :: scale                  !! Factor [1]
+      real(wp), intent(in) :: rotate(3)              !! Angles [deg]
+      real(wp), intent(inout) :: translate(3)        !! Displacement after the rotation [m]
+      real(wp) :: centre(3), high(3), low(3), turned(3)
+      real(wp), parameter :: unmoved(3) = 0.0_wp
+
+      call holder%bounds(low, high)
+      centre = scale*(0.5_wp*(low + high))
+      turned = centre
+      call transform_point(1.0_wp, rotation_matrix(rotate), unmoved, turned)
+      translate = translate + (centre - turned)
+   end subroutine keep_centre
 
    !> A box, sphere or cylinder. In directions that the scene lacks a box reaches everywhere and a
    !! centre lies where the particles are.

@@ -19,6 +19,7 @@ module driver_simulation
    use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
    use mesh_halo, only: halo_t
+   use mesh_motion, only: motion_t
    use mesh_pieces, only: boxes_t, pieces_t
    use mesh_rigid, only: rigid_t
    use mesh_tiles, only: tiles_t
@@ -202,6 +203,7 @@ module driver_simulation
       type(nodes_t) :: nodes                         !! Node fields
       type(scratch_t), allocatable :: scratch(:)     !! (thread, from 0)
       real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
+      type(motion_t), allocatable :: shaking         !! Gravity by a table of time [m/s2]
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       type(conduction_t), allocatable :: conduction  !! If some material conducts heat
       !> (material) If sums are normalised, are its own, and is it without strength?

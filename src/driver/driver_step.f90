@@ -7,6 +7,7 @@ module driver_step
    use driver_culprit, only: name_bad
    use driver_fields, only: gather_all, push_nodes, strain_before
    use driver_gather, only: gather_parts_t
+   use driver_gravity, only: note_gravity
    use driver_heat, only: conduct_heat, conduction_step, greatest_diffusivity
    use driver_heat_flux, only: smear_heat
    use driver_ledger, only: dissipated
@@ -52,6 +53,7 @@ contains
       simulation%time = simulation%time + dt
       simulation%step = simulation%step + 1
       simulation%dt = dt
+      call note_gravity(simulation)
       call close_step(simulation, error)
       if (allocated(error)) return
       if (allocated(simulation%method%splitting)) call halve_particles(simulation)

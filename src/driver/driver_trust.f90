@@ -230,6 +230,8 @@ contains
          end do
          if (allocated(simulation%gravity)) square = max(square, 2.0_wp*sum( &
             abs(simulation%gravity)*(grid%upper - grid%lower), mask=grid%active))
+         if (allocated(simulation%shaking)) square = max(square, 2.0_wp* &
+            greatest_motion(simulation%shaking)*norm2(grid%upper - grid%lower))
       end associate
       if (allocated(simulation%rigid)) then
          do n = 1, size(simulation%rigid%wall)

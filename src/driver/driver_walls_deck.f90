@@ -2,18 +2,14 @@
 !> Walls that a deck describes with more than a face and a type: rigid regions, parts of faces, and
 !! what moves by a table or comes and goes.
 module driver_walls_deck
-   use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_deck, only: deck_t, group_t
-   use base_error, only: error_t
    use base_kinds, only: wp
    use base_text, only: text_t
-   use base_units, only: unit_of, unit_t
    use driver_method, only: position_of
+   use driver_motion_table, only: read_motion_table
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
-   use io_file, only: folder_of, join_path, read_file
-   use io_motion, only: read_motion
    use mesh_boundary, only: face_names, face_outflow, face_types
    use mesh_motion, only: motion_t
    use mesh_wall, only: wall_t
@@ -126,31 +122,11 @@ contains
       type(communicator_t), intent(in) :: communicator !! The first rank reads
       type(group_t), intent(in) :: group             !! The &boundary
       type(motion_t), intent(inout) :: motion        !! Gets them
-      character(len=:), allocatable :: name, path, text
-      type(error_t), allocatable :: error
-      type(unit_t) :: unit
-      logical :: known
 
       call group%get("velocity", motion%steady)
       call group%get("t_on", motion%begin)
       if (group%given("t_off")) call group%get("t_off", motion%end)
       if (.not. group%given("table")) return
-      call group%get("table", name)
-      path = name
-      if (index(name, "/") /= 1) path = join_path(folder_of(group%file("table")), name)
-      if (communicator%rank == 0) call read_file(path, text, error)
-      call agree(communicator, error)
-      if (.not. allocated(error)) then
-         call communicator%broadcast(text)
-         call read_motion(text, path, motion%time, motion%speed, error)
-      end if
-      if (allocated(error)) then
-         call deck%complain(group, error%message, "table")
-         return
-      end if
-      call unit_of("s", unit, known)
-      motion%time = motion%time*10.0_wp**nint(unit%exponent(deck%system))
-      call unit_of("m/s", unit, known)
-      motion%speed = motion%speed*10.0_wp**nint(unit%exponent(deck%system))
+      call read_motion_table(deck, communicator, group, "table", "m/s", motion)
    end subroutine read_times
 end module driver_walls_deck

@@ -38,6 +38,9 @@ contains
          "there is none, so nothing to compute")
       do i = 1, deck%count("body")
          call check_plane(deck, deck%group("body", i), "velocity")
+         call check_plane(deck, deck%group("body", i), "direction")
+         call check_plane(deck, deck%group("body", i), "repeat_step")
+         call check_speed(deck, deck%group("body", i))
          call check_spin(deck, deck%group("body", i))
          call check_kelvin(deck, deck%group("body", i))
       end do
@@ -46,6 +49,27 @@ contains
          call check_output(deck, deck%group("output", i))
       end do
    end subroutine check_deck
+
+   !> A speed needs a direction, and takes the place of a velocity.
+   subroutine check_speed(deck, body)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      type(group_t), intent(in) :: body                  !! The &body
+      real(wp) :: direction(3), velocity(3)
+
+      if (.not. body%valid([character(len=9) :: "velocity", "speed", "direction"])) return
+      if (body%given("speed") .neqv. body%given("direction")) then
+         call deck%complain(body, "speed and direction belong together; give both, or velocity", &
+            merge("speed    ", "direction", body%given("speed")))
+      else if (body%given("speed")) then
+         ! an echo of the deck names the default, a velocity of zero
+         call body%get("velocity", velocity)
+         call body%get("direction", direction)
+         if (any(abs(velocity) > 0.0_wp)) call deck%complain(body, &
+            "speed and velocity are both given; keep one", "speed")
+         if (.not. any(abs(direction) > 0.0_wp)) call deck%complain(body, &
+            "direction must not be 0 in all components", "direction")
+      end if
+   end subroutine check_speed
 
    !> Outputs in the units of the deck are in a system of that name: the echo is in SI.
    subroutine settle_output_units(deck)

@@ -64,6 +64,8 @@ contains
       call schema%real("region", "scale", "factor, applied first", default="1.0", range="> 0")
       call schema%real("region", "rotate(3)", "angles about x, then y, then z, applied second", &
          unit="deg", default="0 0 0")
+      call schema%text("region", "rotate_about", "what rotate keeps in its place: the origin, "// &
+         "or the centre of the box around the shape", default="origin", words="origin centre")
       call schema%real("region", "translate(3)", "displacement, applied last", unit="m", &
          default="0 0 0")
       call schema%require("region", "name shape lo hi centre radius radius2 semi_axes "// &
@@ -94,6 +96,17 @@ contains
          range=">= 0", owner="initial_stress = lithostatic")
       call schema%real("body", "velocity(3)", "velocity of its centre of mass", unit="m/s", &
          default="0 0 0")
+      call schema%real("body", "speed", "velocity of its centre of mass along direction, in "// &
+         "the place of velocity", unit="m/s", range=">= 0")
+      call schema%real("body", "direction(3)", "direction of speed, of any length; with an "// &
+         "angle a: sind(a), 0, cosd(a) in braces")
+      call schema%text("body", "velocity_formula(3)", "components of a velocity that is added, "// &
+         "as formulas of the place x, y, z at the start, such as '100*x', '0', '-100*z'", &
+         unit="m/s")
+      call schema%integer("body", "repeat(3)", "number of copies along x, y, z; the copies are "// &
+         "called NAME_1, NAME_2 and so on", default="1 1 1", range=">= 1 <= 10000")
+      call schema%real("body", "repeat_step(3)", "distance from one copy to the next along x, "// &
+         "y, z", unit="m", default="0 0 0")
       call schema%real("body", "spin(3)", "angular velocity about its centre of mass", unit="1/s", &
          default="0 0 0")
       call schema%real("body", "temperature", "temperature at the start", unit="K", &

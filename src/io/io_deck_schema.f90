@@ -28,6 +28,8 @@ contains
 
       call schema%group("include", "read more groups from another file", many=.true.)
       call schema%text("include", "file", "path, relative to the file that includes it")
+      call schema%group("define", "names for numbers that expressions in braces use: {2*name}", &
+         many=.true.)
       call declare_run(schema)
       call declare_units(schema)
       call declare_grid(schema)
@@ -152,9 +154,12 @@ contains
       call schema%group("effects", &
          "physics switches; a switched-off effect costs nothing and its "// &
          "keys are refused")
-      call schema%logical("effects", "gravity", "constant acceleration", default=".false.")
+      call schema%logical("effects", "gravity", "acceleration of all matter", default=".false.")
       call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &
          default="0 0 -9.80665", owner="gravity")
+      call schema%text("effects", "gravity_table", "file of lines t, gx, gy, gz in the units "// &
+         "of the deck, added to gravity_vector, straight between; path relative to the deck", &
+         owner="gravity")
       call schema%logical("effects", "contact", "bodies have velocities of their own, and touch", &
          default=".false.")
       call schema%logical("effects", "erosion", "failed particles are taken out and booked", &

@@ -19,6 +19,7 @@ module mesh_motion
       procedure :: acts => motion_acts               !! Is the wall there?
       procedure :: velocity => motion_velocity       !! At a time
       procedure :: shift => motion_shift             !! Way since the wall began
+      procedure :: mean => motion_mean               !! Mean velocity of some time
       procedure :: moves => motion_moves             !! Does it move at all?
    end type motion_t
 
@@ -69,6 +70,18 @@ contains
       shift = (until - from)*self%steady
       if (allocated(self%time)) shift = shift + table_way(self, from, until)
    end function motion_shift
+
+   !> Mean of the velocity over some time, whether the wall is there or not: the integral of the
+   !! straight lines by its length [m/s].
+   pure function motion_mean(self, from, length) result(mean)
+      class(motion_t), intent(in) :: self            !! The motion
+      real(wp), intent(in) :: from                   !! Begin of the time [s]
+      real(wp), intent(in) :: length                 !! Its length, above 0 [s]
+      real(wp) :: mean(3)
+
+      mean = self%steady
+      if (allocated(self%time)) mean = mean + table_way(self, from, from + length)/length
+   end function motion_mean
 
    !> Way by the velocity of the table alone [m].
    pure function table_way(self, from, until) result(way)

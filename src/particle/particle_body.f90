@@ -2,6 +2,7 @@
 !> Bodies to be made of particles, and where their particles come from if not from the lattice.
 module particle_body
    use base_kinds, only: int64, wp
+   use base_text, only: text_t
    use mesh_grid, only: grid_t
    use particle_shape, only: shape_holder_t
    implicit none
@@ -52,6 +53,8 @@ module particle_body
       real(wp) :: density = 0.0_wp                    !! [kg/m3]
       real(wp) :: velocity(3) = 0.0_wp                !! [m/s]
       real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
+      !> (3) Formulas of velocities that are added, if there are any
+      type(text_t), allocatable :: formula(:)
       real(wp) :: temperature = 293.0_wp              !! [K]
       real(wp) :: energy = 0.0_wp                     !! Internal, per mass, at the start [J/kg]
       integer :: region = 0                           !! Number of its region

@@ -39,7 +39,7 @@ TWO = """&run dimension = 'plane_strain' /
 DECKS = [
     (ONE, [
         "3: error: &time: unknown key 't_ende'; did you mean 't_end'?",
-        "5: error: &material: density = 2700 kg  <- expects a number",
+        "5: error: &material: density = 2700 kg  <- expects kg/m3 or a unit of the same kind such as g/cm3, not 'kg'",
         "8: error: &material 'glass': cells of 0.1 m are too large for this fracture_energy: a "
      "cell that cracks would spring back; dx must be at most 3.29983e-7 m",
         "9: error: &material 'stone': poisson must be set (above -1, below 0.5), as young is "

@@ -33,7 +33,7 @@ FAULTY = """&run
 &grid
   lo = 0, 0, 0
   hi = 30, 30, 30
-  dx = 1 mm
+  dx = 1 mmm
 /
 &material
   name = 'first'
@@ -54,8 +54,8 @@ FAULTY = """&run
 &effects gravity = yes /
 """
 SAID = """faulty.nml:3: error: &run: unknown key 'dimention'; did you mean 'dimension'?
-faulty.nml:8: error: &grid: dx = 1 mm  <- expects a number
-faulty.nml:12: error: &material: density = 2700 kg  <- expects a number
+faulty.nml:8: error: &grid: dx = 1 mmm  <- 'mmm' is no unit
+faulty.nml:12: error: &material: density = 2700 kg  <- expects kg/m3 or a unit
 faulty.nml:15: error: &material: strength_model = 'jonson_cook' is none of:
 faulty.nml:18: error: &material opened in line 17 is not closed before this group
 faulty.nml:19: error: &body 'one': no region 'bal'; defined: ball; did you mean 'ball'?

@@ -1,0 +1,189 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Numbers of a deck made those of SI, by the unit behind them or by the units of the deck.
+module base_deck_number
+   use base_constants, only: pi
+   use base_decimal, only: decimal_good, decimal_none, read_decimal
+   use base_kinds, only: int64, wp
+   use base_schema, only: key_t, kind_integer, kind_logical, kind_real
+   use base_text, only: join, number, split, text_t
+   use base_unit_words, only: read_unit, written_unit_t
+   implicit none
+   private
+
+   public :: check_range, convert_number, expectation, item_t, read_whole
+
+   !> One value as written, repeat counts resolved.
+   type :: item_t
+      character(len=:), allocatable :: text              !! Without quotes
+      logical :: quoted = .false.                        !! It stood in quotes
+      character(len=:), allocatable :: unit              !! Unit behind a number, or empty
+   end type item_t
+
+   real(wp), parameter :: radian = pi/180.0_wp           !! A degree in radians
+
+contains
+
+   !> Convert a number with its own unit, or in that of the deck.
+   subroutine convert_number(key, item, system, number_read, complaint)
+      type(key_t), intent(in) :: key                     !! The key
+      type(item_t), intent(in) :: item                   !! What is written
+      integer, intent(in) :: system                      !! Units of what has none of its own
+      real(wp), intent(out) :: number_read               !! The number [SI]
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      type(written_unit_t) :: own
+      real(wp) :: exponent, factor
+
+      exponent = key%unit%exponent(system)
+      factor = 1.0_wp
+      if (item%unit /= "") then
+         call read_unit(own, item%unit)
+         complaint = unfit_unit(key, own, item%unit)
+         if (complaint /= "") return
+         exponent = own%exponent
+         factor = own%factor
+         ! the angles of a deck are in degrees, those of a unit in radians
+         if (key%unit_text == "deg") factor = &
+            merge(1.0_wp, factor/radian, .not. abs(factor - radian) > 0.0_wp)
+      end if
+      call read_number(item%text, nint(exponent), number_read, complaint)
+      if (complaint == "?") complaint = expectation(key)
+      if (complaint /= "") return
+      exponent = exponent - real(nint(exponent), wp)
+      if (abs(exponent) > 0.0_wp) number_read = number_read*10.0_wp**exponent
+      if (abs(factor - 1.0_wp) > 0.0_wp) number_read = number_read*factor
+      call check_range(key, number_read, complaint)
+   end subroutine convert_number
+
+   !> What is wrong with a unit behind the number of a key; empty if it fits.
+   function unfit_unit(key, own, written) result(complaint)
+      type(key_t), intent(in) :: key                     !! The key
+      type(written_unit_t), intent(in) :: own            !! The unit
+      character(len=*), intent(in) :: written            !! The same as written
+      character(len=:), allocatable :: complaint
+      real(wp), parameter :: grain = 1.0e-9_wp           ! rounding of a sum of powers
+      logical :: fits
+
+      complaint = own%fault
+      if (complaint /= "") return
+      fits = all(abs(own%power - key%unit%power) < grain)
+      if (key%unit_text == "deg") then
+         fits = fits .and. abs(own%angle - 1.0_wp) < grain
+      else if (all(abs(key%unit%power) < grain)) then
+         complaint = "takes a number without a unit, not '"//written//"'"
+         return
+      else if (abs(own%angle) > grain) then
+         fits = fits .and. key%unit_text == "1/s"
+      end if
+      if (fits) return
+      complaint = "expects "//key%unit_text//" or a unit of the same kind"
+      select case (key%unit_text)
+      case ("m")
+         complaint = complaint//" such as mm"
+      case ("s")
+         complaint = complaint//" such as us"
+      case ("m/s")
+         complaint = complaint//" such as km/s"
+      case ("kg/m3")
+         complaint = complaint//" such as g/cm3"
+      case ("Pa")
+         complaint = complaint//" such as GPa"
+      case ("deg")
+         complaint = complaint//" such as rad"
+      case default
+         continue
+      end select
+      complaint = complaint//", not '"//written//"'"
+   end function unfit_unit
+
+   !> Read a number, its decimal exponent shifted.
+   subroutine read_number(text, shift, number_read, complaint)
+      character(len=*), intent(in) :: text               !! What is written
+      integer, intent(in) :: shift                       !! Added to the decimal exponent
+      real(wp), intent(out) :: number_read               !! The number [SI]
+      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is no number
+      integer :: verdict
+
+      call read_decimal(text, shift, number_read, verdict)
+      select case (verdict)
+      case (decimal_good)
+         complaint = ""
+      case (decimal_none)
+         complaint = "?"
+      case default
+         complaint = "is too large or too small for a number"
+      end select
+   end subroutine read_number
+
+   !> Check the range of a number.
+   subroutine check_range(key, value, complaint)
+      type(key_t), intent(in) :: key                     !! The key
+      real(wp), intent(in) :: value                      !! The number [SI]
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      type(text_t), allocatable :: parts(:)
+      logical :: inside
+
+      inside = value >= key%least .and. value <= key%most
+      if (inside .and. key%least_open) inside = value > key%least
+      if (inside .and. key%most_open) inside = value < key%most
+      if (inside) return
+      call split(key%range, parts)
+      if (size(parts) == 4) then
+         complaint = "must be "//join(parts(:2), " ")//" and "//join(parts(3:), " ")
+      else
+         complaint = "must be "//key%range
+      end if
+      if (key%unit_text /= "") complaint = complaint//" "//key%unit_text
+      if (key%hint /= "") complaint = complaint//"; "//key%hint
+   end subroutine check_range
+
+   !> Read a whole number.
+   subroutine read_whole(text, whole, complaint)
+      character(len=*), intent(in) :: text               !! What is written
+      integer, intent(out) :: whole                      !! The number
+      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is no whole number
+      character(len=*), parameter :: figures = "0123456789"
+      integer(int64) :: long
+      integer :: first, status
+
+      whole = 0
+      complaint = "?"
+      first = merge(2, 1, scan(text//" ", "+-") == 1)
+      if (first > len(text) .or. verify(text(first:), figures) > 0) return
+      complaint = "must not be beyond "//number(huge(whole))
+      if (len(text) > 12) return
+      read (text, *, iostat=status) long
+      if (status /= 0 .or. abs(long) > huge(whole)) return
+      complaint = ""
+      whole = int(long)
+   end subroutine read_whole
+
+   !> What a key expects.
+   function expectation(key) result(text)
+      type(key_t), intent(in) :: key                     !! The key
+      character(len=:), allocatable :: text
+      character(len=16) :: one, several
+
+      select case (key%kind)
+      case (kind_real)
+         one = "a number"
+         several = "numbers"
+      case (kind_integer)
+         one = "a whole number"
+         several = "whole numbers"
+      case (kind_logical)
+         text = "expects .true. or .false."
+         return
+      case default
+         one = "a text in quotes"
+         several = "texts in quotes"
+      end select
+      text = "expects "
+      if (key%places == 1) then
+         text = text//trim(one)
+      else if (key%exact) then
+         text = text//number(key%places)//" "//trim(several)
+      else
+         text = text//"up to "//number(key%places)//" "//trim(several)
+      end if
+   end function expectation
+end module base_deck_number

@@ -1,0 +1,86 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Formulas of the place, such as `100*x` for a velocity, made those of SI.
+!!
+!! A deck gives x, y, z and the result in its units. The formula is written anew for SI, with powers
+!! of ten at the places and at the result; what the run evaluates is what the echo shows.
+module base_place_formula
+   use base_formula, only: formula_t
+   use base_schema, only: key_t
+   use base_text, only: is_letter, lower, number, split, text_t
+   use base_units, only: unit_of, unit_t
+   implicit none
+   private
+
+   public :: compile_place_formula, convert_formula
+
+   character(len=*), parameter :: variables = "x y z"    !! Of all such formulas
+
+contains
+
+   !> Make a formula of the place of a text. The values of x, y, z are evaluated in this order.
+   subroutine compile_place_formula(text, formula, fault, place)
+      character(len=*), intent(in) :: text               !! As written
+      type(formula_t), intent(out) :: formula            !! The formula
+      character(len=:), allocatable, intent(out) :: fault !! What is wrong, empty if nothing is
+      integer, intent(out) :: place                      !! Letter of the mistake
+      type(text_t), allocatable :: names(:)
+
+      call split(variables, names)
+      call formula%compile(text, names, fault, place)
+   end subroutine compile_place_formula
+
+   !> Write the formula of a key for SI.
+   subroutine convert_formula(key, system, longest, text, complaint)
+      type(key_t), intent(in) :: key                     !! The key; its unit is that of the result
+      integer, intent(in) :: system                      !! Units of the deck
+      integer, intent(in) :: longest                     !! Letters that the echo can hold
+      character(len=:), allocatable, intent(inout) :: text !! The formula
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      type(formula_t) :: formula
+      type(unit_t) :: length
+      character(len=:), allocatable :: fault, letters, written
+      integer :: last, place
+      logical :: known
+
+      call compile_place_formula(text, formula, fault, place)
+      if (fault /= "") then
+         complaint = "letter "//number(place)//": "//fault
+         return
+      end if
+      call unit_of("m", length, known)
+      if (nint(length%exponent(system)) == 0 .and. nint(key%unit%exponent(system)) == 0) return
+      letters = lower(text)//" "
+      written = ""
+      place = 1
+      do while (place < len(letters))
+         last = place
+         if (is_letter(letters(place:place))) then
+            last = place + verify(letters(place:), "abcdefghijklmnopqrstuvwxyz0123456789_") - 2
+         else if (scan(letters(place:place), "0123456789.") == 1) then
+            ! the exponent of a number is no variable
+            last = place + verify(letters(place:), "0123456789.ed") - 2
+         end if
+         if (index(" "//variables//" ", " "//letters(place:last)//" ") > 0) then
+            written = written//shifted(letters(place:last), -nint(length%exponent(system)))
+         else
+            written = written//letters(place:last)
+         end if
+         place = last + 1
+      end do
+      text = shifted(written, nint(key%unit%exponent(system)))
+      if (len(text) > longest) complaint = "is longer than "//number(longest)// &
+         " letters when it is written in SI; shorten it or write the deck in SI"
+   end subroutine convert_formula
+
+   !> A formula times a power of ten.
+   pure function shifted(formula, exponent) result(text)
+      character(len=*), intent(in) :: formula            !! Any
+      integer, intent(in) :: exponent                    !! Of ten
+      character(len=:), allocatable :: text
+
+      text = formula
+      if (exponent > 0) text = "("//formula//")*1e"//number(exponent)
+      if (exponent < 0) text = "("//formula//")/1e"//number(-exponent)
+      if (exponent /= 0) text = "("//text//")"
+   end function shifted
+end module base_place_formula

@@ -1,0 +1,248 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Units that a deck may write behind a number, such as km/s, g/cm3 or J/(kg K).
+!!
+!! Prefixes and most units are powers of ten of SI, so they shift the decimal exponent of the
+!! written number before it is read: 2.7 g/cm3 and 2700 kg/m3 become the same bits. Minutes, hours
+!! and angles have a factor besides.
+module base_unit_words
+   use base_constants, only: pi
+   use base_decimal, only: decimal_none, read_decimal
+   use base_kinds, only: wp
+   use base_text, only: append, closest, is_letter, text_t
+   implicit none
+   private
+
+   public :: begins_unit, read_unit, split_unit, unit_list, written_unit_t
+
+   character(len=*), parameter :: figures = "0123456789"
+
+   !> A unit as the user wrote it.
+   type :: written_unit_t
+      real(wp) :: power(4) = 0.0_wp                      !! Of length, time, mass, temperature
+      real(wp) :: angle = 0.0_wp                         !! Power of the angle
+      real(wp) :: exponent = 0.0_wp                      !! Decimal exponent of the way to SI
+      real(wp) :: factor = 1.0_wp                        !! What is left of it; angles in radians
+      character(len=:), allocatable :: fault             !! What is wrong, empty if nothing is
+   end type written_unit_t
+
+   !> One symbol.
+   type :: symbol_t
+      character(len=3) :: name                           !! As written, in letters of its case
+      integer :: power(4)                                !! Of length, time, mass, temperature
+      integer :: exponent                                !! Decimal exponent of the way to SI
+      logical :: prefix                                  !! May have a prefix
+   end type symbol_t
+
+   type(symbol_t), parameter :: symbols(16) = [ &
+      symbol_t("m  ", [1, 0, 0, 0], 0, .true.), symbol_t("s  ", [0, 1, 0, 0], 0, .true.), &
+      symbol_t("g  ", [0, 0, 1, 0], -3, .true.), symbol_t("K  ", [0, 0, 0, 1], 0, .true.), &
+      symbol_t("N  ", [1, -2, 1, 0], 0, .true.), symbol_t("J  ", [2, -2, 1, 0], 0, .true.), &
+      symbol_t("W  ", [2, -3, 1, 0], 0, .true.), symbol_t("Pa ", [-1, -2, 1, 0], 0, .true.), &
+      symbol_t("bar", [-1, -2, 1, 0], 5, .true.), symbol_t("dyn", [1, -2, 1, 0], -5, .false.), &
+      symbol_t("erg", [2, -2, 1, 0], -7, .false.), symbol_t("t  ", [0, 0, 1, 0], 3, .false.), &
+      symbol_t("min", [0, 1, 0, 0], 0, .false.), symbol_t("h  ", [0, 1, 0, 0], 0, .false.), &
+      symbol_t("deg", [0, 0, 0, 0], 0, .false.), symbol_t("rad", [0, 0, 0, 0], 0, .true.)]
+   character(len=1), parameter :: prefixes(9) = ["p", "n", "u", "m", "c", "k", "M", "G", "T"]
+   integer, parameter :: prefix_exponents(9) = [-12, -9, -6, -3, -2, 3, 6, 9, 12]
+   !> Units that are offered in the place of one that is unknown.
+   character(len=5), parameter :: common(40) = [character(len=5) :: "m", "mm", "cm", "um", "km", &
+      "s", "ms", "us", "ns", "min", "h", "kg", "g", "mg", "t", "K", "Pa", "kPa", "MPa", "GPa", &
+      "bar", "kbar", "Mbar", "N", "kN", "J", "kJ", "MJ", "W", "kW", "erg", "dyn", "deg", "rad", &
+      "m/s", "km/s", "m3", "m2", "kg/m3", "g/cm3"]
+
+contains
+
+   !> True for the first letters of a unit: a letter, the micro sign, or 1 and a slash.
+   pure logical function begins_unit(text) result(yes)
+      character(len=*), intent(in) :: text               !! A word of a deck
+
+      yes = .false.
+      if (len(text) == 0) return
+      yes = is_letter(text(1:1)) .or. index(text, char(194)//char(181)) == 1 .or. &
+         index(text, char(206)//char(188)) == 1
+      if (len(text) > 2) yes = yes .or. text(1:2) == "1/" .and. is_letter(text(3:3))
+   end function begins_unit
+
+   !> Take 15us apart into 15 and us, and 3/s into 3 and 1/s. Without a number and a known unit
+   !! behind it the text stays as it is.
+   pure subroutine split_unit(text, digits, unit)
+      character(len=*), intent(in) :: text               !! A word of a deck
+      character(len=:), allocatable, intent(out) :: digits !! The number
+      character(len=:), allocatable, intent(out) :: unit !! The unit, empty if there is none
+      type(written_unit_t) :: known
+      real(wp) :: value
+      integer :: last, verdict
+
+      digits = text
+      unit = ""
+      last = verify(text//"x", "+-."//figures) - 1
+      if (last < 1 .or. last >= len(text)) return
+      if (scan(text(last + 1:last + 1), "eEdD") == 1) then
+         verdict = last + 1 + merge(1, 0, scan(text(last + 2:)//" ", "+-") == 1)
+         if (scan(text(verdict + 1:)//" ", figures) == 1) &
+            last = verdict + verify(text(verdict + 1:)//"x", figures) - 1
+      end if
+      if (last >= len(text)) return
+      call read_decimal(text(:last), 0, value, verdict)
+      if (verdict == decimal_none) return
+      unit = text(last + 1:)
+      if (unit(1:1) == "/") unit = "1"//unit
+      if (begins_unit(unit)) call read_unit(known, unit)
+      if (.not. allocated(known%fault)) known%fault = "none"
+      if (known%fault == "") then
+         digits = text(:last)
+      else
+         unit = ""
+      end if
+   end subroutine split_unit
+
+   !> Make a unit of a text. All behind the first slash divides.
+   pure subroutine read_unit(self, text)
+      type(written_unit_t), intent(out) :: self         !! The unit, or its fault
+      character(len=*), intent(in) :: text               !! Symbols with powers
+      character(len=:), allocatable :: word
+      integer :: first, last
+      logical :: below
+
+      word = latin(text)
+      self%fault = ""
+      below = .false.
+      first = 1
+      do while (first <= len(word))
+         select case (word(first:first))
+         case ("/")
+            below = .true.
+         case (" ", "(", ")", "*", "1")
+            continue
+         case default
+            last = first
+            do while (last < len(word))
+               if (.not. is_letter(word(last + 1:last + 1))) exit
+               last = last + 1
+            end do
+            call take_symbol(self, word(first:last), word(last + 1:), below, first)
+            if (self%fault /= "") return
+            first = last + first
+         end select
+         first = first + 1
+      end do
+   end subroutine read_unit
+
+   !> The micro sign in UTF-8 made a u.
+   pure function latin(text) result(word)
+      character(len=*), intent(in) :: text               !! As written
+      character(len=:), allocatable :: word
+      character(len=2), parameter :: micro(2) = [char(194)//char(181), char(206)//char(188)]
+      integer :: at, n
+
+      word = text
+      do n = 1, size(micro)
+         at = index(word, micro(n))
+         do while (at > 0)
+            word = word(:at - 1)//"u"//word(at + 2:)
+            at = index(word, micro(n))
+         end do
+      end do
+   end function latin
+
+   !> Multiply a unit by a symbol and the power behind it.
+   pure subroutine take_symbol(self, name, behind, below, letters)
+      type(written_unit_t), intent(inout) :: self       !! The unit
+      character(len=*), intent(in) :: name               !! The symbol with its prefix
+      character(len=*), intent(in) :: behind             !! What follows
+      logical, intent(in) :: below                       !! Behind the slash
+      integer, intent(out) :: letters                    !! Letters of the power
+      real(wp) :: power
+      integer :: first, last, prefix, status, which
+
+      call find_symbol(name, which, prefix)
+      letters = 0
+      if (which == 0) then
+         self%fault = "'"//name//"' is no unit"//near(name)
+         return
+      end if
+      first = 1
+      if (index(behind, "**") == 1) first = 3
+      if (index(behind, "^") == 1) first = 2
+      last = first + merge(1, 0, scan(behind(first:)//" ", "+-") == 1)
+      last = last + verify(behind(last:)//"x", figures//".") - 2
+      power = 1.0_wp
+      if (scan(behind(first:last), figures) > 0) then
+         read (behind(first:last), *, iostat=status) power
+         if (status /= 0) self%fault = "'"//behind(first:last)//"' is no power of a unit"
+         letters = last
+      end if
+      if (below) power = -power
+      self%power = self%power + power*real(symbols(which)%power, wp)
+      self%exponent = self%exponent + power*real(symbols(which)%exponent + prefix, wp)
+      select case (symbols(which)%name)
+      case ("min")
+         self%factor = self%factor*60.0_wp**power
+      case ("h")
+         self%factor = self%factor*3600.0_wp**power
+      case ("deg")
+         self%factor = self%factor*(pi/180.0_wp)**power
+         self%angle = self%angle + power
+      case ("rad")
+         self%angle = self%angle + power
+      case default
+         continue
+      end select
+   end subroutine take_symbol
+
+   !> The symbol and the decimal exponent of its prefix.
+   pure subroutine find_symbol(name, which, exponent)
+      character(len=*), intent(in) :: name               !! With its prefix
+      integer, intent(out) :: which                      !! The symbol, 0 if there is none
+      integer, intent(out) :: exponent                   !! Of the prefix
+      integer :: n
+
+      exponent = 0
+      do which = size(symbols), 1, -1
+         if (symbols(which)%name == name) return
+      end do
+      if (len(name) < 2) return
+      do n = 1, size(prefixes)
+         if (prefixes(n) /= name(1:1)) cycle
+         exponent = prefix_exponents(n)
+         do which = size(symbols), 1, -1
+            if (symbols(which)%prefix .and. symbols(which)%name == name(2:)) return
+         end do
+      end do
+   end subroutine find_symbol
+
+   !> The unit that may be meant.
+   pure function near(name) result(question)
+      character(len=*), intent(in) :: name               !! As written
+      character(len=:), allocatable :: question
+      type(text_t), allocatable :: names(:)
+      integer :: n
+
+      allocate (names(0))
+      do n = 1, size(common)
+         call append(names, trim(common(n)))
+      end do
+      question = closest(name, names)
+      if (question == "") then
+         question = "; scree --list units shows those that there are"
+      else
+         question = "; did you mean '"//question//"'?"
+      end if
+   end function near
+
+   !> What may stand behind a number, for --list.
+   pure function unit_list() result(text)
+      character(len=:), allocatable :: text
+      integer :: n
+
+      text = "symbols:"
+      do n = 1, size(symbols)
+         text = text//" "//trim(symbols(n)%name)
+      end do
+      text = text//new_line("a")//"prefixes of m s g K N J W Pa bar rad:"
+      do n = 1, size(prefixes)
+         text = text//" "//prefixes(n)
+      end do
+      text = text//new_line("a")//"compositions: km/s  g/cm3  J/(kg K)  1/s  m2  MPa*m0.5"
+   end function unit_list
+end module base_unit_words

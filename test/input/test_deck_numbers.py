@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+"""Names, expressions and units of a deck against the same numbers written by hand.
+
+Would catch an expression or a unit that gives other bits than the written number, a unit that is converted twice, a
+value of the command line that the definitions do not see, an echo that runs to another result, and a
+deck with them that scree-deck cannot read.
+"""
+
+import math
+import unittest
+from types import SimpleNamespace
+
+import case
+import post_command  # noqa: F401  (finds scree_post)
+from scree_post.deck_text import DeckText
+
+OPTIONS = case.arguments(__doc__)
+PLACE = SimpleNamespace(scree=OPTIONS.scree, work=OPTIONS.work / "a folder für decks")
+NAMED = """&define v = 6.71 km/s  angle = 30  n = 20 /
+&define h = {10/n} thick = {5*h/1} /
+&run dimension = 'plane_strain' /
+&units system = 'mm-us-mg' /
+&grid lo = 0 0 0  hi = {n*h} mm, 500 um, 1 cm  dx = {h} /
+&time t_end = 300ns /
+&material name = 'al'  density = 2.79 g/cm3  eos_model = 'mie_gruneisen'  mg_c0 = 5.35 km/s  mg_s = 1.34
+  mg_gamma = 2  shear = 27.6 GPa  strength_model = 'von_mises'  yield = 2.65 kbar /
+&region name = 'ball'  shape = 'sphere'  centre = 3 0 7  radius = {sqrt(4)} mm /
+&region name = 'plate'  shape = 'box'  lo = 0 0 0  hi = 10 0.5 {thick} /
+&body name = 'ball'  region = 'ball'  material = 'al'  velocity = {v*sind(angle)}, 0, {-v*cosd(angle)} /
+&body name = 'plate'  region = 'plate'  material = 'al'  ppc = {n/10}, 1, {2**1} /
+&output name = 'h'  kind = 'history'  every = {n/4} /
+"""
+PLAIN = """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 1e-2 5e-4 1e-2  dx = 5e-4 /
+&time t_end = 3e-7 /
+&material name = 'al'  density = 2790  eos_model = 'mie_gruneisen'  mg_c0 = 5350  mg_s = 1.34
+  mg_gamma = 2  shear = 27.6e9  strength_model = 'von_mises'  yield = 2.65e8 /
+&region name = 'ball'  shape = 'sphere'  centre = 3e-3 0 7e-3  radius = 2e-3 /
+&region name = 'plate'  shape = 'box'  lo = 0 0 0  hi = 1e-2 5e-4 2.5e-3 /
+&body name = 'ball'  region = 'ball'  material = 'al'  velocity = 3355 0 {down} /
+&body name = 'plate'  region = 'plate'  material = 'al'  ppc = 2 1 2 /
+&output name = 'h'  kind = 'history'  every = 5 /
+"""
+COSINE = f"{-6.71 * math.cos(math.radians(30))!r}e3"     # the shortest decimal of these bits, in km/s
+
+
+class Numbers(unittest.TestCase):
+    """A small impact, at most 40 steps."""
+
+    def digest(self, name, deck, *options):
+        """Digest of the state at the end of a run."""
+        run = case.Case(PLACE, name, deck).run("--quiet", *options)
+        self.assertGreater(run.summary["steps"], 10)
+        return run.summary["digest"]
+
+    def test_bits_of_the_written_numbers(self):
+        """The same state to the last bit, also from the echo and in a folder with a blank."""
+        named = self.digest("named", NAMED)
+        self.assertEqual(named, self.digest("plain", PLAIN.format(down=COSINE)))
+        echo = (PLACE.work / "named/named.echo.nml").read_text(encoding="utf-8")
+        self.assertIn("! &define v = 6.71 in the units of the deck", echo)
+        self.assertEqual(named, self.digest("echo", echo))
+
+    def test_command_line(self):
+        """A definition that is set changes all that depends on it."""
+        slow = self.digest("slow", NAMED, "--set", "define.angle=0", "--set", "define.v=3 km/s")
+        plain = self.digest("slow_plain", PLAIN.format(down=COSINE), "--set", "body[ball].velocity=0 0 -3 km/s")
+        self.assertEqual(slow, plain)
+        self.assertNotEqual(slow, self.digest("other", NAMED, "--set", "define.angle=0"))
+
+    def test_scree_deck_reads_them(self):
+        """Braces and the slash of a unit do not end a group."""
+        path = OPTIONS.work / "text.nml"
+        path.write_text(NAMED, encoding="utf-8")
+        groups = DeckText(path).groups
+        self.assertEqual([len(group.pieces) for group in groups], [3, 2, 1, 1, 3, 1, 9, 4, 4, 4, 4, 3])
+
+
+if __name__ == "__main__":
+    unittest.main()
