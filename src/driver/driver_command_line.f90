@@ -244,15 +244,8 @@ contains
       type(command_t), intent(inout) :: command          !! Gets what it says
       type(error_t), allocatable, intent(out) :: error   !! The value is missing
 
-      if (option%takes == a_value) then
-         if (.not. allocated(value)) then
-            call complain(error, "--"//trim(option%name)//" needs a value")
-            return
-         else if (value == "") then
-            call complain(error, "the value of --"//trim(option%name)//" is empty")
-            return
-         end if
-      end if
+      call require_value(option, value, error)
+      if (allocated(error)) return
       select case (option%name)
       case ("help")
          command%help = .true.
@@ -299,6 +292,20 @@ contains
          call apply_job_option(option, value, command, error)
       end select
    end subroutine apply_option
+
+   !> Refuse an option without the value that it takes.
+   subroutine require_value(option, value, error)
+      type(option_t), intent(in) :: option               !! The option
+      character(len=:), allocatable, intent(in) :: value !! Its value
+      type(error_t), allocatable, intent(out) :: error   !! The value is missing
+
+      if (option%takes /= a_value) return
+      if (.not. allocated(value)) then
+         call complain(error, "--"//trim(option%name)//" needs a value")
+      else if (value == "") then
+         call complain(error, "the value of --"//trim(option%name)//" is empty")
+      end if
+   end subroutine require_value
 
    !> Do what an option says of the script of a job.
    subroutine apply_job_option(option, value, command, error)
@@ -474,7 +481,6 @@ contains
       text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem"// &
          newline//"  or results in the way, 4 physics gave up, 5 internal error, 75 stopped "// &
          "with a"//newline//"  checkpoint: run again"//newline//newline//"examples:"//newline// &
-         "  scree --check input/debris_cloud/scene.nml"//newline// &
          "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
          "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline// &
          "The README and doc/guide explain the rest."
