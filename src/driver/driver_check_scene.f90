@@ -4,20 +4,23 @@ module driver_check_scene
    use base_deck, only: deck_t
    use base_kinds, only: int64, wp
    use base_text, only: brief, number
+   use driver_matter, only: bears_anything
    use driver_simulation, only: simulation_t
    use driver_start, only: survey_t
    use io_deck_check_grid, only: axis_names
-   use mesh_boundary, only: face_symmetry
+   use mesh_boundary, only: face_outflow, face_periodic, face_symmetry
    use mesh_grid, only: grid_t
    use particle_fill, only: body_t
    implicit none
    private
 
-   public :: check_places, check_size
+   public :: check_elastic, check_places, check_size
 
    real(wp), parameter, public :: default_most_points = 1.0e10_wp !! About 2 TB of memory
    real(wp), parameter :: most_tiles = 2.0e8_wp      !! Tiles that bodies may reach; 1.6 GB of keys
    real(wp), parameter :: most_identities = 4.0e18_wp !! Long whole numbers end at 9e18
+   !> Of the speed of waves, from which on bodies that meet are strained by a quarter and more [1]
+   real(wp), parameter :: fast = 0.5_wp
    real(wp), parameter :: thinnest = 2.0_wp          !! Cells across a body
    real(wp), parameter :: round_off = 1.0e-9_wp      !! Of lengths, in cells
 
@@ -94,6 +97,35 @@ contains
          end do
       end do
    end subroutine check_places
+
+   !> Warn of bodies that meet so fast that a material without yield strength or failure is strained
+   !! beyond what a law of small elastic strains can mean.
+   subroutine check_elastic(deck, simulation, bodies)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects warnings
+      type(simulation_t), intent(in) :: simulation   !! Materials, walls
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      real(wp) :: fastest, speed
+      integer :: n, other
+      logical :: walls
+
+      walls = allocated(simulation%rigid) .or. any(simulation%boundary%kind /= face_outflow .and. &
+         simulation%boundary%kind /= face_periodic)
+      do n = 1, size(bodies)
+         associate (material => simulation%materials(bodies(n)%store))
+            if (.not. bears_anything(material)) cycle
+            fastest = 0.0_wp
+            if (walls) fastest = norm2(bodies(n)%velocity)
+            do other = 1, size(bodies)
+               fastest = max(fastest, norm2(bodies(n)%velocity - bodies(other)%velocity))
+            end do
+            speed = material%reference_speed()
+            if (fastest <= fast*speed) cycle
+            call deck%warn("body", n, "may meet others at "//brief(fastest)//" m/s, "// &
+               brief(fastest/speed)//" of the speed of its waves, and its material is elastic "// &
+               "at any stress; give it a strength_model, or elastic = 'neo_hookean'", "velocity")
+         end associate
+      end do
+   end subroutine check_elastic
 
    !> Say why a body holds no point.
    subroutine refuse_empty(deck, grid, body, place)

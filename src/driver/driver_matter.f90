@@ -5,7 +5,7 @@ module driver_matter
    implicit none
    private
 
-   public :: all_gases, flows, stores_work
+   public :: all_gases, bears_anything, flows, stores_work
 
 contains
 
@@ -17,6 +17,17 @@ contains
       if (allocated(material%law)) yes = .not. (material%law%has_shear() .or. &
          material%law%has_grains() .or. material%law%whole())
    end function flows
+
+   !> Does a material bear any shear without flow, failure or a law that was made for large strains?
+   pure logical function bears_anything(material) result(yes)
+      type(material_t), intent(in) :: material       !! The material
+
+      yes = .false.
+      if (.not. allocated(material%law) .or. allocated(material%damage) .or. &
+         allocated(material%fracture)) return
+      yes = material%law%has_shear() .and. .not. (material%law%plastic() .or. material%law%whole() &
+         .or. material%law%has_grains())
+   end function bears_anything
 
    !> True if all materials are without strength and carry an internal energy.
    pure logical function all_gases(materials) result(yes)

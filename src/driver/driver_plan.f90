@@ -8,7 +8,8 @@ module driver_plan
    use base_schema, only: schema_t
    use base_text, only: text_t
    use driver_check, only: expected_steps
-   use driver_check_scene, only: check_places, check_size, default_most_points
+   use driver_check_scene, only: check_elastic, check_places, check_size, &
+      default_most_points
    use driver_command_line, only: command_t
    use driver_exact_deck, only: declare_exact
    use driver_method, only: declare_method
@@ -92,6 +93,7 @@ contains
       if (allocated(plan%bodies) .and. plan%deck%sound("body")) then
          call take_survey(plan%simulation, plan%bodies, plan%survey)
          call check_places(plan%deck, plan%simulation, plan%bodies, plan%survey)
+         call check_elastic(plan%deck, plan%simulation, plan%bodies)
       end if
       call plan%deck%verdict(error)
       if (allocated(error)) return

@@ -407,6 +407,8 @@ WARNINGS = [
      "&body 'plate': is 1.6 cells thick in z; at least 2, better 6"),
     ("shock", "centre = 0 0 -2", "centre = 0 0 -1", 14,
      "&body 'plate': overlaps 'sphere' in "),
+    ("plain", "'metal' /", "'metal'  velocity = 0 0 9000 /\n&boundary face = 'all'  type = 'slip' /", 7,
+     "may meet others at 9000 m/s, 1.52345 of the speed of its waves, and its material is elastic at any stress"),
     ("sand", "cfl = 0.3", "dt_fixed = 1e-4  cfl = 0.3", 4, "cfl is not used, as dt_fixed is given"),
     ("sand", "every = 20", "times = 0.5 2", 10, "time 2 of 2 is after t_end"),
 ]
