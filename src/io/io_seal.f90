@@ -18,7 +18,7 @@ module io_seal
 
    public :: check_seal, write_seal
 
-   character(len=*), parameter, public :: checkpoint_schema = "scree-checkpoint-1"
+   character(len=*), parameter, public :: checkpoint_schema = "scree-checkpoint-2"
 
    integer, parameter :: digits = 16                     !! Of the hash
    integer, parameter, public :: seal_bytes = 48         !! Title, blanks, digits, end of line

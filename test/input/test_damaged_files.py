@@ -30,7 +30,7 @@ DECK = """
 &body name = 'two'  region = 'cube'  material = 'soft' /
 &checkpoint dt = 5e-5  keep = 0 /
 """
-TITLE = b"scree-checkpoint-1"
+TITLE = b"scree-checkpoint-2"
 
 
 def digest(path):
