@@ -15,7 +15,7 @@ from ..view import check_view
 from ..view_options import camera
 
 SUMMARY = "a scene before it runs: bodies, walls, boundaries, cells"
-EXAMPLES = ("preview out/two_discs_preview",
+EXAMPLES = ("preview out/two_discs",
             "preview out/silo --by material --out silo.png")
 FIELDS = ("body", "material", "mass", "volume")
 
