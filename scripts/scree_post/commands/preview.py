@@ -16,7 +16,7 @@ from ..view_options import camera
 
 SUMMARY = "a scene before it runs: bodies, walls, boundaries, cells"
 EXAMPLES = ("preview out/two_discs",
-            "preview out/silo --by material --out silo.png")
+            "preview out/debris_cloud --by material --out bodies.png")
 FIELDS = ("body", "material", "mass", "volume")
 
 
