@@ -29,7 +29,7 @@ ELSEWHERE = {"build/venv/bin/scree-post": "test_post_documents.py", "scree-post"
              "build/bin/scree [options]": "a pattern", "build/bin/scree scene.nml & sleep": "test_first_hour.py",
              "build/bin/scree --check bad.nml": "test_documents.py", "ctest": "the tests themselves"}
 FEW = ("--set", "time.max_steps=3")
-NO_RUN = ("--check", "--template", "--list", "--new", "--job", "--digest", "--explain")
+NO_RUN = ("--check", "--preview", "--template", "--list", "--new", "--job", "--digest", "--explain")
 LEAST = 60                             # commands that the documents are known to show
 
 
