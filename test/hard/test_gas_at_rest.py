@@ -16,13 +16,13 @@ that counts, so the pressure is that of the adiabat, p V^1.4 constant; target 1 
 for the deviation from it, of which 0.5 % is the sound of the start that runs to and fro; on a line, in a plane and in
 space, with other transfers too. Volumes sum up to the room that the piston leaves: 1e-3 of it, which the piston sweeps
 in a step or half of one.
-The same bits for any ranks and threads and after a restart while the piston is under way. Along a radius matter beside
-the wall closes in, so that what falls to rests of cells without particles is lost: 1 % of the volume there. Explosion:
-radius of the shock by J. R. Kamm, F. X. Timmes, LA-UR-07-2849 (2007), gamma = 1.4, which is 0.75 at time 1 for the
-cylinder and 1 for the sphere. A shock may be spread over six cells (H-10 in test/hard/README.md), and where the density
-of such a peak is halfway up is at most a quarter of that, 1.5 cells, outside of it. Particles are halved where they have
-become long, so no cell is hollow and their volumes sum up to the box: 1e-3, what strains of 0.3 in a step leave in
-their squares. Energy everywhere: rounding, 1e-12.
+The same bits for any ranks and threads and after a restart while the piston is under way. Along a radius matter
+beside the wall closes in, so that what falls to rests of cells without particles is lost: 1 % of the volume there.
+Explosion: radius of the shock by J. R. Kamm, F. X. Timmes, LA-UR-07-2849 (2007), gamma = 1.4, which is 0.75 at time 1
+for the cylinder and 1 for the sphere. A shock may be spread over six cells (H-10 in test/hard/README.md), and where the
+density of such a peak is halfway up is at most a quarter of that, 1.5 cells, outside of it. Particles are halved where
+they have become long, so no cell is hollow and their volumes sum up to the box: 1e-3, what strains of 0.3 in a step
+leave in their squares. Energy everywhere: rounding, 1e-12.
 """
 # tiers: smoke, full
 # timeout: 600
