@@ -7,7 +7,6 @@ module driver_plan
    use base_error, only: error_t
    use base_schema, only: schema_t
    use base_text, only: text_t
-   use driver_check, only: expected_steps
    use driver_check_scene, only: check_elastic, check_places, check_size, &
       default_most_points
    use driver_command_line, only: command_t
@@ -20,6 +19,7 @@ module driver_plan
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
    use driver_start, only: survey_t, take_survey
+   use driver_steps, only: expected_steps
    use base_kinds, only: wp
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_check, only: check_deck
