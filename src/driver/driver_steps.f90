@@ -16,10 +16,12 @@ module driver_steps
    public :: expected_steps, first_step
 
    integer, parameter :: spans = 600                 !! Equal parts of the time of a run
+   real(wp), parameter :: slope = 1.5_wp             !! Of shock speed over jump, common to metals
 
    !> Boxes of bodies on their way, and what each one meets first.
    type :: flight_t
       real(wp), allocatable :: low(:, :), high(:, :) !! (3, body) Corners of the boxes [m]
+      real(wp), allocatable :: extent(:, :)          !! (3, body) With what mirrors add [m]
       real(wp), allocatable :: met(:)                !! (body) When it meets something first [s]
       logical, allocatable :: passes(:)              !! (body) Does it fly on as debris?
    end type flight_t
@@ -29,7 +31,8 @@ module driver_steps
       real(wp) :: time = huge(1.0_wp)                !! When their boxes touch, huge = never [s]
       real(wp) :: speed = 0.0_wp                     !! At which they come nearer [m/s]
       real(wp) :: path(2) = 0.0_wp                   !! Through each along the way [m]
-      real(wp) :: lasts = 0.0_wp                     !! Until half of the striker has met [s]
+      real(wp) :: fresh = 0.0_wp                     !! For how long surfaces meet [s]
+      real(wp) :: lasts = 0.0_wp                     !! For how long the shock runs [s]
       integer :: striker = 1                         !! The smaller one: 1 or 2
    end type meeting_t
 
@@ -84,7 +87,7 @@ contains
       end do
       do one = 1, size(bodies)
          call strike_walls(simulation, bodies(one), flight%low(:, one), flight%high(:, one), &
-            time_end, signal)
+            flight%extent(:, one), time_end, signal)
       end do
    end subroutine find_impacts
 
@@ -93,8 +96,11 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run without particles
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       type(flight_t), intent(out) :: flight          !! Their boxes
-      integer :: n
+      logical :: mirrors(6)
+      integer :: n, k
 
+      mirrors = simulation%boundary%kind == face_symmetry
+      mirrors(1) = mirrors(1) .or. simulation%grid%axisymmetric
       allocate (flight%low(3, size(bodies)), flight%high(3, size(bodies)))
       allocate (flight%met(size(bodies)), source=huge(1.0_wp))
       allocate (flight%passes(size(bodies)), source=.false.)
@@ -102,6 +108,13 @@ contains
          call bodies(n)%shape%bounds(flight%low(:, n), flight%high(:, n))
          flight%low(:, n) = max(flight%low(:, n), simulation%grid%lower)
          flight%high(:, n) = min(flight%high(:, n), simulation%grid%upper)
+      end do
+      flight%extent = flight%high - flight%low
+      do k = 1, 3
+         where (flight%low(k, :) <= simulation%grid%lower(k) .and. mirrors(2*k - 1)) &
+            flight%extent(k, :) = 2.0_wp*flight%extent(k, :)
+         where (flight%high(k, :) >= simulation%grid%upper(k) .and. mirrors(2*k)) &
+            flight%extent(k, :) = 2.0_wp*flight%extent(k, :)
       end do
    end subroutine prepare
 
@@ -113,8 +126,8 @@ contains
       type(flight_t), intent(in) :: flight           !! Their boxes
       integer, intent(in) :: one                     !! Body
       integer, intent(in) :: other                   !! Body
-      real(wp) :: coming(3), begin, end, gap(2), volume(2), size_of(2)
-      integer :: k, n, axis
+      real(wp) :: coming(3), begin, end, gap(2), volume(2), size_of(2), width
+      integer :: k, axis, striker
 
       coming = bodies(one)%velocity - bodies(other)%velocity
       where (.not. simulation%grid%active) coming = 0.0_wp
@@ -127,8 +140,7 @@ contains
       axis = maxloc(abs(coming), dim=1)
       do k = 1, 3
          if (.not. simulation%grid%active(k)) cycle
-         size_of = [flight%high(k, one) - flight%low(k, one), &
-            flight%high(k, other) - flight%low(k, other)]
+         size_of = [flight%extent(k, one), flight%extent(k, other)]
          volume = volume*size_of
          ! lower side of the other from the upper one of this body, and the reverse
          gap = [flight%low(k, other) - flight%high(k, one), &
@@ -150,8 +162,11 @@ contains
          + flight%high(:, other) - flight%low(:, one) - flight%high(:, one)) > 0.0_wp) return
       meeting%time = begin
       meeting%striker = merge(2, 1, volume(2) < volume(1))
-      n = merge(other, one, volume(2) < volume(1))
-      meeting%lasts = 0.5_wp*(flight%high(axis, n) - flight%low(axis, n))/abs(coming(axis))
+      striker = merge(other, one, meeting%striker == 2)
+      width = minval(flight%extent(:, striker), mask=simulation%grid%active)
+      meeting%fresh = 0.5_wp*width/abs(coming(axis))
+      meeting%lasts = min(flight%extent(axis, striker), &
+         0.5_wp*width + flight%extent(axis, one + other - striker))/abs(coming(axis))
    end function meeting_of
 
    !> Note the first meeting of the striker, and whether it goes through: if it has more mass along
@@ -185,15 +200,15 @@ contains
       real(wp), intent(in) :: time_end               !! [s]
       real(wp), intent(inout) :: signal(:)           !! (part) Raised [m/s]
       real(wp), parameter :: stretch = 2.0_wp/3.0_wp ! length of a cloud over its way
-      real(wp) :: coming(3), impedance(2), share(2), moving(3), lasts, fastest
+      real(wp) :: coming(3), impedance(2), share(2), moving(3), later, contact, shock
       integer :: body(2), k, striker
 
       body = [one, other]
       striker = body(meeting%striker)
-      lasts = meeting%lasts
+      later = 0.0_wp
       if (meeting%time > flight%met(striker)) then
          if (.not. flight%passes(striker)) return
-         lasts = lasts + stretch*(meeting%time - flight%met(striker))
+         later = stretch*(meeting%time - flight%met(striker))
       end if
       do k = 1, 2
          associate (material => simulation%materials(bodies(body(k))%store))
@@ -202,44 +217,54 @@ contains
       end do
       share = impedance(2:1:-1)/max(sum(impedance), tiny(1.0_wp))
       coming = bodies(one)%velocity - bodies(other)%velocity
-      fastest = 0.0_wp
+      contact = 0.0_wp
+      shock = 0.0_wp
       do k = 1, 2
          ! halfway through the jump
          moving = bodies(body(k))%velocity - merge(0.5_wp, -0.5_wp, k == 1)*share(k)*coming
-         fastest = max(fastest, norm2(moving) + contact_signal( &
-            simulation%materials(bodies(body(k))%store), meeting%speed, share(k)*meeting%speed))
+         associate (material => simulation%materials(bodies(body(k))%store), &
+            jump => share(k)*meeting%speed)
+            contact = max(contact, norm2(moving) + contact_signal(material, meeting%speed, jump))
+            shock = max(shock, norm2(moving) + shock_signal(material, jump))
+         end associate
       end do
-      call raise(meeting%time, lasts, fastest, time_end, signal)
+      call raise(meeting%time, meeting%fresh + later, contact, time_end, signal)
+      call raise(meeting%time, meeting%lasts + later, shock, time_end, signal)
    end subroutine strike
 
    !> Raise the signal while a body runs into closed faces or a rigid region.
-   pure subroutine strike_walls(simulation, body, low, high, time_end, signal)
+   pure subroutine strike_walls(simulation, body, low, high, extent, time_end, signal)
       type(simulation_t), intent(in) :: simulation   !! The run without particles
       type(body_t), intent(in) :: body               !! The body
       real(wp), intent(in) :: low(3)                 !! Corner of its box [m]
       real(wp), intent(in) :: high(3)                !! The opposite corner [m]
+      real(wp), intent(in) :: extent(3)              !! With what mirrors add [m]
       real(wp), intent(in) :: time_end               !! [s]
       real(wp), intent(inout) :: signal(:)           !! (part) Raised [m/s]
-      real(wp) :: speed, gap, fastest
+      real(wp) :: speed, gap, moving
       integer :: k, face
 
-      if (allocated(simulation%rigid)) then
-         speed = norm2(body%velocity)
-         if (speed > 0.0_wp) call raise(0.0_wp, time_end, 0.5_wp*speed + contact_signal( &
-            simulation%materials(body%store), speed, speed), time_end, signal)
-      end if
-      do k = 1, 3
-         if (.not. simulation%grid%active(k)) cycle
-         speed = abs(body%velocity(k))
-         if (.not. speed > 0.0_wp) cycle
-         face = merge(2*k - 1, 2*k, body%velocity(k) < 0.0_wp)
-         if (.not. closed(simulation%boundary%kind(face))) cycle
-         gap = merge(low(k) - simulation%grid%lower(k), simulation%grid%upper(k) - high(k), &
-            body%velocity(k) < 0.0_wp)
-         fastest = norm2(body%velocity) - 0.5_wp*speed &
-            + contact_signal(simulation%materials(body%store), speed, speed)
-         call raise(gap/speed, 0.5_wp*(high(k) - low(k))/speed, fastest, time_end, signal)
-      end do
+      associate (material => simulation%materials(body%store))
+         if (allocated(simulation%rigid)) then
+            speed = norm2(body%velocity)
+            if (speed > 0.0_wp) call raise(0.0_wp, time_end, &
+               0.5_wp*speed + shock_signal(material, speed), time_end, signal)
+         end if
+         do k = 1, 3
+            if (.not. simulation%grid%active(k)) cycle
+            speed = abs(body%velocity(k))
+            if (.not. speed > 0.0_wp) cycle
+            face = merge(2*k - 1, 2*k, body%velocity(k) < 0.0_wp)
+            if (.not. closed(simulation%boundary%kind(face))) cycle
+            gap = merge(low(k) - simulation%grid%lower(k), simulation%grid%upper(k) - high(k), &
+               body%velocity(k) < 0.0_wp)
+            moving = norm2(body%velocity) - 0.5_wp*speed
+            call raise(gap/speed, 0.5_wp*minval(extent, mask=simulation%grid%active)/speed, &
+               moving + contact_signal(material, speed, speed), time_end, signal)
+            call raise(gap/speed, (high(k) - low(k))/speed, &
+               moving + shock_signal(material, speed), time_end, signal)
+         end do
+      end associate
    end subroutine strike_walls
 
    !> Raise the signal for a time.
@@ -272,11 +297,10 @@ contains
       type(material_t), intent(in) :: material       !! Its material
       real(wp), intent(in) :: closing                !! Speed at which the surfaces meet [m/s]
       real(wp), intent(in) :: jump                   !! Of the velocity of this material [m/s]
-      real(wp), parameter :: slope = 1.5_wp          ! of shock speed over jump, common to metals
       real(wp), parameter :: width = 3.0_wp          ! over which velocity falls at a contact [cells]
       real(wp) :: damping, sound
 
-      sound = material%reference_speed() + (slope - 0.5_wp)*jump
+      sound = shocked_sound(material, jump)
       speed = sound
       if (.not. allocated(material%viscosity)) return
       associate (q1 => material%viscosity%linear, q2 => material%viscosity%quadratic)
@@ -285,6 +309,31 @@ contains
       end associate
       speed = damping + sqrt(damping**2 + sound**2)
    end function contact_signal
+
+   !> Wave speed with artificial viscosity in the middle of a steady shock [m/s]. Equation (S.4).
+   pure real(wp) function shock_signal(material, jump) result(speed)
+      type(material_t), intent(in) :: material       !! Its material
+      real(wp), intent(in) :: jump                   !! Of the velocity of matter [m/s]
+      real(wp) :: damping, sound
+
+      sound = shocked_sound(material, jump)
+      speed = sound
+      if (.not. allocated(material%viscosity)) return
+      associate (q1 => material%viscosity%linear, q2 => material%viscosity%quadratic)
+         if (.not. q1 + q2 > 0.0_wp) return
+         ! 2 q2 h D of the steady profile, whose q has its maximum slope jump^2/4 in the middle
+         damping = sqrt((q1*sound)**2 + q2*slope*jump**2)
+      end associate
+      speed = damping + sqrt(damping**2 + sound**2)
+   end function shock_signal
+
+   !> Wave speed halfway up a shock [m/s].
+   pure real(wp) function shocked_sound(material, jump) result(sound)
+      type(material_t), intent(in) :: material       !! Its material
+      real(wp), intent(in) :: jump                   !! Of the velocity of matter [m/s]
+
+      sound = material%reference_speed() + (slope - 0.5_wp)*jump
+   end function shocked_sound
 
    !> The first time step.
    pure subroutine first_step(simulation, bodies, limits, dt, cause)
