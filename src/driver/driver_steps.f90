@@ -126,7 +126,7 @@ contains
       type(flight_t), intent(in) :: flight           !! Their boxes
       integer, intent(in) :: one                     !! Body
       integer, intent(in) :: other                   !! Body
-      real(wp) :: coming(3), begin, end, gap(2), volume(2), size_of(2), width
+      real(wp) :: coming(3), begin, end, gap(2), volume(2), size_of(2), width, slide
       integer :: k, axis, striker
 
       coming = bodies(one)%velocity - bodies(other)%velocity
@@ -164,9 +164,11 @@ contains
       meeting%striker = merge(2, 1, volume(2) < volume(1))
       striker = merge(other, one, meeting%striker == 2)
       width = minval(flight%extent(:, striker), mask=simulation%grid%active)
-      meeting%fresh = 0.5_wp*width/abs(coming(axis))
-      meeting%lasts = min(flight%extent(axis, striker), &
-         0.5_wp*width + flight%extent(axis, one + other - striker))/abs(coming(axis))
+      ! what slides along as it comes meets fresh surface with its whole length
+      slide = sqrt(max(1.0_wp - (coming(axis)/meeting%speed)**2, 0.0_wp))*flight%extent(axis, striker)
+      meeting%fresh = 0.5_wp*(width + slide)/abs(coming(axis))
+      meeting%lasts = (min(width, 0.5_wp*width + flight%extent(axis, one + other - striker)) &
+         + slide)/abs(coming(axis))
    end function meeting_of
 
    !> Note the first meeting of the striker, and whether it goes through: if it has more mass along
