@@ -23,8 +23,8 @@ module driver_estimate
 
    integer(int64), parameter, public :: most_particles = 2000000_int64 !! A login node bears them
    real(wp), parameter :: patience = 2.0_wp          !! Wall time for the first steps [s]
-   real(wp), parameter :: copy_patience = 6.0_wp     !! The same for the copy [s]
-   real(wp), parameter :: copy_seconds = 1.5_wp      !! That it should take if nothing changes [s]
+   real(wp), parameter :: copy_patience = 8.0_wp     !! The same for the copy [s]
+   real(wp), parameter :: copy_seconds = 3.0_wp      !! That it should take if nothing changes [s]
    integer, parameter :: most_coarse = 8             !! Times the cells of the deck
    real(wp), parameter :: snapshot_speed = 25.0e6_wp !! Compressed and written [byte/s]
 
@@ -38,7 +38,7 @@ contains
       type(trial_t) :: trial
       character(len=:), allocatable :: basis
       character(len=120) :: line
-      real(wp) :: row, seconds, steps
+      real(wp) :: row, seconds, files, steps, share
 
       text = ""
       call begin_run(plan%simulation, plan%bodies, plan%survey, plan%shapes, error)
@@ -47,20 +47,38 @@ contains
       call try_steps(plan%simulation, plan%limits, patience, trial)
       if (trial%last%steps == 0) return
       if (trial%last%steps <= warm_steps .and. .not. trial%whole) return
-      seconds = trial%last%seconds
+      seconds = trial%last%processor
       steps = real(trial%last%steps, wp)
       basis = "all of them"
       if (.not. trial%whole) call extend(plan, trial, seconds, steps, basis)
-      seconds = seconds + row*plan%outputs%rows(plan%limits%time_end, steps) &
+      ! rows and files are the work of one thread
+      files = row*plan%outputs%rows(plan%limits%time_end, steps) &
          + real(plan%outputs%expected(plan%limits%time_end), wp)*snapshot_bytes &
          *real(plan%survey%particles, wp)/snapshot_speed
+      share = wall_share(trial%last%wall, trial%last%processor, omp_get_max_threads())
       write (line, "(a,i0,a,i0,a,es8.1,a)") " on 1 rank x ", omp_get_max_threads(), &
-         " threads, from ", trial%last%steps, " steps of ", trial%last%seconds &
+         " threads, from ", trial%last%steps, " steps of ", trial%last%processor*share &
          /real(trial%last%steps, wp), " s, "
-      text = "estimate   "//span_text(seconds)//trim(line)//" "//basis//new_line("a")
+      text = "estimate   about "//number(nint(steps, int64))//" steps; processor time "// &
+         span_text(seconds + files)//", wall time "//span_text(seconds*share + files) &
+         //trim(line)//" "//basis//new_line("a")
    end subroutine estimate_text
 
-   !> Seconds and steps of the whole run from those of its first steps.
+   !> Wall time over processor time of all threads. Threads that wait for others work too little for
+   !! what they take; but if most of their time is lost, other programs have the cores, and the
+   !! estimate is for a machine that is free.
+   pure real(wp) function wall_share(wall, processor, threads) result(share)
+      real(wp), intent(in) :: wall                   !! Of the first steps [s]
+      real(wp), intent(in) :: processor              !! The same of all threads [s]
+      integer, intent(in) :: threads                 !! How many
+      real(wp), parameter :: most = 1.5_wp           ! of the share if no thread ever waits
+
+      share = 1.0_wp/real(threads, wp)
+      if (processor > 0.0_wp .and. wall/max(processor, tiny(processor)) < most*share) &
+         share = max(share, wall/processor)
+   end function wall_share
+
+   !> Processor time and steps of the whole run from those of its first steps.
    subroutine extend(plan, trial, seconds, steps, basis)
       class(plan_t), intent(in) :: plan              !! The run
       type(trial_t), intent(in) :: trial             !! Its first steps
@@ -68,15 +86,16 @@ contains
       real(wp), intent(inout) :: steps               !! The same
       character(len=:), allocatable, intent(out) :: basis !! What it rests on
       type(trial_t) :: copy
-      real(wp) :: left, rest, more, most
+      real(wp) :: left, cost, more, most
       integer :: coarser
       logical :: found
 
+      cost = (trial%last%processor - trial%first%processor) &
+         /real(trial%last%steps - trial%first%steps, wp)
       left = (plan%limits%time_end - trial%last%time)/(trial%last%time - trial%first%time)
-      rest = left*(trial%last%seconds - trial%first%seconds)
       more = left*real(trial%last%steps - trial%first%steps, wp)
       basis = "as if all others cost the same"
-      coarser = wished_cells(plan%simulation%grid, rest)
+      coarser = wished_cells(plan%simulation%grid, more*cost/real(omp_get_max_threads(), wp))
       do
          call run_copy(plan, coarser, trial, copy, found)
          if (found .or. coarser == 2) exit
@@ -86,21 +105,42 @@ contains
       if (found) then
          basis = "and a copy with cells "//number(coarser)//" times as large"
          if (.not. copy%whole) basis = basis//", not run to its end"
-         associate (early => copy%middle%time - copy%first%time, &
-            late => copy%last%time - copy%middle%time)
-            rest = rest*(copy%last%seconds - copy%middle%seconds)/late &
-               *early/(copy%middle%seconds - copy%first%seconds)
-            more = more*real(copy%last%steps - copy%middle%steps, wp)/late &
-               *early/real(copy%middle%steps - copy%first%steps, wp)
-         end associate
+         more = steps_left(plan, trial, copy, coarser)
+         if (copy%last%steps > copy%clocked%steps) &
+            cost = cost*(copy%last%processor - copy%clocked%processor) &
+            /real(copy%last%steps - copy%clocked%steps, wp) &
+            *real(copy%clocked%steps - copy%first%steps, wp) &
+            /(copy%clocked%processor - copy%first%processor)
       end if
-      seconds = seconds + rest
+      seconds = seconds + more*cost
       steps = steps + more
       most = real(plan%limits%max_steps, wp)
       if (steps <= most) return
       seconds = seconds*most/steps
       steps = most
    end subroutine extend
+
+   !> Steps after the first ones, from those of the copy after the same time. Signals take a cell of
+   !! the copy so many times as long, shocks with artificial viscosity too as they are so many cells
+   !! wide in both. Where something else sets the steps, they compare as those before do.
+   pure real(wp) function steps_left(plan, trial, copy, coarser) result(steps)
+      class(plan_t), intent(in) :: plan              !! The run
+      type(trial_t), intent(in) :: trial             !! Its first steps
+      type(trial_t), intent(in) :: copy              !! The copy
+      integer, intent(in) :: coarser                 !! Cells are so many times as large
+      integer, parameter :: countable = 20           ! fewer steps are no measure
+      real(wp) :: early, late, scale
+      integer :: first
+
+      first = copy%middle%steps - copy%first%steps
+      early = real(trial%last%steps - trial%first%steps, wp)
+      late = (plan%limits%time_end - copy%middle%time)/(copy%last%time - copy%middle%time) &
+         *real(copy%last%steps - copy%middle%steps, wp)
+      scale = real(coarser, wp)
+      if (first >= countable) scale = early/real(first, wp)*(copy%middle%time - copy%first%time) &
+         /(trial%last%time - trial%first%time)
+      steps = scale*late
+   end function steps_left
 
    !> How many times as large the cells of the copy should be, so that it takes about a second. The
    !! box holds a whole number of them, if there is such a number near by.

@@ -9,33 +9,35 @@ module driver_trial
    use driver_run, only: choose_step, limits_t
    use driver_simulation, only: simulation_t
    use driver_step, only: advance
-   use omp_lib, only: omp_get_max_threads
    implicit none
    private
 
    public :: row_seconds, trial_t, try_steps
 
    integer, parameter, public :: warm_steps = 3      !! Before anything counts: memory is fetched
+   real(wp), parameter :: timeable = 0.1_wp          !! Processor time that is no accident [s]
 
    !> A point of a run.
    type :: mark_t
       real(wp) :: time = 0.0_wp                      !! [s]
-      real(wp) :: seconds = 0.0_wp                   !! Time of a thread since the first step [s]
-      integer :: steps = 0                           !! Steps since then
+      real(wp) :: processor = 0.0_wp                 !! Processor time of all threads since the start [s]
+      real(wp) :: wall = 0.0_wp                      !! Wall time since then [s]
+      integer :: steps = 0                           !! Steps done
    end type mark_t
 
    !> What a trial cost.
    type :: trial_t
       type(mark_t) :: first                          !! After the warm steps, or at a given time
       type(mark_t) :: middle                         !! At a given time
+      type(mark_t) :: clocked                        !! Then, or when there is enough to time
       type(mark_t) :: last                           !! At the end of the trial
       logical :: whole = .false.                     !! Was that the end of the run?
    end type trial_t
 
 contains
 
-   !> Do steps until the run ends or patience does. Processor time is taken, which other work on the
-   !! machine does not change. The state of the run is spoilt by it.
+   !> Do steps until the run ends or patience does. Processor time hardly changes with other work on
+   !! the machine; wall time does. The state of the run is spoilt by it.
    subroutine try_steps(simulation, limits, patience, trial, from, to)
       type(simulation_t), intent(inout) :: simulation !! The run in its first state
       type(limits_t), intent(in) :: limits           !! End of the run
@@ -45,11 +47,12 @@ contains
       real(wp), intent(in), optional :: to           !! Time of the middle one [s]
       type(error_t), allocatable :: error
       real(wp) :: begin, start, spent, dt
-      logical :: marked(2)
+      logical :: marked(2), timed
 
       begin = wall_seconds()
       start = process_seconds()
       marked = .false.
+      timed = .false.
       do
          if (simulation%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp)) .or. &
             simulation%step >= limits%max_steps) then
@@ -62,12 +65,16 @@ contains
          if (allocated(error)) exit
          call advance(simulation, dt, error)
          if (allocated(error)) exit
-         trial%last = mark_t(simulation%time, (process_seconds() - start) &
-            /real(omp_get_max_threads(), wp), trial%last%steps + 1)
+         trial%last = mark_t(simulation%time, process_seconds() - start, wall_seconds() - begin, &
+            trial%last%steps + 1)
          if (present(from)) then
             if (simulation%time >= from .and. .not. marked(1)) trial%first = trial%last
             if (simulation%time >= to .and. .not. marked(2)) trial%middle = trial%last
             marked = marked .or. simulation%time >= [from, to]
+            if (.not. timed .and. marked(2)) then
+               trial%clocked = trial%last
+               timed = trial%last%processor - trial%first%processor >= timeable
+            end if
          else if (trial%last%steps == warm_steps) then
             trial%first = trial%last
          end if
