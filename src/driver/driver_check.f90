@@ -10,6 +10,7 @@ module driver_check
    use driver_solid_volumes, only: solid_volumes_text
    use driver_start, only: survey_t
    use driver_steps, only: expected_steps, first_step
+   use driver_stiffness, only: stiffness_text
    use material_wishes, only: wishes_t
    use mesh_tiles, only: neighbors
    use particle_fill, only: body_t
@@ -42,7 +43,7 @@ contains
       text = text &
          //"step       first dt "//short(dt)//" s"//cause//"; about "// &
          number(nint(steps, int64))//" steps"// &
-         new_line("a")// &
+         new_line("a")//stiffness_text(simulation, bodies, limits)// &
          "memory     "//size_text(bytes)//" for particle and node fields, on all ranks together"// &
          new_line("a")// &
          "output     "//number(snapshots)//" snapshots, about "//size_text(real(snapshots, wp) &

@@ -26,6 +26,7 @@ module driver_program
    use driver_restart, only: resume
    use driver_run, only: is_finished, run_to_end
    use driver_signal, only: outlive_file_limit
+   use driver_steps, only: expected_steps
    use driver_summary, only: summarise
    use driver_threads, only: choose_threads, share_cores, threads_text, yield_when_waiting
    use driver_trust, only: number_lattices
@@ -257,10 +258,11 @@ contains
       type(changes_t) :: changes
       type(group_t) :: group
       logical :: timing
-      real(wp) :: begin
+      real(wp) :: begin, steps
 
       begin = wall_seconds()
       code = exit_success
+      steps = expected_steps(session%simulation, session%bodies, session%limits)
       ! a run that cannot go on leaves the files of the one before as they are
       call guard_results(session, error)
       if (allocated(error)) return
@@ -297,7 +299,7 @@ contains
       group = session%deck%group("log")
       call group%get("timing", timing)
       call summarise(session%simulation, session%outputs, session%log, wall_seconds() - begin, &
-         timing, code, reason, late)
+         steps, timing, code, reason, late)
       call agree(session%simulation%communicator, late)
       if (.not. allocated(error)) then
          call session%log%info("ended     "//reason)

@@ -5,7 +5,6 @@ module driver_summary
    use base_kinds, only: int64, wp
    use base_log, only: log_t
    use base_version, only: git_commit, version_text
-   use driver_bounds, only: guard_t, rule_names, rules
    use driver_exact_error, only: take_errors
    use driver_laps, only: share_out
    use driver_ledger, only: balance_t, entries, entry_names, removed_mass, &
@@ -14,6 +13,7 @@ module driver_summary
    use driver_restart, only: describe_state
    use driver_simulation, only: nodes_t, simulation_t
    use driver_step, only: count_particles
+   use driver_summary_steps, only: add_rules, rules_text, steps_text, time_text
    use driver_trust, only: final_trust, warn_of_balance
    use driver_trust_record, only: add_trust, trust_t, trust_text
    use io_digest, only: state_digest
@@ -36,11 +36,12 @@ module driver_summary
 contains
 
    !> Write the tables and the summary. Collective.
-   subroutine summarise(simulation, outputs, log, wall, timing, code, reason, error)
+   subroutine summarise(simulation, outputs, log, wall, expected, timing, code, reason, error)
       type(simulation_t), intent(inout) :: simulation !! The run at its end
       type(outputs_t), intent(in) :: outputs         !! For names of files
       type(log_t), intent(inout) :: log              !! Gets the tables
       real(wp), intent(in) :: wall                   !! Wall time of the whole run [s]
+      real(wp), intent(in) :: expected               !! Steps to t_end, estimated at the start
       logical, intent(in) :: timing                  !! Table of phases?
       integer, intent(in) :: code                    !! Exit code
       character(len=*), intent(in) :: reason         !! Why it ended
@@ -63,7 +64,8 @@ contains
       rate = step_rate(simulation, counts(2), greatest)
       bytes = bytes_per_particle(simulation, counts(1))
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
-      call log%info(rules_text(simulation%guard))
+      call log%info(steps_text(simulation%step, expected, reason)//rules_text(simulation%guard))
+      call log%info(time_text(wall, nano*real(counts(4), wp)))
       call log%info(balance_text(now, rate, real(counts(2), wp)/max(wall, nano), bytes))
       call final_trust(simulation, code, now, trust)
       call log%info(trust_text(trust))
@@ -79,6 +81,7 @@ contains
       call json%add("exit_code", code)
       call json%add("reason", reason)
       call json%add("steps", simulation%step)
+      call json%add("steps_expected", nint(expected, int64))
       call json%add("time", simulation%time)
       call json%add("particles", counts(1))
       call json%add("wall_s", wall)
@@ -223,36 +226,6 @@ contains
       numbers = 0
       if (allocated(array)) numbers = size(array, kind=int64)
    end function length
-
-   !> What limited the steps of this call of the program, as a line of text.
-   function rules_text(guard) result(text)
-      type(guard_t), intent(in) :: guard             !! With the counts
-      character(len=:), allocatable :: text
-      character(len=40) :: part
-      integer :: rule
-
-      text = "steps     limited by"
-      do rule = 1, rules
-         if (guard%steps(rule) == 0) cycle
-         write (part, "(f8.2,a)") 100.0_wp*real(guard%steps(rule), wp) &
-            /real(sum(guard%steps), wp), " %"
-         if (text(len(text):) == "%") text = text//","
-         text = text//" "//trim(rule_names(rule))//" "//trim(adjustl(part))
-      end do
-   end function rules_text
-
-   !> The same for scripts: numbers of steps.
-   subroutine add_rules(json, guard)
-      type(json_t), intent(inout) :: json            !! The summary
-      type(guard_t), intent(in) :: guard             !! With the counts
-      integer :: rule
-
-      call json%begin("steps_limited_by")
-      do rule = 1, rules
-         call json%add(trim(rule_names(rule)), guard%steps(rule))
-      end do
-      call json%end()
-   end subroutine add_rules
 
    !> The books as two lines of text.
    function balance_text(now, rate, whole_rate, bytes) result(text)
