@@ -40,7 +40,7 @@ contains
    end function asks
 
    !> How far the nodes of a tile would go that its particles see. Most tiles are so slow that their
-   !! greatest velocity tells, others fly as a whole. Equation (S.6) of doc/theory/time_step.md.
+   !! greatest velocity tells, others fly as a whole. Equation (S.7) of doc/theory/time_step.md.
    pure subroutine look_at_tile(simulation, tile, slot, dt, reach)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile

@@ -21,7 +21,7 @@ module driver_retry
 contains
 
    !> Would a node go too far in the step, or two of a cell too far apart? Then all is put back to
-   !! where the nodes are to be moved again, and the step is shorter. Collective. Equation (S.6) of
+   !! where the nodes are to be moved again, and the step is shorter. Collective. Equation (S.7) of
    !! doc/theory/time_step.md.
    subroutine judge_nodes(simulation, dt, again, error)
       type(simulation_t), intent(inout) :: simulation !! The run, its nodes just moved

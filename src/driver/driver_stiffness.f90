@@ -116,7 +116,7 @@ contains
       end select
    end function flows
 
-   !> Pressure of the weight and of the speeds of a scene, and strength [Pa]. Equation (S.7).
+   !> Pressure of the weight and of the speeds of a scene, and strength [Pa]. Equation (S.6).
    pure real(wp) function load(simulation, bodies, material) result(pressure)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(body_t), intent(in) :: bodies(:)          !! The bodies

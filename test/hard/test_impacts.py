@@ -102,17 +102,23 @@ def box(dimension, size, reach, depth):
             MIRROR.format("ylo"))
 
 
-def strike(options, sheet, name):
-    """One impact."""
+def deck(name):
+    """The deck of an impact."""
     one, two, speed, degrees, size, dimension, thick, second = IMPACTS[name]
     low, high, left, right, mirrors = box(dimension, size, 10 if dimension == "3d" else 14, 18)
     materials = "\n".join(f"&material  name='{which}'  preset='{which}' /" for which in sorted({one, two}))
-    run = case.Case(options, name, DECK.format(
+    return DECK.format(
         dimension=dimension, lo=low, hi=high, size=size, end=20.0 / speed, materials=materials, left=left, right=right,
         thick=thick, gap=10, gap_end=10 + thick, one=one, two=two, mirrors=mirrors,
         along=round(speed * float(np.cos(np.radians(degrees))), 9),
         down=round(speed * float(np.sin(np.radians(degrees))), 9),
-        second=SECOND.format(two=two) if second else ""))
+        second=SECOND.format(two=two) if second else "")
+
+
+def strike(options, sheet, name):
+    """One impact."""
+    one, two, speed, degrees, *_ = IMPACTS[name]
+    run = case.Case(options, name, deck(name))
     run.run("-q", expect=None, timeout=800)
     sheet.require(run.code == 0, f"{name}: runs to the end, exit code {run.code} {run.output[-300:] * (run.code > 0)}")
     if run.code != 0:
