@@ -53,6 +53,7 @@ module driver_bounds
       integer(int64) :: steepest = huge(1_int64)     !! Identity of that particle if on this rank
       integer :: rule = rule_signal                  !! What limits the step that comes
       integer(int64) :: steps(rules) = 0             !! Steps that each rule has limited
+      real(wp) :: expected = 0.0_wp                  !! Steps of the whole run, as estimated
       integer :: counted = rule_signal               !! Rule for which the present one was counted
    end type guard_t
 

@@ -258,11 +258,12 @@ contains
       type(changes_t) :: changes
       type(group_t) :: group
       logical :: timing
-      real(wp) :: begin, steps
+      real(wp) :: begin
 
       begin = wall_seconds()
       code = exit_success
-      steps = expected_steps(session%simulation, session%bodies, session%limits)
+      session%simulation%guard%expected = expected_steps(session%simulation, session%bodies, &
+         session%limits)
       ! a run that cannot go on leaves the files of the one before as they are
       call guard_results(session, error)
       if (allocated(error)) return
@@ -299,7 +300,7 @@ contains
       group = session%deck%group("log")
       call group%get("timing", timing)
       call summarise(session%simulation, session%outputs, session%log, wall_seconds() - begin, &
-         steps, timing, code, reason, late)
+         timing, code, reason, late)
       call agree(session%simulation%communicator, late)
       if (.not. allocated(error)) then
          call session%log%info("ended     "//reason)

@@ -165,7 +165,8 @@ contains
       striker = merge(other, one, meeting%striker == 2)
       width = minval(flight%extent(:, striker), mask=simulation%grid%active)
       ! what slides along as it comes meets fresh surface with its whole length
-      slide = sqrt(max(1.0_wp - (coming(axis)/meeting%speed)**2, 0.0_wp))*flight%extent(axis, striker)
+      slide = sqrt(max(1.0_wp - (coming(axis)/meeting%speed)**2, 0.0_wp)) &
+         *flight%extent(axis, striker)
       meeting%fresh = 0.5_wp*(width + slide)/abs(coming(axis))
       meeting%lasts = (min(width, 0.5_wp*width + flight%extent(axis, one + other - striker)) &
          + slide)/abs(coming(axis))
@@ -299,7 +300,7 @@ contains
       type(material_t), intent(in) :: material       !! Its material
       real(wp), intent(in) :: closing                !! Speed at which the surfaces meet [m/s]
       real(wp), intent(in) :: jump                   !! Of the velocity of this material [m/s]
-      real(wp), parameter :: width = 3.0_wp          ! over which velocity falls at a contact [cells]
+      real(wp), parameter :: width = 3.0_wp          ! over which velocity falls [cells]
       real(wp) :: damping, sound
 
       sound = shocked_sound(material, jump)

@@ -83,7 +83,8 @@ contains
       fastest = 0
       greatest = 0.0_wp
       do n = 1, size(bodies)
-         signal = simulation%materials(bodies(n)%store)%reference_speed() + norm2(bodies(n)%velocity)
+         signal = simulation%materials(bodies(n)%store)%reference_speed() &
+            + norm2(bodies(n)%velocity)
          if (signal <= greatest) cycle
          greatest = signal
          fastest = n

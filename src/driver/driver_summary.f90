@@ -13,7 +13,7 @@ module driver_summary
    use driver_restart, only: describe_state
    use driver_simulation, only: nodes_t, simulation_t
    use driver_step, only: count_particles
-   use driver_summary_steps, only: add_rules, rules_text, steps_text, time_text
+   use driver_summary_steps, only: add_rules, steps_text
    use driver_trust, only: final_trust, warn_of_balance
    use driver_trust_record, only: add_trust, trust_t, trust_text
    use io_digest, only: state_digest
@@ -36,12 +36,11 @@ module driver_summary
 contains
 
    !> Write the tables and the summary. Collective.
-   subroutine summarise(simulation, outputs, log, wall, expected, timing, code, reason, error)
+   subroutine summarise(simulation, outputs, log, wall, timing, code, reason, error)
       type(simulation_t), intent(inout) :: simulation !! The run at its end
       type(outputs_t), intent(in) :: outputs         !! For names of files
       type(log_t), intent(inout) :: log              !! Gets the tables
       real(wp), intent(in) :: wall                   !! Wall time of the whole run [s]
-      real(wp), intent(in) :: expected               !! Steps to t_end, estimated at the start
       logical, intent(in) :: timing                  !! Table of phases?
       integer, intent(in) :: code                    !! Exit code
       character(len=*), intent(in) :: reason         !! Why it ended
@@ -64,8 +63,7 @@ contains
       rate = step_rate(simulation, counts(2), greatest)
       bytes = bytes_per_particle(simulation, counts(1))
       if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
-      call log%info(steps_text(simulation%step, expected, reason)//rules_text(simulation%guard))
-      call log%info(time_text(wall, nano*real(counts(4), wp)))
+      call log%info(steps_text(simulation, wall, nano*real(counts(4), wp), reason))
       call log%info(balance_text(now, rate, real(counts(2), wp)/max(wall, nano), bytes))
       call final_trust(simulation, code, now, trust)
       call log%info(trust_text(trust))
@@ -81,7 +79,6 @@ contains
       call json%add("exit_code", code)
       call json%add("reason", reason)
       call json%add("steps", simulation%step)
-      call json%add("steps_expected", nint(expected, int64))
       call json%add("time", simulation%time)
       call json%add("particles", counts(1))
       call json%add("wall_s", wall)

@@ -20,7 +20,7 @@ module driver_trial
    !> A point of a run.
    type :: mark_t
       real(wp) :: time = 0.0_wp                      !! [s]
-      real(wp) :: processor = 0.0_wp                 !! Processor time of all threads since the start [s]
+      real(wp) :: processor = 0.0_wp                 !! Of all threads since the start [s]
       real(wp) :: wall = 0.0_wp                      !! Wall time since then [s]
       integer :: steps = 0                           !! Steps done
    end type mark_t

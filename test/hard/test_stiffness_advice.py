@@ -26,7 +26,7 @@ DECK = """
 &grid  lo=0,0,0  hi=0.2,1,0.6  dx=0.02 /
 &time  t_end=0.5 /
 &effects  {gravity} /
-&material  name='water'  density=1000  bulk={bulk}  {kind} /
+&material  name='water'  density=1000  {bulk}  {kind} /
 &region  name='water'  shape='box'  lo=0,0,0  hi=0.2,1,0.5 /
 &body  name='water'  region='water'  material='water' /
 &boundary  face='xlo'  type='slip' /
@@ -35,7 +35,8 @@ DECK = """
 &output  name='h'  kind='history'  every=100 /
 &checkpoint  at_end=.false. /
 """
-USUAL = {"gravity": "gravity=.true.  gravity_vector=0,0,-9.81", "bulk": "2.2e9", "kind": "elastic='none'", "wall": "type='slip'"}
+USUAL = {"gravity": "gravity=.true.  gravity_vector=0,0,-9.81", "bulk": "bulk=2.2e9", "kind": "elastic='none'",
+         "wall": "type='slip'"}
 ADVICE = re.compile(r"^stiffness  the bulk modulus of 'water', (\S+) Pa, sets the number of steps; (\S+) Pa(.*?) would "
                     r"take about (\d+) steps", re.M)
 WEIGHT = 1000.0 * 9.81 * 0.5
@@ -67,11 +68,12 @@ def main():
             sheet.require(("shear modulus" in found[2]) == ("shear" in words.get("kind", "")),
                           f"{name}: the shear modulus is named where there is one")
     for name, words in {
-            "soft": {"bulk": "4e6"}, "elastic": {"kind": "shear=1e9"}, "weightless": {"gravity": ""},
-            "gas": {"kind": "elastic='none'  eos_model='mie_gruneisen'  mg_c0=1500  mg_s=1.5  mg_gamma=0.5"}}.items():
+            "soft": {"bulk": "bulk=4e6"}, "elastic": {"kind": "shear=1e9"}, "weightless": {"gravity": ""},
+            "energy": {"bulk": "", "kind": "elastic='none'  eos_model='mie_gruneisen'  mg_c0=1500  mg_s=1.5  "
+                                        "mg_gamma=0.5"}}.items():
         sheet.require(advised(options, name, **words) is None, f"{name}: no advice")
     bulk, steps, _ = advised(options, "again")
-    run = case.Case(options, "followed", DECK.format(**{**USUAL, "bulk": bulk}))
+    run = case.Case(options, "followed", DECK.format(**{**USUAL, "bulk": f"bulk={bulk}"}))
     summary = run.run("-q").summary
     sheet.near("steps with the advice", summary["steps"], steps, 0.1)
     greatest = summary["extremes"]["density_max"] / 1000.0 - 1.0
