@@ -244,6 +244,10 @@ contains
       type(command_t), intent(inout) :: command          !! Gets what it says
       type(error_t), allocatable, intent(out) :: error   !! The value is missing
 
+      if (option%name == "list" .and. .not. allocated(value)) then
+         command%list = ""
+         return
+      end if
       call require_value(option, value, error)
       if (allocated(error)) return
       select case (option%name)
@@ -404,7 +408,7 @@ contains
          call append(command%overrides, "run.case="//command%case_name)
    end subroutine check_command
 
-   !> There must be a list of that name.
+   !> There must be a list of that name; without a name the lists themselves are listed.
    subroutine check_list(name, error)
       character(len=*), intent(in) :: name               !! What is to be listed
       type(error_t), allocatable, intent(out) :: error   !! There is none
@@ -412,7 +416,7 @@ contains
       character(len=:), allocatable :: near
       integer :: i
 
-      if (any(lists == name)) return
+      if (name == "" .or. any(lists == name)) return
       allocate (names(0))
       do i = 1, size(lists)
          call append(names, trim(lists(i)))
@@ -459,8 +463,8 @@ contains
          "  -p, --preview          draw the first state and the walls into OUTDIR_preview"// &
          newline// &
          "      --no-estimate      with --check: do not estimate the time of the run"//newline// &
-         "  -s, --set G.K=VALUE    value in place of the deck's; --unset G.K removes it"// &
-         newline// &
+         "  -s, --set G.K=VALUE    value in place of the deck's"//newline// &
+         "      --unset G.K        default in place of the deck's value"//newline// &
          "  -c, --case NAME        prefix of all output files"//newline// &
          "  -o, --outdir DIR       folder of all output files, default out/CASE"//newline// &
          "  -r, --restart [FILE]   go on from FILE.h5 or the newest valid checkpoint"//newline// &
@@ -472,12 +476,15 @@ contains
          "      --explain KEY      what a key or group of the deck means"//newline// &
          "      --point            drive one material along &point, write CASE_point.csv"// &
          newline// &
-         "      --list WHAT        materials, fields, shapes, units, examples, former"//newline// &
+         "      --list [WHAT]      materials, fields, shapes, units, examples, former"//newline// &
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
-         "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
-         newline//"                         --threads N and --time HH:MM:SS"//newline// &
+         "      --job SCHEDULER    print a job script for slurm or pbs"//newline// &
+         "      --ranks N          with --job: ranks of the script"//newline// &
+         "      --threads N        with --job: threads of each rank"//newline// &
+         "      --time HH:MM:SS    with --job: wall time"//newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
-         "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline
+         "  -h, --help             this text"//newline// &
+         "  -V, --version          version, compiler and libraries"//newline//newline
       text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem"// &
          newline//"  or results in the way, 4 physics gave up, 5 internal error, 75 stopped "// &
          "with a"//newline//"  checkpoint: run again"//newline//newline//"examples:"//newline// &
