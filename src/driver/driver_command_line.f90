@@ -463,8 +463,8 @@ contains
          "  -p, --preview          draw the first state and the walls into OUTDIR_preview"// &
          newline// &
          "      --no-estimate      with --check: do not estimate the time of the run"//newline// &
-         "  -s, --set G.K=VALUE    value in place of the deck's"//newline// &
-         "      --unset G.K        default in place of the deck's value"//newline// &
+         "  -s, --set G.K=VALUE    value in place of the deck's; --unset G.K removes it"// &
+         newline// &
          "  -c, --case NAME        prefix of all output files"//newline// &
          "  -o, --outdir DIR       folder of all output files, default out/CASE"//newline// &
          "  -r, --restart [FILE]   go on from FILE.h5 or the newest valid checkpoint"//newline// &
@@ -478,13 +478,10 @@ contains
          newline// &
          "      --list [WHAT]      materials, fields, shapes, units, examples, former"//newline// &
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
-         "      --job SCHEDULER    print a job script for slurm or pbs"//newline// &
-         "      --ranks N          with --job: ranks of the script"//newline// &
-         "      --threads N        with --job: threads of each rank"//newline// &
-         "      --time HH:MM:SS    with --job: wall time"//newline// &
+         "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
+         newline//"                         --threads N and --time HH:MM:SS"//newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
-         "  -h, --help             this text"//newline// &
-         "  -V, --version          version, compiler and libraries"//newline//newline
+         "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline
       text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem"// &
          newline//"  or results in the way, 4 physics gave up, 5 internal error, 75 stopped "// &
          "with a"//newline//"  checkpoint: run again"//newline//newline//"examples:"//newline// &
