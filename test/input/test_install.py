@@ -122,6 +122,56 @@ class Install(unittest.TestCase):
         self.assertEqual(completed("--outdir", "", folder=folder), {"out"})
         self.assertEqual(completed("--case", ""), set())
 
+    def test_hdf5_of_the_mpi(self):
+        """Would catch an HDF5 of Open MPI beside MPICH: of two wrappers in a folder the wrong one, or no complaint."""
+        folder = OPTIONS.work / "hdf5"
+        shutil.rmtree(folder, ignore_errors=True)
+        (folder / "bin").mkdir(parents=True)
+        for mpi in ("openmpi", "mpich"):
+            place = folder / mpi
+            place.mkdir()
+            for name in ("hdf5.mod", "libhdf5_fortran.a", "libhdf5.a"):
+                (place / name).touch()
+            (place / "H5pubconf.h").write_text("#define H5_HAVE_PARALLEL 1\n", encoding="utf-8")
+            wrapper = folder / "bin" / f"h5pfc.{mpi}"
+            wrapper.write_text(f"#!/bin/sh\necho gfortran '-I{place}' '-L{place}'\n", encoding="utf-8")
+            wrapper.chmod(0o755)
+        (folder / "CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.18)\nproject(one LANGUAGES NONE)\nset(CMAKE_FIND_LIBRARY_PREFIXES lib)\n"
+            f"set(CMAKE_FIND_LIBRARY_SUFFIXES .a)\ninclude({case.ROOT}/cmake/ScreeHdf5.cmake)\n", encoding="utf-8")
+        shown = {}
+        for mpi, library in (("openmpi", "/usr/lib/libmpi_usempif08.so"), ("mpich", "/usr/lib/libmpichfort.so")):
+            code, said, wrong = run("cmake", "-S", folder, "-B", folder / f"build {mpi}", f"-DHDF5_ROOT={folder}",
+                                    f"-DMPI_Fortran_LIBRARIES={library}")
+            self.assertEqual(code, 0, said + wrong)
+            self.assertIn(f"Found parallel HDF5: {folder}/{mpi}/", said)
+            shown[mpi] = library
+        code, said, wrong = run("cmake", "-S", folder, "-B", folder / "build wrong",
+                                f"-DMPI_Fortran_LIBRARIES={shown['mpich']}",
+                                f"-DSCREE_H5PFC={folder}/bin/h5pfc.openmpi")
+        self.assertNotEqual(code, 0, said)
+        self.assertRegex(" ".join(wrong.split()), "HDF5 and MPI do not fit: .* -DSCREE_H5PFC=")
+
+    def test_build_without_tests(self):
+        """Would catch --no-tests that builds the tests all the same, or a wrong word that goes to CMake."""
+        folder = OPTIONS.work / "clone ü"
+        shutil.rmtree(folder, ignore_errors=True)
+        (folder / "bin").mkdir(parents=True)
+        shutil.copytree(case.ROOT / "scripts", folder / "scripts", ignore=shutil.ignore_patterns("__pycache__"))
+        (folder / "bin/cmake").write_text('#!/bin/sh\nprintf "%s\\n" "$*" >> "$CALLS"\n', encoding="utf-8")
+        (folder / "bin/cmake").chmod(0o755)
+        calls = folder / "calls"
+        path = f"PATH={folder}/bin:{os.environ['PATH']}"
+        for words, target in ((("--no-tests",), True), (("--no-tests", "Debug"), True), ((), False)):
+            calls.unlink(missing_ok=True)
+            code, said, wrong = run("env", path, f"CALLS={calls}", "bash", folder / "scripts/build.sh", *words)
+            self.assertEqual(code, 0, said + wrong)
+            line = [line for line in calls.read_text(encoding="utf-8").splitlines() if line.startswith("--build")]
+            self.assertEqual([text.endswith("--target scree") for text in line], [target])
+        code, _, wrong = run("env", path, f"CALLS={calls}", "bash", folder / "scripts/build.sh", "--notests")
+        self.assertEqual(code, 2)
+        self.assertIn("--no-tests", wrong)
+
     def test_zsh(self):
         """Would catch a completion that zsh cannot parse."""
         if shutil.which("zsh") is None:
