@@ -95,7 +95,9 @@ contains
       if (allocated(plan%bodies) .and. plan%deck%sound("body")) then
          call take_survey(plan%simulation, plan%bodies, plan%survey)
          call check_places(plan%deck, plan%simulation, plan%bodies, plan%survey)
-         call check_elastic(plan%deck, plan%simulation, plan%bodies)
+         ! a material with an error has no speed of waves
+         if (plan%deck%sound("material")) &
+            call check_elastic(plan%deck, plan%simulation, plan%bodies)
       end if
       if (.not. allocated(plan%simulation%stores)) then
          call check_field_names(plan%deck, plan%simulation)

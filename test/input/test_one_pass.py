@@ -53,6 +53,9 @@ class OnePass(unittest.TestCase):
             lines = problems(said_of("preset", material=f"&material name='m' preset='{word}' jc_a=1e8 /"))
             self.assertEqual(len(lines), 1, lines)
             self.assertIn(f"did you mean '{near}'?", lines[0])
+        # a warning on the wave speed of a material that is not known
+        lines = problems(said_of("no modulus", material="&material name='m' density=2700 young=7e10 /"))
+        self.assertEqual(len(lines), 1, lines)
         lines = problems(said_of("no preset", material="&material name='m' preset='xyz' /"))
         self.assertNotIn("did you mean", lines[0])
         lines = problems(said_of("given wrong", material="&material name='m' preset='copper' density=-1 /"))
