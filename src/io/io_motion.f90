@@ -13,14 +13,14 @@ module io_motion
 
    !> What a table holds.
    type :: meaning_t
-      character(len=16) :: name                          !! Such as velocities
+      character(len=36) :: fault                         !! Beginning of messages on a file
       character(len=16) :: columns                       !! Such as t, vx, vy, vz
    end type meaning_t
 
    type(meaning_t), parameter, public :: of_velocities = &
-      meaning_t("velocities", "t, vx, vy, vz")           !! Of walls
+      meaning_t("cannot read the velocities of", "t, vx, vy, vz") !! Of walls
    type(meaning_t), parameter, public :: of_gravity = &
-      meaning_t("accelerations", "t, gx, gy, gz")        !! Of gravity_table
+      meaning_t("cannot read the accelerations of", "t, gx, gy, gz") !! Of gravity_table
    integer, parameter :: columns = 4                     !! Time and three components
    integer, parameter :: shown = 40                      !! Letters of a wrong line in a message
 
@@ -56,7 +56,8 @@ contains
          if (.not. sound .and. entries == 0 .and. is_title(line)) cycle
          if (.not. sound) then
             call complain(error, path, meaning, "line "//number(row)// &
-               ": expected four numbers "//trim(meaning%columns)//", not '"//shortened(trim(adjustl(line)), shown)//"'")
+               ": expected four numbers "//trim(meaning%columns)//", not '"// &
+               shortened(trim(adjustl(line)), shown)//"'")
             return
          end if
          if (entries > 0) sound = values(1) > room(1, max(entries, 1))
@@ -68,7 +69,7 @@ contains
          entries = entries + 1
          room(:, entries) = values
       end do
-      if (entries == 0) call complain(error, path, meaning,  &
+      if (entries == 0) call complain(error, path, meaning, &
          "it holds no line of four numbers "//trim(meaning%columns))
       time = room(1, :entries)
       velocity = room(2:, :entries)
@@ -81,8 +82,7 @@ contains
       type(meaning_t), intent(in) :: meaning             !! What the table holds
       character(len=*), intent(in) :: what               !! What is wrong
 
-      call fail(error, exit_file, "cannot read the "//trim(meaning%name)//" of '"// &
-         path//"': "//what)
+      call fail(error, exit_file, trim(meaning%fault)//" '"//path//"': "//what)
    end subroutine complain
 
    !> A line with blanks for commas and control characters, so that words are between blanks.
