@@ -104,7 +104,8 @@ def man_page(program):
             "\\fIN\\fR", ".B scree", "[\\fIoptions\\fR] \\fIDECK.nml\\fR", ".SH DESCRIPTION",
             "Reads a deck, a text file that describes bodies, materials and a grid, computes how the bodies move",
             "and break, and writes snapshots and tables into a folder. The result has the same bits for any number",
-            "of ranks and threads, and after a restart. A deck with all keys comes from", ".BR \"scree \\-\\-template\" ,",
+            "of ranks and threads, and after a restart. A deck with all keys comes from",
+            ".BR \"scree \\-\\-template\" ,",
             "a scene to begin with from", ".BR \"scree \\-\\-new\" .", ".SH OPTIONS"]
     for typed, meaning in entries(lines):
         text += [".TP", f".B {roff(typed)}", roff(meaning)]
@@ -113,7 +114,8 @@ def man_page(program):
     text += [f"{roff(item.strip())}" for item in re.split(r", (?=\d)", joined) if item.strip()]
     text += [".fi", ".SH ENVIRONMENT", ".TP", ".B OMP_NUM_THREADS", "threads of each rank", ".SH EXAMPLES", ".nf"]
     text += [roff(line.strip()) for line in examples]
-    text += [".fi", ".SH SEE ALSO", ".BR mpirun (1)", ".PP", "The pages of doc/guide explain decks, runs and outputs.", ""]
+    text += [".fi", ".SH SEE ALSO", ".BR mpirun (1)", ".PP"]
+    text += ["The pages of doc/guide explain decks, runs and outputs.", ""]
     return "\n".join(text)
 
 

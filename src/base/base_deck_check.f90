@@ -160,8 +160,10 @@ contains
             call problems%error(value%file, value%line, label_of(group)//": "//key%name//" "// &
                reason)
          else if (key%required .and. reason == "" .and. value%count() == 0) then
-            if (.not. group%broken .and. group%valid(["preset"])) call problems%error(group%path, group%first_line, &
-               label_of(group)//": "//key%name//" must be given ("//key%doc//")")
+            ! a group that is not whole, or a preset that is not known, might have given it
+            if (.not. group%broken .and. group%valid(["preset"])) call problems%error( &
+               group%path, group%first_line, label_of(group)//": "//key%name// &
+               " must be given ("//key%doc//")")
          else if (key%target /= "" .and. value%given .and. reason == "") then
             call check_references(schema, key, groups, index, which, value, problems)
          end if

@@ -7,7 +7,6 @@ module driver_run
    use base_error, only: error_t, exit_again, exit_physics, exit_success, fail
    use base_kinds, only: int64, wp
    use base_log, only: log_t, progress_heading, progress_line, progress_t
-   use base_text, only: brief
    use base_timer, only: process_seconds, wall_seconds
    use driver_balance, only: balance_ranks, balancing_t, read_balancing, watch_costs
    use driver_bounds, only: rule_deck, rule_end
@@ -161,9 +160,8 @@ contains
          return
       end if
       call warn_if_starved(simulation, log, watch)
-      if (reason == none_left) call log%warn("warning: "//none_left//" at t = "// &
-         brief(simulation%time)//" s, before t_end: it has left through open boundaries or was "// &
-         "taken out; the ledger says where")
+      if (reason == none_left) call log%warn("warning: "//none_left//" before t_end, through "// &
+         "open boundaries or as it was taken out; the ledger says where")
       if (code == exit_success) call write_outputs(simulation, outputs, .true., log, error)
       if (allocated(error)) return
       if (code == exit_again .or. limits%checkpoint_at_end) &

@@ -63,7 +63,8 @@ contains
          if (entries > 0) sound = values(1) > room(1, max(entries, 1))
          if (.not. sound) then
             call complain(error, path, meaning, "line "//number(row)// &
-               ": times must ascend; t = "//number(values(1))//" follows "//number(room(1, entries)))
+               ": times must ascend; t = "//number(values(1))//" follows "// &
+               number(room(1, entries)))
             return
          end if
          entries = entries + 1

@@ -71,7 +71,7 @@ class OnePass(unittest.TestCase):
                 said = said_of("fields", output=output.format(kind, "pressur").replace(" dt", at + "dt"), **other)
                 wrong = [line for line in problems(said) if "output field" in line]
                 self.assertEqual(len(wrong), 2, said)
-                self.assertTrue(wrong[0].endswith("did you mean 'pressure'?") or "a profile also has" in wrong[0], wrong)
+                self.assertIn("; did you mean 'pressure'?", wrong[0])
                 self.assertIn("'velocty' is unknown", wrong[1])
                 self.assertEqual(len(problems(said)), 2 + len(other), said)
             said = said_of("history", output="&output name='o' kind='history' dt=1e-4 fields='kinetik' /", **other)
@@ -130,7 +130,7 @@ class OnePass(unittest.TestCase):
         """Would catch a run that goes on without material, says nothing of it, or cannot be restarted."""
         body = "&body name='b' region='r' material='m' velocity=3000,0,0 /"
         said = said_of("left", "--overwrite", body=body, time="&time t_end=0.1 /", expect=0)
-        self.assertRegex(said, r"warning: all material has left the grid at t = [-+.0-9e]+ s, before t_end")
+        self.assertRegex(said, r"warning: all material has left the grid before t_end, through open boundaries")
         self.assertRegex(said, r"ended +all material has left the grid")
         folder = OPTIONS.work / "left ü"
         again = subprocess.run([OPTIONS.scree, "deck.nml", "--restart"], cwd=folder, text=True, capture_output=True,
