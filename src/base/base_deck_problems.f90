@@ -13,7 +13,7 @@ module base_deck_problems
 
    !> A body that stands for many, so that a mistake in it would be found in each of its copies.
    type :: repeated_t
-      character(len=:), allocatable :: body              !! Its name, with which those of copies begin
+      character(len=:), allocatable :: body              !! Its name begins those of copies
       character(len=:), allocatable :: region            !! Name of the region that is repeated too
       integer :: copies = 0                              !! How many
    end type repeated_t
