@@ -482,9 +482,9 @@ contains
          newline//"                         --threads N and --time HH:MM:SS"//newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
          "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline
-      text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem"// &
-         newline//"  or results in the way, 4 physics gave up, 5 internal error, 75 stopped "// &
-         "with a"//newline//"  checkpoint: run again"//newline//newline//"examples:"//newline// &
+      text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem or "// &
+         "results"//newline//"  in the way, 4 physics gave up, 5 internal error, 75 "// &
+         "stopped: run again"//newline//newline//"examples:"//newline// &
          "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
          "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline// &
          "The README and doc/guide explain the rest."
