@@ -3,8 +3,18 @@
 # CMake's own FindHDF5 compiles through the wrapper, which fails in folders with blanks in their
 # names; it is asked only if there is no wrapper.
 
-find_program(SCREE_H5PFC NAMES h5pfc h5pfc.openmpi h5pfc.mpich
-   HINTS ENV HDF5_ROOT "${HDF5_ROOT}" PATH_SUFFIXES bin
+# A system may have an HDF5 for each MPI: in a folder the wrapper of the MPI at hand is the first.
+set(scree_wrappers h5pfc h5pfc.openmpi h5pfc.mpich)
+set(scree_other_mpi "no other")
+if("${MPI_Fortran_LIBRARIES}" MATCHES "mpich")
+   set(scree_wrappers h5pfc.mpich h5pfc)
+   set(scree_other_mpi "openmpi")
+elseif("${MPI_Fortran_LIBRARIES}" MATCHES "openmpi|usempif08")
+   set(scree_wrappers h5pfc.openmpi h5pfc)
+   set(scree_other_mpi "mpich")
+endif()
+find_program(SCREE_H5PFC NAMES ${scree_wrappers} NAMES_PER_DIR
+   HINTS "${HDF5_ROOT}" ENV HDF5_ROOT PATH_SUFFIXES bin
    DOC "Compiler wrapper of a parallel HDF5")
 
 function(scree_ask_wrapper)
@@ -66,6 +76,11 @@ endif()
 if(NOT scree_parallel)
    message(FATAL_ERROR "HDF5 was found, but not a parallel one; "
       "on Debian and Ubuntu: apt-get install libhdf5-openmpi-dev")
+endif()
+if("${scree_hdf5_libraries}" MATCHES "${scree_other_mpi}")
+   message(FATAL_ERROR "HDF5 and MPI do not fit: ${scree_hdf5_libraries} was built with "
+      "${scree_other_mpi}, and MPI is ${MPI_Fortran_LIBRARIES}. Give the wrapper of an HDF5 that was "
+      "built with this MPI: -DSCREE_H5PFC=/path/to/h5pfc, in a new build folder.")
 endif()
 message(STATUS "Found parallel HDF5: ${scree_hdf5_libraries}")
 

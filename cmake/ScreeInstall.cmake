@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# cmake --install build --prefix PLACE: program, libraries, modules, post-processing and scenes.
+# cmake --install build --prefix PLACE: program, man page, completion, libraries, modules,
+# post-processing and scenes.
 
 get_property(layers GLOBAL PROPERTY scree_layers)
 install(TARGETS ${layers} ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}/scree")
 if(TARGET scree)
    install(TARGETS scree RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()
+install(FILES "${PROJECT_SOURCE_DIR}/doc/man/scree.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
+install(FILES "${PROJECT_SOURCE_DIR}/scripts/completion/scree.bash"
+   DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME scree)
+install(FILES "${PROJECT_SOURCE_DIR}/scripts/completion/_scree"
+   DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions")
 # Modules of gfortran fit one generation of compilers, hence beside the libraries.
 install(DIRECTORY "${PROJECT_BINARY_DIR}/modules/" DESTINATION "${CMAKE_INSTALL_LIBDIR}/scree/modules"
    FILES_MATCHING PATTERN "*.mod"

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Usage: scripts/build.sh [Release|Debug|Sanitize] [CMake options]
+# Usage: scripts/build.sh [--no-tests] [Release|Debug|Sanitize] [CMake options]
 #
 # Builds only; installs nothing. Release (the default) is built in build/, Debug in build/debug and
 # Sanitize in build/sanitize; the program is bin/scree in there. Further arguments go to CMake, for
 # example -DSCREE_ARCH=x86-64-v3 for a program that is to run on another machine.
 #
+#   --no-tests    build the program alone, in a third of the time; a later call adds the tests
 #   --help        this text
 #
 # Environment: FC (compiler), JOBS (compilations at a time; default: all cores).
@@ -14,6 +15,11 @@ set -euo pipefail
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 type=Release
+target=()
+if [[ "${1:-}" == --no-tests ]]; then
+   target=(--target scree)
+   shift
+fi
 if (($# > 0)); then
    case "$1" in
       Release | Debug | Sanitize)
@@ -25,7 +31,8 @@ if (($# > 0)); then
          exit 0
          ;;
       -D*) ;;
-      *) stop_with 2 "unknown build type '$1'; there are Release, Debug, Sanitize" ;;
+      *) stop_with 2 "unknown option or build type '$1'; there are --no-tests, before all others, \
+and Release, Debug, Sanitize" ;;
    esac
 fi
 
@@ -60,4 +67,4 @@ if ! cmake -S "${root}" -B "${folder}" "${generator[@]}" "-DCMAKE_BUILD_TYPE=${t
    stop_with 3 "CMake could not configure; is something missing that scripts/setup.sh installs?"
 fi
 renew_python || say "The Python environment is that of another folder; run scripts/setup.sh"
-cmake --build "${folder}" --parallel "${JOBS:-$(nproc)}"
+cmake --build "${folder}" --parallel "${JOBS:-$(nproc)}" "${target[@]}"

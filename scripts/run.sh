@@ -79,7 +79,7 @@ ranks="${RANKS:-1}"
 if [[ "${setup}" == yes ]]; then
    "${scripts}/setup.sh"
 fi
-"${scripts}/build.sh" Release
+"${scripts}/build.sh" --no-tests Release
 
 command=("${root}/build/bin/scree")
 if ((ranks > 1)); then

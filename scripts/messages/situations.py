@@ -306,6 +306,11 @@ SITUATIONS = {
         "files": {"scene.nml": BAR}, "text": "Outside of a job:",
         "commands": ["scree -q scene.nml --set \"time.wall_limit='slurm'\""],
         "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},
+    "all-material-has-left-the-grid": {
+        "files": {"scene.nml": BAR.replace("velocity = 1 ", "velocity = 5000 ")},
+        "text": "Boundaries that the deck does not name are open, and the bar flies through one:",
+        "commands": ["scree -q scene.nml --set time.t_end=1e-3"],
+        "then": ["scree -q --overwrite scene.nml"], "see": ["running.md#how-a-run-ends"]},
     # files
     "this-is-a-folder-not-a-deck": {
         "before": ["scree --new two_discs my_discs"], "commands": ["scree --check my_discs"],

@@ -160,8 +160,10 @@ contains
             call problems%error(value%file, value%line, label_of(group)//": "//key%name//" "// &
                reason)
          else if (key%required .and. reason == "" .and. value%count() == 0) then
-            if (.not. group%broken) call problems%error(group%path, group%first_line, &
-               label_of(group)//": "//key%name//" must be given ("//key%doc//")")
+            ! a group that is not whole, or a preset that is not known, might have given it
+            if (.not. group%broken .and. group%valid(["preset"])) call problems%error( &
+               group%path, group%first_line, label_of(group)//": "//key%name// &
+               " must be given ("//key%doc//")")
          else if (key%target /= "" .and. value%given .and. reason == "") then
             call check_references(schema, key, groups, index, which, value, problems)
          end if
@@ -216,6 +218,9 @@ contains
             if (other == 0) cycle
             owner = schema%groups(rule)%find(condition%key)
             sure = sure .and. groups(other)%values(owner)%valid
+            ! a preset that is not known might have given it
+            if (.not. groups(other)%values(owner)%given) &
+               sure = sure .and. groups(other)%valid(["preset"])
             call compare(schema%groups(rule)%keys(owner), condition, groups(other)%values(owner), &
                other == which, reason)
             if (reason == "") cycle

@@ -11,12 +11,21 @@ module base_deck_problems
    character(len=*), parameter, public :: command_line = "command line"
    integer, parameter :: most_told = 200                 !! Longer reports are cut
 
+   !> A body that stands for many, so that a mistake in it would be found in each of its copies.
+   type :: repeated_t
+      character(len=:), allocatable :: body              !! Its name begins those of copies
+      character(len=:), allocatable :: region            !! Name of the region that is repeated too
+      integer :: copies = 0                              !! How many
+   end type repeated_t
+
    !> One error or warning.
    type :: problem_t
       character(len=:), allocatable :: file              !! Where it is
       integer :: line = 0                                !! Line of the file, 0 = none
       logical :: is_error = .true.                       !! Or else a warning
       character(len=:), allocatable :: text              !! What is wrong and what to do
+      character(len=:), allocatable :: common            !! Of copies: the text without what differs
+      integer :: copies = 1                              !! How many copies it holds for
    end type problem_t
 
    !> All errors and warnings of a deck.
@@ -24,7 +33,9 @@ module base_deck_problems
       integer :: errors = 0                              !! Number of errors
       integer :: warnings = 0                            !! Number of warnings
       type(problem_t), allocatable, private :: entries(:) !! As found; longer than what is in use
+      type(repeated_t), allocatable, private :: repeated(:) !! Bodies that stand for many
    contains
+      procedure :: repeat => problems_repeat             !! Report copies of a body as one
       procedure :: error => problems_error               !! Something that stops the run
       procedure :: warning => problems_warning           !! Something that looks wrong
       procedure :: report => problems_report             !! All as text, in the order of the lines
@@ -40,7 +51,10 @@ contains
       character(len=*), intent(in) :: file               !! Where it is
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       character(len=*), intent(in) :: text               !! What is wrong and what to do
+      logical :: joined
 
+      call join_copies(self, file, line, .true., text, joined)
+      if (joined) return
       self%errors = self%errors + 1
       call note(self, file, line, .true., text)
    end subroutine problems_error
@@ -51,7 +65,10 @@ contains
       character(len=*), intent(in) :: file               !! Where it is
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       character(len=*), intent(in) :: text               !! What is wrong and what to do
+      logical :: joined
 
+      call join_copies(self, file, line, .false., text, joined)
+      if (joined) return
       self%warnings = self%warnings + 1
       call note(self, file, line, .false., text)
    end subroutine problems_warning
@@ -89,6 +106,130 @@ contains
       end do
    end function problems_about
 
+   !> From now on what is wrong with the copies of a body, NAME_1, NAME_2 and so on, and of their
+   !! regions, which have the same names, is reported once.
+   pure subroutine problems_repeat(self, body, region, copies)
+      class(problems_t), intent(inout) :: self           !! The list
+      character(len=*), intent(in) :: body               !! Name of the body
+      character(len=*), intent(in) :: region             !! Name of its region
+      integer, intent(in) :: copies                      !! How many there are
+      type(repeated_t), allocatable :: longer(:)
+      integer :: known
+
+      known = 0
+      if (allocated(self%repeated)) known = size(self%repeated)
+      allocate (longer(known + 1))
+      if (known > 0) longer(:known) = self%repeated
+      longer(known + 1)%body = body
+      longer(known + 1)%region = region
+      longer(known + 1)%copies = copies
+      call move_alloc(longer, self%repeated)
+   end subroutine problems_repeat
+
+   !> Add a message to the one that another copy of the same body got already, if there is one.
+   pure subroutine join_copies(self, file, line, is_error, text, joined)
+      class(problems_t), intent(inout) :: self           !! The list
+      character(len=*), intent(in) :: file               !! Where it is
+      integer, intent(in) :: line                        !! Line of the file
+      logical, intent(in) :: is_error                    !! Or else a warning
+      character(len=*), intent(in) :: text               !! The message
+      logical, intent(out) :: joined                     !! False: it is to be noted
+      character(len=:), allocatable :: label, rest
+      integer :: i, which
+
+      joined = .false.
+      if (.not. allocated(self%repeated)) return
+      call take_copy_apart(self%repeated, text, which, label, rest)
+      if (which == 0) return
+      rest = label//without_numbers(rest)
+      do i = 1, self%errors + self%warnings
+         associate (entry => self%entries(i))
+            if (.not. allocated(entry%common)) cycle
+            if (entry%line /= line .or. (entry%is_error .neqv. is_error)) cycle
+            if (entry%file /= file .or. entry%common /= rest) cycle
+            entry%copies = entry%copies + 1
+            joined = .true.
+            return
+         end associate
+      end do
+   end subroutine join_copies
+
+   !> The label that the copies of a body have in common, and what is said behind it.
+   pure subroutine take_copy_apart(repeated, text, which, label, rest)
+      type(repeated_t), intent(in) :: repeated(:)        !! Bodies that stand for many
+      character(len=*), intent(in) :: text               !! A message
+      integer, intent(out) :: which                      !! Which of them, 0 = none
+      character(len=:), allocatable, intent(out) :: label !! Such as &body 'name'
+      character(len=:), allocatable, intent(out) :: rest !! The message behind the label
+      character(len=9), parameter :: kinds(2) = ["&body '  ", "&region '"]
+      character(len=:), allocatable :: name
+      integer :: first, kind, last
+
+      do kind = 1, size(kinds)
+         first = len_trim(kinds(kind)) + 1
+         if (index(text, trim(kinds(kind))) /= 1) cycle
+         last = first + index(text(first:), "'") - 2
+         name = text(first:last)
+         rest = text(last + 1:)
+         do which = 1, size(repeated)
+            if (kind == 1) label = trim(kinds(kind))//repeated(which)%body
+            if (kind == 2) label = trim(kinds(kind))//repeated(which)%region
+            if (kind == 2 .and. name == repeated(which)%region) return
+            if (is_copy(name, repeated(which)%body)) return
+         end do
+      end do
+      which = 0
+   end subroutine take_copy_apart
+
+   !> True for NAME_2, NAME_2_1 and so on.
+   pure logical function is_copy(name, body) result(yes)
+      character(len=*), intent(in) :: name               !! Perhaps that of a copy
+      character(len=*), intent(in) :: body               !! Name of what is repeated
+
+      yes = index(name, body//"_") == 1
+      if (yes) yes = verify(name(len(body) + 1:), "_0123456789") == 0
+   end function is_copy
+
+   !> A message with a sign for each number, so that those of copies can be compared.
+   pure function without_numbers(text) result(words)
+      character(len=*), intent(in) :: text               !! A message
+      character(len=:), allocatable :: words
+      integer :: i, last
+
+      words = ""
+      i = 1
+      do while (i <= len(text))
+         last = i
+         if (scan(text(i:i), "0123456789") == 1) then
+            last = verify(text(i:)//"&", "0123456789.eE+-") + i - 2
+            words = words//"#"
+         else if (text(i:i) /= "-") then
+            words = words//text(i:i)
+         end if
+         i = last + 1
+      end do
+   end function without_numbers
+
+   !> Text of an entry, with how many copies it holds for.
+   pure function told(self, entry) result(text)
+      class(problems_t), intent(in) :: self              !! The list
+      type(problem_t), intent(in) :: entry               !! One of its entries
+      character(len=:), allocatable :: text, label, rest
+      integer :: which
+
+      text = entry%text
+      if (entry%copies == 1) return
+      call take_copy_apart(self%repeated, text, which, label, rest)
+      associate (all_copies => self%repeated(which)%copies)
+         if (entry%copies == all_copies) then
+            text = label//rest//" (all "//number(all_copies)//" copies)"
+         else
+            text = text//" (and "//number(entry%copies - 1)//" more among the "// &
+               number(all_copies)//" copies)"
+         end if
+      end associate
+   end function told
+
    !> Append an entry.
    pure subroutine note(self, file, line, is_error, text)
       class(problems_t), intent(inout) :: self           !! The list; the counts are right already
@@ -97,7 +238,8 @@ contains
       logical, intent(in) :: is_error                    !! Or else a warning
       character(len=*), intent(in) :: text               !! What is wrong and what to do
       type(problem_t), allocatable :: longer(:)
-      integer :: filled, i
+      character(len=:), allocatable :: label, rest
+      integer :: filled, i, which
 
       filled = self%errors + self%warnings
       if (.not. allocated(self%entries)) allocate (self%entries(16))
@@ -112,6 +254,9 @@ contains
       self%entries(filled)%line = line
       self%entries(filled)%is_error = is_error
       self%entries(filled)%text = text
+      if (.not. allocated(self%repeated)) return
+      call take_copy_apart(self%repeated, text, which, label, rest)
+      if (which > 0) self%entries(filled)%common = label//without_numbers(rest)
    end subroutine note
 
    !> Hand an entry on.
@@ -121,6 +266,8 @@ contains
 
       call move_alloc(from%file, to%file)
       call move_alloc(from%text, to%text)
+      if (allocated(from%common)) call move_alloc(from%common, to%common)
+      to%copies = from%copies
       to%line = from%line
       to%is_error = from%is_error
    end subroutine move
@@ -137,7 +284,7 @@ contains
 
       call sort(self, files, order)
       do i = 1, min(size(order), most_told)
-         call tell(self%entries(order(i)), buffer)
+         call tell(self%entries(order(i)), told(self, self%entries(order(i))), buffer)
       end do
       if (size(order) > most_told) &
          call buffer%line("and "//number(size(order) - most_told)//" more")
@@ -147,16 +294,17 @@ contains
    end function problems_report
 
    !> One entry as a line.
-   subroutine tell(problem, buffer)
+   subroutine tell(problem, text, buffer)
       type(problem_t), intent(in) :: problem             !! The entry
+      character(len=*), intent(in) :: text               !! Its text
       type(buffer_t), intent(inout) :: buffer            !! Where to append it
 
       call buffer%add(problem%file//":")
       if (problem%line > 0) call buffer%add(number(problem%line)//":")
       if (problem%is_error) then
-         call buffer%line(" error: "//problem%text)
+         call buffer%line(" error: "//text)
       else
-         call buffer%line(" warning: "//problem%text)
+         call buffer%line(" warning: "//text)
       end if
    end subroutine tell
 

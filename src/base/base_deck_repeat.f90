@@ -45,6 +45,7 @@ contains
          longer(filled) = groups(i)
          if (copies(i) == 1) cycle
          region = region_of(groups, groups(i))
+         call problems%repeat(groups(i)%title, groups(region)%title, copies(i))
          call add_copies(schema, groups(i), groups(region), longer, filled)
       end do
       call move_alloc(longer, groups)

@@ -6,7 +6,7 @@ module base_deck_value
    use base_namelist, only: token_t
    use base_place_formula, only: convert_formula
    use base_schema, only: key_t, kind_integer, kind_logical, kind_real, kind_text
-   use base_text, only: closest, join, lower, number, split, text_t
+   use base_text, only: closest, closest_meaning, join, lower, number, split, text_t
    use base_unit_words, only: begins_unit, split_unit
    use base_units, only: system_si
    implicit none
@@ -337,6 +337,7 @@ contains
       end do
       complaint = " is none of: "//join(key%words, " ")
       near = closest(text, key%words)
+      if (near == "" .and. allocated(key%meanings)) near = closest_meaning(text, key%meanings)
       if (near /= "") complaint = complaint//"; did you mean '"//near//"'?"
    end subroutine check_words
 end module base_deck_value

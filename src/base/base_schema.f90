@@ -46,6 +46,7 @@ module base_schema
       character(len=:), allocatable :: hint              !! Why the range is what it is, or empty
       character(len=:), allocatable :: target            !! Group whose names it refers to
       type(text_t), allocatable :: words(:)              !! Texts that are allowed, empty: any
+      type(text_t), allocatable :: meanings(:)           !! Of presets: name and title, for hints
       type(condition_t), allocatable :: owners(:)        !! All must hold so that it applies
    end type key_t
 
@@ -331,7 +332,7 @@ contains
       character(len=*), intent(in) :: group              !! The group
       character(len=*), intent(in) :: lines(:)           !! See base_preset
       type(preset_t), allocatable :: read(:), longer(:)
-      integer :: i, known
+      integer :: i, known, place
 
       call read_presets(group, lines, read)
       known = 0
@@ -343,6 +344,13 @@ contains
       do i = 1, size(read)
          longer(known + i) = read(i)
          call self%words(group, "preset", [read(i)%name])
+         place = self%find(group)
+         associate (rule => self%groups(place))
+            associate (key => rule%keys(rule%find("preset")))
+               if (.not. allocated(key%meanings)) allocate (key%meanings(0))
+               call append(key%meanings, read(i)%name//" "//read(i)%title)
+            end associate
+         end associate
       end do
       call move_alloc(longer, self%presets)
    end subroutine schema_preset

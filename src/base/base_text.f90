@@ -5,8 +5,8 @@ module base_text
    implicit none
    private
 
-   public :: append, brief, buffer_t, closest, distance, is_letter, join, lower, number, &
-      shortened, size_text, split, text_t
+   public :: append, brief, buffer_t, closest, closest_meaning, distance, is_letter, join, lower, &
+      number, shortened, size_text, split, text_t
 
    !> A text of any length, so that arrays of texts can be made.
    type :: text_t
@@ -201,6 +201,73 @@ contains
          best = candidates(i)%text
       end do
    end function closest
+
+   !> The first word of the text that shares most words with another one, or nothing if none does:
+   !! aluminium_6061 is nearest to "al_6061_t6 aluminium 6061-T6".
+   pure function closest_meaning(word, meanings) result(best)
+      character(len=*), intent(in) :: word               !! As somebody wrote it
+      type(text_t), intent(in) :: meanings(:)            !! A name and what it means
+      character(len=:), allocatable :: best
+      type(text_t), allocatable :: parts(:), words(:)
+      integer :: i, j, k, most, shared
+
+      best = ""
+      most = 0
+      if (len(word) > 64) return
+      call split(parted(word), parts)
+      do i = 1, size(meanings)
+         call split(parted(meanings(i)%text), words)
+         shared = 0
+         do j = 1, size(parts)
+            do k = 1, size(words)
+               if (.not. alike(parts(j)%text, words(k)%text)) cycle
+               shared = shared + 1
+               exit
+            end do
+         end do
+         if (shared <= most) cycle
+         most = shared
+         best = meanings(i)%text
+      end do
+      best = best(:index(best//" ", " ") - 1)
+   end function closest_meaning
+
+   !> A text in small letters with blanks for signs, and between letters and digits.
+   pure function parted(text) result(words)
+      character(len=*), intent(in) :: text               !! Any
+      character(len=:), allocatable :: words
+      character(len=*), parameter :: digits = "0123456789"
+      character(len=1) :: letter
+      logical :: digit
+      integer :: i
+
+      words = ""
+      digit = .false.
+      do i = 1, len(text)
+         letter = lower(text(i:i))
+         if (is_letter(letter) .or. index(digits, letter) > 0) then
+            if (digit .neqv. index(digits, letter) > 0) words = words//" "
+            digit = index(digits, letter) > 0
+            words = words//letter
+         else
+            words = words//" "
+         end if
+      end do
+   end function parted
+
+   !> True for two words that are the same but for a slip, or where one begins with the other.
+   pure logical function alike(one, other) result(yes)
+      character(len=*), intent(in) :: one                !! A word in small letters
+      character(len=*), intent(in) :: other              !! Another one
+      integer, parameter :: telling = 3                  ! letters that tell words apart
+      integer :: shorter
+
+      yes = one == other
+      shorter = min(len(one), len(other))
+      if (yes .or. shorter < telling .or. .not. is_letter(one(1:1))) return
+      yes = one(:shorter) == other(:shorter)
+      if (.not. yes .and. shorter > telling) yes = distance(one, other) <= shorter/4
+   end function alike
 
    !> A whole number as text.
    pure function number_of_integer(value) result(text)

@@ -244,6 +244,10 @@ contains
       type(command_t), intent(inout) :: command          !! Gets what it says
       type(error_t), allocatable, intent(out) :: error   !! The value is missing
 
+      if (option%name == "list" .and. .not. allocated(value)) then
+         command%list = ""
+         return
+      end if
       call require_value(option, value, error)
       if (allocated(error)) return
       select case (option%name)
@@ -404,7 +408,7 @@ contains
          call append(command%overrides, "run.case="//command%case_name)
    end subroutine check_command
 
-   !> There must be a list of that name.
+   !> There must be a list of that name; without a name the lists themselves are listed.
    subroutine check_list(name, error)
       character(len=*), intent(in) :: name               !! What is to be listed
       type(error_t), allocatable, intent(out) :: error   !! There is none
@@ -412,7 +416,7 @@ contains
       character(len=:), allocatable :: near
       integer :: i
 
-      if (any(lists == name)) return
+      if (name == "" .or. any(lists == name)) return
       allocate (names(0))
       do i = 1, size(lists)
          call append(names, trim(lists(i)))
@@ -472,15 +476,15 @@ contains
          "      --explain KEY      what a key or group of the deck means"//newline// &
          "      --point            drive one material along &point, write CASE_point.csv"// &
          newline// &
-         "      --list WHAT        materials, fields, shapes, units, examples, former"//newline// &
+         "      --list [WHAT]      materials, fields, shapes, units, examples, former"//newline// &
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
          "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
          newline//"                         --threads N and --time HH:MM:SS"//newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
          "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline
-      text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem"// &
-         newline//"  or results in the way, 4 physics gave up, 5 internal error, 75 stopped "// &
-         "with a"//newline//"  checkpoint: run again"//newline//newline//"examples:"//newline// &
+      text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem or "// &
+         "results"//newline//"  in the way, 4 physics gave up, 5 internal error, 75 "// &
+         "stopped: run again"//newline//newline//"examples:"//newline// &
          "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
          "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline// &
          "The README and doc/guide explain the rest."

@@ -11,6 +11,7 @@ module driver_gravity
    use base_kinds, only: wp
    use driver_motion_table, only: read_motion_table
    use driver_simulation, only: simulation_t
+   use io_motion, only: of_gravity
    implicit none
    private
 
@@ -36,13 +37,13 @@ contains
       if (.not. group%given("gravity_table")) return
       allocate (simulation%shaking)
       simulation%shaking%steady = simulation%gravity
-      call read_motion_table(deck, simulation%communicator, group, "gravity_table", "m/s2", &
-         simulation%shaking)
+      call read_motion_table(deck, simulation%communicator, group, "gravity_table", of_gravity, &
+         "m/s2", simulation%shaking)
       if (.not. allocated(simulation%shaking%speed)) return
       do k = 1, 3
          if (simulation%grid%active(k)) cycle
          if (.not. any(abs(simulation%shaking%speed(k, :)) > 0.0_wp)) cycle
-         call deck%complain(group, "the table must be 0 in "//axes(k)// &
+         call deck%complain(group, "gravity_table: the table must be 0 in "//axes(k)// &
             ", a direction that the scene lacks", "gravity_table")
       end do
       call note_gravity(simulation)

@@ -20,11 +20,13 @@ contains
 
    !> The list of a name that the command line allows.
    function list_text(name, schema) result(text)
-      character(len=*), intent(in) :: name           !! materials, fields, shapes or former
+      character(len=*), intent(in) :: name           !! One of them, or empty for all names
       type(schema_t), intent(in) :: schema           !! All keys of a deck
       character(len=:), allocatable :: text
 
       select case (name)
+      case ("")
+         text = lists_text()
       case ("fields")
          text = joined(field_names)//new_line("a")//"profile: "//joined(profile_names) &
             //new_line("a")//"history: "//join(history_names(), " ")
@@ -43,6 +45,20 @@ contains
             "preset:"//preset_lines(schema)
       end select
    end function list_text
+
+   !> What can be listed.
+   pure function lists_text() result(text)
+      character(len=:), allocatable :: text
+      character(len=*), parameter :: newline = new_line("a")
+
+      text = "scree --list WHAT, where WHAT is one of"//newline// &
+         "   materials   models of materials, exact solutions and presets"//newline// &
+         "   fields      fields of outputs, columns of histories"//newline// &
+         "   shapes      shapes of regions"//newline// &
+         "   units       units and systems of units"//newline// &
+         "   examples    scenes that scree --new copies"//newline// &
+         "   former      keys and words of old decks, and what they are called now"
+   end function lists_text
 
    !> One line a preset.
    pure function preset_lines(schema) result(text)

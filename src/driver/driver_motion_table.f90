@@ -8,7 +8,7 @@ module driver_motion_table
    use base_kinds, only: wp
    use base_units, only: unit_of, unit_t
    use io_file, only: folder_of, join_path, read_file
-   use io_motion, only: read_motion
+   use io_motion, only: meaning_t, read_motion
    use mesh_motion, only: motion_t
    implicit none
    private
@@ -18,11 +18,12 @@ module driver_motion_table
 contains
 
    !> Read the table of a key into a motion; its file is relative to the deck. Collective.
-   subroutine read_motion_table(deck, communicator, group, key, unit_text, motion)
+   subroutine read_motion_table(deck, communicator, group, key, meaning, unit_text, motion)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(communicator_t), intent(in) :: communicator !! The first rank reads
       type(group_t), intent(in) :: group             !! The group
       character(len=*), intent(in) :: key            !! Its key that names the file
+      type(meaning_t), intent(in) :: meaning         !! What the table holds
       character(len=*), intent(in) :: unit_text      !! Unit of the components in SI
       type(motion_t), intent(inout) :: motion        !! Gets times and values in SI
       character(len=:), allocatable :: name, path, text
@@ -37,10 +38,10 @@ contains
       call agree(communicator, error)
       if (.not. allocated(error)) then
          call communicator%broadcast(text)
-         call read_motion(text, path, motion%time, motion%speed, error)
+         call read_motion(text, path, meaning, motion%time, motion%speed, error)
       end if
       if (allocated(error)) then
-         call deck%complain(group, error%message, key)
+         call deck%complain(group, key//": "//error%message, key)
          return
       end if
       call unit_of("s", unit, known)

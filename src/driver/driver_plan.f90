@@ -20,6 +20,8 @@ module driver_plan
    use driver_simulation, only: simulation_t
    use driver_start, only: survey_t, take_survey
    use driver_steps, only: expected_steps
+   use driver_stream_fields, only: check_field_names
+   use driver_velocity_start, only: check_formulas
    use base_kinds, only: wp
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_check, only: check_deck
@@ -93,14 +95,23 @@ contains
       if (allocated(plan%bodies) .and. plan%deck%sound("body")) then
          call take_survey(plan%simulation, plan%bodies, plan%survey)
          call check_places(plan%deck, plan%simulation, plan%bodies, plan%survey)
-         call check_elastic(plan%deck, plan%simulation, plan%bodies)
+         ! a material with an error has no speed of waves
+         if (plan%deck%sound("material")) &
+            call check_elastic(plan%deck, plan%simulation, plan%bodies)
       end if
-      call plan%deck%verdict(error)
-      if (allocated(error)) return
+      if (.not. allocated(plan%simulation%stores)) then
+         call check_field_names(plan%deck, plan%simulation)
+         call plan%deck%verdict(error)
+         return
+      end if
+      if (allocated(plan%survey%key)) &
+         call check_formulas(plan%deck, plan%simulation, plan%bodies, plan%survey%key)
       call read_limits(plan%deck, plan%limits)
       call describe_run(plan%deck, plan%simulation, plan%bodies, plan%deck_text, &
          plan%command%output_folder, plan%outputs, plan%place)
       call plan%outputs%plan(plan%deck, plan%simulation, plan%shapes, plan%limits%time_end)
+      call plan%deck%verdict(error)
+      if (allocated(error)) return
       if (.not. plan%command%force) call plan%outputs%limit(plan%deck, plan%survey%particles, &
          plan%limits%time_end, expected_steps(plan%simulation, plan%bodies, plan%limits))
       call plan%deck%verdict(error)

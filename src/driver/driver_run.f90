@@ -14,7 +14,7 @@ module driver_run
    use driver_ledger, only: balance_t, kinetic
    use driver_output, only: outputs_t
    use driver_restart, only: write_checkpoint
-   use driver_scheduler, only: job_seconds_left, no_job
+   use driver_scheduler, only: job_seconds_left, no_job, wall_limit_of
    use driver_signal, only: signal_caught, watch_signal
    use driver_simulation, only: requests_t, simulation_t
    use driver_step, only: advance, count_particles
@@ -28,6 +28,7 @@ module driver_run
    public :: choose_step, is_finished, limits_t, read_limits, run_to_end
 
    integer, parameter :: out_of_time = 1000          !! A call to leave that is no signal
+   character(len=*), parameter :: none_left = "all material has left the grid"
    real(wp), parameter :: scheduler_reserve = 60.0_wp !! Kept before the end of a job [s]
 
    !> When a run ends and when it looks after itself.
@@ -105,22 +106,6 @@ contains
       call read_balancing(deck, limits%balancing)
    end subroutine read_limits
 
-   !> Seconds of a text hh:mm:ss; no limit for `none` and `slurm`.
-   pure real(wp) function wall_limit_of(text) result(seconds)
-      character(len=*), intent(in) :: text           !! From the deck
-      integer :: hours, minutes, rest, status
-
-      seconds = huge(1.0_wp)
-      if (len(text) < 7) return
-      read (text(:len(text) - 6), *, iostat=status) hours
-      if (status /= 0) return
-      read (text(len(text) - 4:len(text) - 3), *, iostat=status) minutes
-      if (status /= 0) return
-      read (text(len(text) - 1:), *, iostat=status) rest
-      if (status /= 0) return
-      seconds = real(3600*hours + 60*minutes + rest, wp)
-   end function wall_limit_of
-
    !> Run to the end. An error leaves the last good checkpoint as it is.
    subroutine run_to_end(simulation, outputs, place, limits, log, code, reason, error)
       type(simulation_t), intent(inout) :: simulation !! The run in its first state
@@ -175,6 +160,8 @@ contains
          return
       end if
       call warn_if_starved(simulation, log, watch)
+      if (reason == none_left) call log%warn("warning: "//none_left//" before t_end, through "// &
+         "open boundaries or as it was taken out; the ledger says where")
       if (code == exit_success) call write_outputs(simulation, outputs, .true., log, error)
       if (allocated(error)) return
       if (code == exit_again .or. limits%checkpoint_at_end) &
@@ -222,7 +209,8 @@ contains
 
       now = wall_seconds()
       associate (requests => simulation%requests)
-         requests = requests_t(leave=real(signal_caught(), wp))
+         requests = requests_t(leave=real(signal_caught(), wp), &
+            present=merge(1.0_wp, 0.0_wp, count_particles(simulation) > 0))
          if (now - watch%begin + reserve(simulation, watch) > watch%wall_limit) &
             requests%leave = real(out_of_time, wp)
          if (simulation%communicator%rank > 0) return
@@ -244,6 +232,9 @@ contains
 
       finished = .true.
       code = exit_success
+      ! before the first step nobody has counted yet
+      if (simulation%requests%present < 0.0_wp) simulation%requests%present = &
+         merge(1.0_wp, 0.0_wp, simulation%communicator%any(count_particles(simulation) > 0))
       watch%signal = nint(simulation%requests%leave)
       reason = "t_end reached"
       if (simulation%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp))) return
@@ -255,6 +246,8 @@ contains
       reason = "signal "//name_of(watch%signal)
       if (watch%signal > 0) return
       code = exit_success
+      reason = none_left
+      if (.not. simulation%requests%present > 0.0_wp) return
       reason = "kinetic energy below stop_value"
       if (max(limits%kinetic_below, limits%rest_below) >= 0.0_wp .and. &
          mod(simulation%step, look_every) == 0) then

@@ -38,10 +38,10 @@ module driver_scene
 
 contains
 
-   !> Build grid, faces, materials, method and bodies; particles come later. Faults go into the
-   !! deck's list of problems. Where there are some, what does not depend on them is built and
-   !! checked all the same, so that one look at the deck tells as much as can be known; bodies are
-   !! then there if their places are sound.
+   !> Build grid, faces, materials, method and bodies; particles come later. Errors go into the
+   !! deck's list of problems. What does not depend on them is built and checked all the same, so
+   !! that one pass reports as much as can be known: bodies are then allocated if their places are
+   !! sound, and stores if nothing that they depend on has an error.
    subroutine build_scene(deck, simulation, bodies, shapes, coarser)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! The run
@@ -78,13 +78,14 @@ contains
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
       call read_walls(deck, simulation, shapes)
-      if (deck%errors() > 0) return
+      ! errors in groups that the stores do not depend on, such as &time, hide nothing
+      if (.not. is_sound(deck)) return
       call read_absorbing(deck, simulation, bodies)
-      if (deck%errors() > 0) return
+      if (.not. is_sound(deck)) return
       call read_contact(deck, simulation, bodies)
-      if (deck%errors() > 0) return
+      if (.not. is_sound(deck)) return
       call read_exact(deck, simulation, bodies)
-      if (deck%errors() > 0) return
+      if (.not. is_sound(deck)) return
       call check_clocks(deck, simulation, bodies, shapes)
       call prepare(simulation)
       traits%body = size(bodies) > 1
@@ -95,6 +96,19 @@ contains
       call simulation%method%request(traits)
       call make_stores(simulation, traits)
    end subroutine build_scene
+
+   !> True if no group has an error on which bodies and the fields of their particles depend.
+   logical function is_sound(deck) result(sound)
+      type(deck_t), intent(in) :: deck               !! The deck
+      character(len=8), parameter :: groups(10) = [character(len=8) :: "run", "grid", "method", &
+         "effects", "boundary", "material", "region", "body", "contact", "exact"]
+      integer :: n
+
+      sound = .true.
+      do n = 1, size(groups)
+         sound = sound .and. deck%sound(trim(groups(n)))
+      end do
+   end function is_sound
 
    !> Box, spacing and problem class.
    subroutine read_grid(deck, simulation)

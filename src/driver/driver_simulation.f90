@@ -166,6 +166,7 @@ module driver_simulation
       real(wp) :: leave = 0.0_wp                     !! Number of a signal, 0 = none
       real(wp) :: line = 0.0_wp                      !! 1 = a line of progress
       real(wp) :: checkpoint = 0.0_wp                !! 1 = a checkpoint
+      real(wp) :: present = -1.0_wp                  !! 1 = it has particles, -1 = nobody counted
    end type requests_t
 
    !> How evenly the ranks work: greatest over mean work in the steps that were measured.

@@ -166,12 +166,12 @@ contains
       real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
       real(wp), intent(inout) :: rate                !! The same, of velocity gradients [1/s]
       logical, intent(inout) :: retired              !! The same: have particles been taken out?
-      real(wp) :: asked(7)
+      real(wp) :: asked(8)
 
       if (simulation%communicator%size == 1) return
       associate (requests => simulation%requests)
          asked = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity, &
-            rate, merge(1.0_wp, 0.0_wp, retired)]
+            rate, merge(1.0_wp, 0.0_wp, retired), requests%present]
          call simulation%timer%start(simulation%phase%wait)
          call simulation%communicator%maxima(asked)
          call simulation%timer%stop(simulation%phase%wait)
@@ -183,6 +183,7 @@ contains
          if (rate < asked(6)) simulation%guard%steepest = huge(1_int64)
          rate = asked(6)
          retired = asked(7) > 0.0_wp
+         requests%present = asked(8)
       end associate
    end subroutine agree
 

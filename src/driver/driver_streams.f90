@@ -10,6 +10,7 @@ module driver_streams
    use driver_schedule, only: read_schedule, schedule_t
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
+   use driver_stream_fields, only: read_fields
    use io_fields, only: choose_columns, column_t
    use io_fragments, only: fragments_t
    use io_history, only: history_t
@@ -133,13 +134,13 @@ contains
       type(column_t), allocatable :: columns(:)
       type(error_t), allocatable :: error
 
-      call read_fields(group, stream%fields)
+      ! a name that cannot be chosen is left out by read_fields, so the errors below are never set
+      call read_fields(group, deck, simulation, stream%kind, stream%fields)
       if (stream%kind == of_cells) then
          call choose_means(simulation%stores, stream%fields, .true., stream%means, error)
       else
          call choose_columns(simulation%stores, stream%fields, columns, error)
       end if
-      if (allocated(error)) call deck%complain(group, error%message, "fields")
       call group%get("precision", word)
       stream%format%single = word == "single"
       call group%get("compress", stream%format%compress)
@@ -163,9 +164,8 @@ contains
 
       select case (table%kind)
       case (of_bins)
-         call read_fields(group, fields)
+         call read_fields(group, deck, simulation, table%kind, fields)
          call choose_means(simulation%stores, fields, .false., table%profile%means, error)
-         if (allocated(error)) call deck%complain(group, error%message, "fields")
          call read_rule(group, deck, shapes, table%profile%rule)
          table%profile%axis = axis_of(group, deck, simulation%grid)
          table%profile%lower = simulation%grid%lower(table%profile%axis)
@@ -181,27 +181,11 @@ contains
          call group%get("velocity_cut", limit)
          if (limit > unset) table%fragments%velocity_cut = limit
       case default
-         call read_fields(group, fields)
+         call read_fields(group, deck, simulation, table%kind, fields)
          call choose_history(fields, allocated(simulation%exact), simulation%grid, &
             allocated(simulation%gravity), table%columns, error)
-         if (allocated(error)) call deck%complain(group, error%message, "fields")
       end select
    end subroutine plan_table
-
-   !> Names of the fields.
-   subroutine read_fields(group, fields)
-      type(group_t), intent(in) :: group             !! The &output
-      character(len=64), allocatable, intent(out) :: fields(:) !! Names, or "default"
-      type(text_t), allocatable :: names(:)
-      integer :: n
-
-      call group%list("fields", names)
-      allocate (fields(max(size(names), 1)))
-      fields = "default"
-      do n = 1, size(names)
-         fields(n) = names(n)%text
-      end do
-   end subroutine read_fields
 
    !> Bodies and region that particles must be of.
    subroutine read_rule(group, deck, shapes, rule)

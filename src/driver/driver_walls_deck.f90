@@ -10,6 +10,7 @@ module driver_walls_deck
    use driver_motion_table, only: read_motion_table
    use driver_shapes, only: named_shape_t
    use driver_simulation, only: simulation_t
+   use io_motion, only: of_velocities
    use mesh_boundary, only: face_names, face_outflow, face_types
    use mesh_motion, only: motion_t
    use mesh_wall, only: wall_t
@@ -127,6 +128,6 @@ contains
       call group%get("t_on", motion%begin)
       if (group%given("t_off")) call group%get("t_off", motion%end)
       if (.not. group%given("table")) return
-      call read_motion_table(deck, communicator, group, "table", "m/s", motion)
+      call read_motion_table(deck, communicator, group, "table", of_velocities, "m/s", motion)
    end subroutine read_times
 end module driver_walls_deck

@@ -27,7 +27,7 @@ module io_deck_check_units
       "is heavier than osmium"), &
       usual_t("mg_c0         ", 20.0_wp, 5.0e4_wp, "is slower than a wave in soft foam", &
       "is faster than any wave in matter"), &
-      usual_t("specific_heat ", 20.0_wp, 2.0e4_wp, "is less than that of any metal", &
+      usual_t("specific_heat ", 20.0_wp, 2.0e4_wp, "is less than that of any material", &
       "is more than that of hydrogen"), &
       usual_t("jc_a          ", 1.0e2_wp, 1.0e11_wp, "is softer than a gel", &
       "is stronger than any matter"), &
@@ -55,6 +55,7 @@ contains
          call material%get(trim(it%key), value)
          what = ""
          if (value < it%least) what = trim(it%light)
+         if (value < it%least .and. it%key == "density" .and. is_gas(material)) what = ""
          if (value > it%most) what = trim(it%heavy)
          if (what == "") cycle
          call deck%warn(material, trim(it%key)//" = "//brief(value)//" "//unit_of_key(it%key)// &
@@ -63,6 +64,28 @@ contains
       end do
       call check_wave(deck, material)
    end subroutine check_material_units
+
+   !> True for a gas, which may be as thin as it likes: by its equation of state, or as a fluid with
+   !! the wave speed of one.
+   logical function is_gas(material) result(yes)
+      type(group_t), intent(in) :: material              !! One material
+      real(wp), parameter :: slow = 80.0_wp, fast = 1.5e3_wp !! Waves in gases: SF6, hydrogen [m/s]
+      character(len=:), allocatable :: elastic, word
+      real(wp) :: bulk, density, speed
+
+      call material%get("eos_model", word)
+      yes = word == "ideal_gas"
+      call material%get("elastic", elastic)
+      call material%get("strength_model", word)
+      if (yes .or. .not. (elastic == "none" .or. word == "newtonian")) return
+      speed = 0.0_wp
+      if (material%given("bulk") .and. material%known("bulk")) then
+         call material%get("bulk", bulk)
+         call material%get("density", density)
+         speed = sqrt(bulk/density)
+      end if
+      yes = speed > slow .and. speed < fast
+   end function is_gas
 
    !> Unit of a key with a blank behind it, for messages.
    pure function unit_of_key(key) result(unit)

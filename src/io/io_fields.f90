@@ -141,7 +141,7 @@ contains
          text = text//" "//trim(field_names(index))
          call append_text(names, trim(field_names(index)))
       end do
-      near = closest(name, names)
+      near = closest(trim(name), names)
       if (near /= "") text = text//"; did you mean '"//near//"'?"
    end function reason
 

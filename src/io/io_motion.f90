@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Tables of velocities: lines of a time and three components, with commas or blanks between.
+!> Tables of velocities or accelerations: lines of a time and three components, with commas or
+!! blanks between.
 module io_motion
    use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
@@ -8,8 +9,18 @@ module io_motion
    implicit none
    private
 
-   public :: read_motion
+   public :: meaning_t, read_motion
 
+   !> What a table holds.
+   type :: meaning_t
+      character(len=36) :: fault                         !! Beginning of messages on a file
+      character(len=16) :: columns                       !! Such as t, vx, vy, vz
+   end type meaning_t
+
+   type(meaning_t), parameter, public :: of_velocities = &
+      meaning_t("cannot read the velocities of", "t, vx, vy, vz") !! Of walls
+   type(meaning_t), parameter, public :: of_gravity = &
+      meaning_t("cannot read the accelerations of", "t, gx, gy, gz") !! Of gravity_table
    integer, parameter :: columns = 4                     !! Time and three components
    integer, parameter :: shown = 40                      !! Letters of a wrong line in a message
 
@@ -17,9 +28,10 @@ contains
 
    !> Take a table from the content of a file. Lines that begin with # and empty ones are skipped,
    !! and so is a first line of words.
-   subroutine read_motion(text, path, time, velocity, error)
+   subroutine read_motion(text, path, meaning, time, velocity, error)
       character(len=*), intent(in) :: text               !! All of the file
       character(len=*), intent(in) :: path               !! Its name, for messages
+      type(meaning_t), intent(in) :: meaning             !! What the table holds, for messages
       real(wp), allocatable, intent(out) :: time(:)      !! As written
       real(wp), allocatable, intent(out) :: velocity(:, :) !! (3, entry) As written
       type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
@@ -43,31 +55,35 @@ contains
          call read_line(line, values, sound)
          if (.not. sound .and. entries == 0 .and. is_title(line)) cycle
          if (.not. sound) then
-            call complain(error, path, "line "//number(row)//": expected four numbers t, vx, "// &
-               "vy, vz, not '"//shortened(trim(adjustl(line)), shown)//"'")
+            call complain(error, path, meaning, "line "//number(row)// &
+               ": expected four numbers "//trim(meaning%columns)//", not '"// &
+               shortened(trim(adjustl(line)), shown)//"'")
             return
          end if
          if (entries > 0) sound = values(1) > room(1, max(entries, 1))
          if (.not. sound) then
-            call complain(error, path, "line "//number(row)//": times must ascend; t = "// &
-               number(values(1))//" follows "//number(room(1, entries)))
+            call complain(error, path, meaning, "line "//number(row)// &
+               ": times must ascend; t = "//number(values(1))//" follows "// &
+               number(room(1, entries)))
             return
          end if
          entries = entries + 1
          room(:, entries) = values
       end do
-      if (entries == 0) call complain(error, path, "it holds no line of four numbers t, vx, vy, vz")
+      if (entries == 0) call complain(error, path, meaning, &
+         "it holds no line of four numbers "//trim(meaning%columns))
       time = room(1, :entries)
       velocity = room(2:, :entries)
    end subroutine read_motion
 
    !> Make the message.
-   subroutine complain(error, path, what)
+   subroutine complain(error, path, meaning, what)
       type(error_t), allocatable, intent(out) :: error   !! Allocated on return
       character(len=*), intent(in) :: path               !! The file
+      type(meaning_t), intent(in) :: meaning             !! What the table holds
       character(len=*), intent(in) :: what               !! What is wrong
 
-      call fail(error, exit_file, "cannot read the velocities of '"//path//"': "//what)
+      call fail(error, exit_file, trim(meaning%fault)//" '"//path//"': "//what)
    end subroutine complain
 
    !> A line with blanks for commas and control characters, so that words are between blanks.

@@ -143,8 +143,8 @@ contains
       class(material_t), intent(out) :: self         !! The material
       type(deck_t), intent(inout) :: deck            !! The deck, notes what is wrong
       integer, intent(in) :: place                   !! Number among the &material of the deck
-      character(len=14), parameter :: models(4) = [character(len=14) :: "elastic", "eos_model", &
-         "strength_model", "damage_model"]
+      character(len=14), parameter :: models(5) = [character(len=14) :: "elastic", "eos_model", &
+         "strength_model", "damage_model", "preset"]
       type(effects_t) :: effects
       type(group_t) :: group
       character(len=:), allocatable :: fault
@@ -152,7 +152,7 @@ contains
       call effects%read(deck%group("effects"))
       group = deck%group("material", place)
       call group%get("name", self%name)
-      ! a misspelt model is told already; what would be said of its keys is not meant
+      ! a misspelt model or preset is reported already; its keys would only be follow-up errors
       if (.not. group%valid(models)) return
       call choose_models(self, group, effects)
       call check_moduli(self, group, deck)

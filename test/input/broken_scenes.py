@@ -159,7 +159,7 @@ ORPHANS = [
     ("plain", "&time", "&boundary region = 'ball' type = 'stick' velocity = 0 1 0 /\n&time", 3,
      "&boundary: velocity must be 0 in y, as dimension = 'plane_strain'"),
     ("plain", "&time", "&boundary region = 'ball' type = 'slip' table = 'no.csv' /\n&time", 3,
-     "&boundary: cannot read 'no.csv': No such file"),
+     "&boundary: table: cannot read 'no.csv': No such file"),
     ("plain", "&time", "&boundary face = 'xlo' type = 'slip' friction = 1 /\n&time", 3,
      "&boundary: friction given but type = 'slip' does not use it"),
     ("plain", "&time", "&boundary face = 'xlo' type = 'friction' /\n&time", 3,
