@@ -8,13 +8,13 @@ module driver_gather
    use driver_cost, only: book_cost, cost_clock
    use driver_culprit, only: tile_bounds
    use driver_dual_nodes, only: node_gradient
-   use driver_jump, only: find_jump
+   use driver_jump, only: bound_jump, find_jump
    use driver_ledger, only: dissipated
    use driver_losses, only: book_damping, book_losses, damps
    use driver_method, only: method_t, stress_before
    use driver_nodes, only: recall_seen
    use driver_packing, only: excess_fill, repack
-   use driver_relax, only: relax_pressures
+   use driver_relax, only: normalised, relax_pressures
    use driver_retire, only: erode_tile, fastest_left, retire_tile
    use driver_scatter, only: find_places, nodes_seen
    use driver_simulation, only: scratch_t, simulation_t
@@ -475,6 +475,9 @@ contains
          if (method%limited) call find_jump(simulation%grid, store%cell_start(:, tile), &
             simulation%nodes%strain(:, :, view%slot), view%gradient, deformation%gradient, &
             deformation%jump)
+         if (normalised(simulation, index)) call bound_jump(simulation%grid, &
+            store%cell_start(:, tile), simulation%nodes%strain(:, :, view%slot), dt, &
+            deformation%gradient, deformation%jump)
          call scratch%laps%update(simulation%materials(index), store%matter, deformation, &
             first, first + n - 1, dt, simulation%grid%spacing)
          call relax_pressures(simulation, index, tile, scratch%places%local, &

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Kinds of material that choose defaults of the method.
 module driver_matter
+   use base_kinds, only: wp
    use material_type, only: material_t
    implicit none
    private
@@ -29,14 +30,16 @@ contains
          .or. material%law%has_grains())
    end function bears_anything
 
-   !> True if all materials are without strength and carry an internal energy.
+   !> True if all materials are gases: without strength, with an internal energy, and without a
+   !! pressure that holds them together where they have none.
    pure logical function all_gases(materials) result(yes)
       type(material_t), intent(in) :: materials(:)   !! Those of the deck
       integer :: index
 
       yes = size(materials) > 0
       do index = 1, size(materials)
-         yes = yes .and. flows(materials(index)) .and. materials(index)%carries_energy()
+         yes = yes .and. flows(materials(index)) .and. materials(index)%carries_energy() .and. &
+            .not. materials(index)%reference_speed() > 0.0_wp
       end do
    end function all_gases
 

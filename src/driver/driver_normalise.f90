@@ -64,6 +64,10 @@ contains
             deallocate (simulation%normalises, simulation%flows)
             return
          end if
+         do n = 1, size(simulation%materials)
+            if (simulation%normalises(n) .and. allocated(simulation%materials(n)%viscosity)) &
+               simulation%materials(n)%viscosity%limited = .true.
+         end do
          simulation%mean_alpha = mean_alpha(method%quadrature%alpha, &
             method%quadrature%alpha_centre, simulation%grid%dimensions)
       end associate

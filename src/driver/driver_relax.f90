@@ -15,7 +15,7 @@ module driver_relax
    implicit none
    private
 
-   public :: evens_pressure, relax_pressures
+   public :: evens_pressure, normalised, relax_pressures
 
    real(wp), parameter :: most = 0.05_wp             !! Of a volume or an energy in a step [1]
    !> Share of a difference that goes in the time that a signal needs for a cell [1]
@@ -33,6 +33,15 @@ contains
       if (.not. allocated(simulation%flows)) return
       yes = simulation%flows(index) .and. allocated(simulation%stores(index)%matter%energy)
    end function evens_pressure
+
+   !> Are the sums of a material normalised?
+   pure logical function normalised(simulation, index) result(yes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
+
+      yes = .false.
+      if (allocated(simulation%normalises)) yes = simulation%normalises(index)
+   end function normalised
 
    !> Bring the pressures of the particles of a material in a tile nearer to the mean of their cell
    !! and the slope that nodes see.

@@ -175,8 +175,11 @@ def explode(options, sheet, cells, dimension="plane_strain"):
         + size * (density[last_one] - level) / (density[last_one] - density[last_one + 1])
     sheet.below(f"{name}: energy", box.summary["ledger"]["energy_error"], BOOKS)
     sheet.near(f"{name}: radius of the shock", radius, exact, 1.5 * size / exact)
-    sheet.known(f"{name}: sum of volumes over the box", abs(volume.sum() / room_of(dimension, 1.2, 1.0, 1.2) - 1.0),
-                limit=1.0e-2, target=1.0e-3)
+    off = abs(volume.sum() / room_of(dimension, 1.2, 1.0, 1.2) - 1.0)
+    if around:
+        sheet.known(f"{name}: sum of volumes over the box", off, limit=1.0e-2, target=1.0e-3)
+    else:
+        sheet.below(f"{name}: sum of volumes over the box", off, 1.0e-3)
 
 
 def main():
