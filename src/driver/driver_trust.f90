@@ -437,7 +437,7 @@ contains
       character(len=:), allocatable :: who
       character(len=160) :: text
 
-      if (allocated(simulation%exact)) return
+      if (allocated(simulation%exact) .or. holds_heat(simulation)) return
       associate (trust => simulation%trust, start => simulation%ledger%start)
          available = start%total - min(0.0_wp, trust%least_energy)*start%entry(mass) + trust%work
          if (.not. available > 0.0_wp .or. look%energy <= margin*available) return
@@ -448,4 +448,17 @@ contains
       end associate
       call fail(error, exit_physics, step_text(simulation)//": "//who//": "//trim(text))
    end subroutine refuse_impossible
+   !> Does a material have a temperature and no internal energy, beside others that have? Heat that
+   !! is conducted from one to the other is no part of the energy that the run knows of.
+   pure logical function holds_heat(simulation) result(yes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer :: n
+
+      yes = .false.
+      if (.not. simulation%carries_energy) return
+      do n = 1, size(simulation%materials)
+         yes = yes .or. (allocated(simulation%materials(n)%heat) .and. .not. &
+            simulation%materials(n)%carries_energy())
+      end do
+   end function holds_heat
 end module driver_trust

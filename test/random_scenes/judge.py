@@ -59,6 +59,7 @@ class Verdict:
     who: str = ""
     seconds: float = 0.0
     steps: int = 0
+    trust: str = ""               # what the run says of itself
     findings: list = dataclasses.field(default_factory=list)
 
     def find(self, result, reason, detail=""):
@@ -100,6 +101,7 @@ def judge(options, scene, layouts=None):
         return verdict
     summary = run.summary
     verdict.seconds, verdict.steps = summary["wall_s"], summary["steps"]
+    verdict.trust = summary["trust"]["verdict"]
     books(verdict, scene, run)
     for time, snap in run.snapshots():
         state(verdict, scene, time, snap)

@@ -79,7 +79,7 @@ def draw(chance, family, effects, dx):
     keys = matter.keys
     if effects.get("thermal"):
         matter.heat = keys.setdefault("specific_heat", chance.log(150.0, 1500.0))
-        if "preset" not in keys and keys.get("strength_model") != "neo_hookean" and (
+        if "preset" not in keys and keys.get("strength_model") not in ("neo_hookean", "granular") and (
                 effects.get("melting") or "jc_m" in keys):
             keys["t_melt"] = chance.uniform(600.0, 2000.0)
         matter.melts = bool(effects.get("melting"))
