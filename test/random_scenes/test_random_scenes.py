@@ -98,12 +98,12 @@ def judge_all(sheet, verdicts):
     sheet.note("bad decks with other methods than the default [%]", share(
         [verdict for verdict in verdicts if verdict not in usual], lambda verdict: verdict.result == "bad"))
     for name, value, target in (("bad decks with the default method [%]", bad, TARGET),
-                                ("decks that end with exit code 0 and break an invariant [%]", silent, 0.0),
-                                ("decks that break an invariant and whose run calls itself ok [%]", unsaid, 0.0)):
+                                ("decks that end with exit code 0 and break an invariant [%]", silent, 0.0)):
         if len(verdicts) < ENOUGH:
             sheet.below(name, value, LIMIT)
         else:
             sheet.known(name, value, limit=LIMIT, target=target)
+    sheet.below("decks that break an invariant and whose run calls itself ok [%]", unsaid, 0.0)
     sheet.end()
 
 
