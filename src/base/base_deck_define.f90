@@ -8,7 +8,7 @@ module base_deck_define
    use base_deck_problems, only: command_line, problems_t
    use base_formula, only: formula_t, is_reserved
    use base_kinds, only: wp
-   use base_namelist, only: block_t, namelist_t, piece_t, token_t
+   use base_namelist, only: as_written, block_t, namelist_t, piece_t, token_t
    use base_text, only: append, closest, lower, number, text_t
    use base_unit_words, only: read_unit, split_unit, written_unit_t
    use base_units, only: unit_t
@@ -100,7 +100,7 @@ contains
          call read_value(used%tokens, self%system, value, fault)
          used%broken = fault /= ""
          if (fault /= "") call problems%error(file, line, "&define: "//piece%key//" = "// &
-            written(used%tokens)//"  <- "//fault)
+            as_written(used%tokens)//"  <- "//fault)
       end if
       ! a name with a fault is known all the same, so that its uses are not reported as well
       call append(self%names, piece%key)
@@ -306,17 +306,4 @@ contains
       if (abs(value) > most .or. sign(1.0_wp, value) < 0.0_wp .and. .not. value < 0.0_wp) return
       if (.not. abs(value - anint(value)) > 0.0_wp) text = number(nint(value))
    end function decimal
-
-   !> The tokens as they are written.
-   function written(tokens) result(text)
-      type(token_t), intent(in) :: tokens(:)             !! The value
-      character(len=:), allocatable :: text
-      integer :: i
-
-      text = ""
-      do i = 1, size(tokens)
-         if (i > 1 .and. .not. tokens(i)%comma) text = text//" "
-         text = text//tokens(i)%raw
-      end do
-   end function written
 end module base_deck_define

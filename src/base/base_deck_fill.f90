@@ -6,7 +6,7 @@ module base_deck_fill
    use base_deck_problems, only: command_line, problems_t
    use base_deck_value, only: convert, read_default, value_t
    use base_former, only: find_former, tell_former
-   use base_namelist, only: block_t, namelist_t, piece_t, token_t
+   use base_namelist, only: as_written, block_t, namelist_t, piece_t, token_t
    use base_schema, only: group_rule_t, kind_integer, kind_logical, kind_real, kind_text, key_t, &
       schema_t
    use base_text, only: closest, join, number, shortened
@@ -281,15 +281,8 @@ contains
    function written(tokens) result(text)
       type(token_t), intent(in) :: tokens(:)             !! The values
       character(len=:), allocatable :: text
-      integer :: i
 
-      text = ""
-      do i = 1, size(tokens)
-         if (i > 1 .and. .not. tokens(i)%comma) text = text//" "
-         text = text//tokens(i)%raw
-         if (len(text) > longest_quotation) exit
-      end do
-      text = shortened(text, longest_quotation)
+      text = shortened(as_written(tokens, longest_quotation), longest_quotation)
    end function written
 
    !> Give defaults to all places that have no value, and tell of places that need one.

@@ -13,7 +13,7 @@ module base_namelist
    implicit none
    private
 
-   public :: block_t, namelist_t, piece_t, token_t
+   public :: as_written, block_t, namelist_t, piece_t, token_t
 
    !> One value of a piece.
    type :: token_t
@@ -297,6 +297,23 @@ contains
       token%column = word%column
       if (token%quoted) token%text = unquote(token%raw)
    end subroutine make_token
+
+   !> Values and commas as they are written.
+   pure function as_written(tokens, most) result(text)
+      type(token_t), intent(in) :: tokens(:)             !! The value
+      integer, intent(in), optional :: most              !! Letters after which the rest is left out
+      character(len=:), allocatable :: text
+      integer :: i
+
+      text = ""
+      do i = 1, size(tokens)
+         if (i > 1 .and. .not. tokens(i)%comma) text = text//" "
+         text = text//tokens(i)%raw
+         if (present(most)) then
+            if (len(text) > most) exit
+         end if
+      end do
+   end function as_written
 
    !> A quoted text without its quotes; two quotes in it stand for one.
    pure function unquote(raw) result(text)

@@ -4,7 +4,7 @@ module driver_check_scene
    use base_deck, only: deck_t
    use base_kinds, only: int64, wp
    use base_text, only: brief, number
-   use driver_matter, only: bears_anything
+   use driver_matter, only: supports_any_shear
    use driver_simulation, only: simulation_t
    use driver_start, only: survey_t
    use io_deck_check_grid, only: axis_names
@@ -112,7 +112,7 @@ contains
          simulation%boundary%kind /= face_periodic)
       do n = 1, size(bodies)
          associate (material => simulation%materials(bodies(n)%store))
-            if (.not. bears_anything(material)) cycle
+            if (.not. supports_any_shear(material)) cycle
             fastest = 0.0_wp
             if (walls) fastest = norm2(bodies(n)%velocity)
             do other = 1, size(bodies)

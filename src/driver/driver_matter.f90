@@ -6,7 +6,7 @@ module driver_matter
    implicit none
    private
 
-   public :: all_gases, bears_anything, flows, stores_work
+   public :: all_gases, flows, stores_work, supports_any_shear
 
 contains
 
@@ -19,8 +19,8 @@ contains
          material%law%has_grains() .or. material%law%whole())
    end function flows
 
-   !> Does a material bear any shear without flow, failure or a law that was made for large strains?
-   pure logical function bears_anything(material) result(yes)
+   !> Does a material support any shear without flow, failure or a law that was made for large strains?
+   pure logical function supports_any_shear(material) result(yes)
       type(material_t), intent(in) :: material       !! The material
 
       yes = .false.
@@ -28,7 +28,7 @@ contains
          allocated(material%fracture)) return
       yes = material%law%has_shear() .and. .not. (material%law%plastic() .or. material%law%whole() &
          .or. material%law%has_grains())
-   end function bears_anything
+   end function supports_any_shear
 
    !> True if all materials are gases: without strength, with an internal energy, and without a
    !! pressure that holds them together where they have none.
