@@ -301,7 +301,7 @@ contains
    !> Values and commas as they are written.
    pure function as_written(tokens, most) result(text)
       type(token_t), intent(in) :: tokens(:)             !! The value
-      integer, intent(in), optional :: most              !! Letters after which the rest is left out
+      integer, intent(in), optional :: most              !! Letters after which it may end
       character(len=:), allocatable :: text
       integer :: i
 

@@ -19,7 +19,7 @@ contains
          material%law%has_grains() .or. material%law%whole())
    end function flows
 
-   !> Does a material support any shear without flow, failure or a law that was made for large strains?
+   !> Does a material support any shear: without flow, failure or a law made for large strains?
    pure logical function supports_any_shear(material) result(yes)
       type(material_t), intent(in) :: material       !! The material
 
