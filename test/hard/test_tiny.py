@@ -78,10 +78,12 @@ def at_rest(options, sheet):
 
 
 def gone_and_failed(options, sheet):
-    """All particles leave and the run goes on; all fail and fly on without force."""
+    """All particles leave, and the run ends and says why; all fail and fly on without force."""
     run = case.Case(options, "gone", DECK.format(**{**USUAL, "body": "velocity=2e4,0,0"}))
     run.run("-q", "-s", "time.t_end=2e-3", "-s", "time.max_steps=100000", "-s", "time.dt_max=1e-5")
-    sheet.require(run.summary["particles"] == 0 and run.summary["steps"] > 150, "gone: goes on")
+    sheet.require(run.summary["particles"] == 0 and run.summary["reason"] == "all material has left the grid",
+                  "gone: the run ends and says why")
+    sheet.require(25 <= run.summary["steps"] <= 45, "gone: the run ends once the last particle has left")
     sheet.below("gone: mass", run.summary["ledger"]["mass_error"], 1.0e-14)
     broken = METAL.split("strength_model")[0] + \
         "damage_model='principal_stress'  failure_stress=1.0  failed_as='nothing'"
