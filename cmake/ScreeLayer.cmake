@@ -4,17 +4,13 @@
 #   scree_layer(particle USES base mesh material [LINKS MPI::MPI_Fortran] [EXTRA file])
 #
 # All links are private, so a folder sees the modules of the folders it names and of no other,
-# and a forbidden `use` does not compile. A folder without sources gives no library.
+# and a forbidden `use` does not compile.
 
 function(scree_layer folder)
    cmake_parse_arguments(layer "" "" "USES;LINKS;EXTRA" ${ARGN})
    file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.f90")
    list(REMOVE_ITEM sources "${CMAKE_CURRENT_SOURCE_DIR}/main.f90")
    list(APPEND sources ${layer_EXTRA})
-   if(NOT sources)
-      message(STATUS "src/${folder} holds no sources yet")
-      return()
-   endif()
    set(target scree_${folder})
    add_library(${target} STATIC ${sources})
    set_target_properties(${target} PROPERTIES
@@ -25,9 +21,7 @@ function(scree_layer folder)
    target_link_libraries(${target} PRIVATE
       scree_options OpenMP::OpenMP_Fortran ${layer_LINKS})
    foreach(lower IN LISTS layer_USES)
-      if(TARGET scree_${lower})
-         target_link_libraries(${target} PRIVATE scree_${lower})
-      endif()
+      target_link_libraries(${target} PRIVATE scree_${lower})
    endforeach()
    set_property(GLOBAL APPEND PROPERTY scree_layers ${target})
 endfunction()

@@ -3,14 +3,13 @@
 module base_communicator
    use base_kinds, only: int64, wp
    use base_process, only: set_default
-   use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_barrier, mpi_bcast, &
-      mpi_character, mpi_comm, mpi_comm_rank, mpi_comm_size, mpi_comm_world, mpi_double_precision, &
-      mpi_exscan, mpi_finalize, mpi_get_count, mpi_ibarrier, mpi_info, mpi_info_null, &
-      mpi_init_thread, &
-      mpi_initialized, mpi_integer8, mpi_iprobe, mpi_issend, mpi_max, &
-      mpi_max_library_version_string, &
-      mpi_min, mpi_any_source, mpi_get_library_version, mpi_recv, mpi_request, mpi_status, &
-      mpi_status_ignore, mpi_statuses_ignore, mpi_sum, mpi_test, mpi_testall, mpi_thread_funneled
+   use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_any_source, mpi_barrier, &
+      mpi_bcast, mpi_character, mpi_comm, mpi_comm_rank, mpi_comm_size, mpi_comm_world, &
+      mpi_double_precision, mpi_exscan, mpi_finalize, mpi_get_count, mpi_get_library_version, &
+      mpi_ibarrier, mpi_info, mpi_info_null, mpi_init_thread, mpi_initialized, mpi_integer8, &
+      mpi_iprobe, mpi_issend, mpi_max, mpi_max_library_version_string, mpi_min, mpi_recv, &
+      mpi_request, mpi_status, mpi_status_ignore, mpi_statuses_ignore, mpi_sum, mpi_test, &
+      mpi_testall, mpi_thread_funneled
    implicit none
    private
 

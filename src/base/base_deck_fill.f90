@@ -7,7 +7,7 @@ module base_deck_fill
    use base_deck_value, only: convert, read_default, value_t
    use base_former, only: find_former, tell_former
    use base_namelist, only: as_written, block_t, namelist_t, piece_t, token_t
-   use base_schema, only: group_rule_t, kind_integer, kind_logical, kind_real, kind_text, key_t, &
+   use base_schema, only: group_rule_t, key_t, kind_integer, kind_logical, kind_real, kind_text, &
       schema_t
    use base_text, only: closest, join, number, shortened
    implicit none

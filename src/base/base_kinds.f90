@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Kinds of numbers, used by every literal and every declaration of the code.
 module base_kinds
-   use, intrinsic :: iso_fortran_env, only: real64, int32_kind => int32, int64_kind => int64
+   use, intrinsic :: iso_fortran_env, only: int32_kind => int32, int64_kind => int64, real64
    implicit none
    private
 

@@ -8,7 +8,7 @@
 module base_namelist
    use base_deck_problems, only: problems_t
    use base_namelist_words, only: lexeme_t, scanner_t, word_broken, word_comma, word_equals, &
-      word_formula, word_group, word_nothing, word_quoted, word_slash, word_plain
+      word_formula, word_group, word_nothing, word_plain, word_quoted, word_slash
    use base_text, only: append, lower, number, text_t
    implicit none
    private

@@ -3,9 +3,9 @@
 ! allow(C071): the texts of C have no length of their own
 module base_process
    use base_text, only: text_t
-   use omp_lib, only: omp_get_num_procs
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_long, c_null_char, c_null_ptr, &
       c_ptr
+   use omp_lib, only: omp_get_num_procs
    implicit none
    private
 

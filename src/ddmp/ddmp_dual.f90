@@ -14,7 +14,7 @@
 !! (M.3) and (M.14) of doc/theory/method.md.
 module ddmp_dual
    use base_kinds, only: wp
-   use ddmp_lattice, only: lattice_t, spread_force, spread_gradient
+   use ddmp_operator, only: lattice_t, spread_force, spread_gradient
    use mesh_grid, only: grid_t, lane_bit, lanes
    implicit none
    private

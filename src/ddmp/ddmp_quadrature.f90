@@ -7,7 +7,7 @@ module ddmp_quadrature
    use ddmp_alpha, only: alpha_split
    use mesh_grid, only: grid_t
    use particle_store, only: store_t, traits_t
-   use transfer_places, only: places_t
+   use transfer_shape_data, only: places_t
    implicit none
    private
 

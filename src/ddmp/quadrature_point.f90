@@ -9,8 +9,8 @@ module quadrature_point
    use particle_store, only: store_t
    use transfer_edges, only: gather_edge_gradient
    use transfer_gather, only: gather_dual_gradient
-   use transfer_places, only: places_t
    use transfer_scatter, only: scatter_dual_force
+   use transfer_shape_data, only: places_t
    implicit none
    private
 

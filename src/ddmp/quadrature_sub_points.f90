@@ -10,9 +10,9 @@ module quadrature_sub_points
    use ddmp_quadrature, only: quadrature_t
    use mesh_grid, only: grid_t
    use particle_store, only: store_t, traits_t
-   use transfer_collect_plane, only: collect_plane
-   use transfer_lines, only: collect_lines, spread_lines
-   use transfer_places, only: line, places_t
+   use transfer_shape_data, only: line, places_t
+   use transfer_spline_gather_plane, only: collect_plane
+   use transfer_spline_kernels, only: collect_lines, spread_lines
    implicit none
    private
 

@@ -9,8 +9,8 @@ module io_file
    use io_libc, only: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, c_open, &
       c_read, c_readlink, c_realpath, c_rename, c_truncate, c_unlink, c_write, failure_number, &
       failure_text, folder_entries, longest_name
-   use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_int32_t, c_loc, &
-      c_null_char, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_int32_t, c_loc, c_null_char, &
+      c_size_t
    implicit none
    private
 

@@ -14,7 +14,7 @@ module io_fragments
    use io_fragment_sums, only: add_fragment, cell_sums, fragment_words, sum_words
    use io_pick, only: pick_rule_t
    use mesh_grid, only: grid_t
-   use mesh_table, only: key_table_t
+   use mesh_hash_table, only: key_table_t
    use particle_store, only: store_t
    implicit none
    private

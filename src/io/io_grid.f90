@@ -21,9 +21,9 @@ module io_grid
    use io_means, only: added, by_volume, fill_mean, mean_t, volume_fraction
    use io_snapshot, only: rounded, snapshot_format_t, snapshot_header_t, write_bodies, &
       write_provenance, write_units
+   use, intrinsic :: iso_fortran_env, only: real32
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use, intrinsic :: iso_fortran_env, only: real32
    implicit none
    private
 

@@ -13,17 +13,16 @@ module io_hdf5
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int32, int64, wp
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5close_f, h5dont_atexit_f, &
-      h5eset_auto_f, h5f_acc_trunc_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5f_scope_global_f, &
+      h5eset_auto_f, h5f_acc_trunc_f, h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, &
       h5gclose_f, h5gcreate_f, h5oclose_f, h5oopen_f, h5open_f, h5p_file_access_f, &
       h5p_file_create_f, h5pclose_f, h5pcreate_f, h5pset_all_coll_metadata_ops_f, &
       h5pset_coll_metadata_write_f, h5pset_fapl_mpio_f, h5s_scalar_f, h5sclose_f, h5screate_f, &
-      h5screate_simple_f, &
-      h5t_fortran_s1, h5t_native_double, h5t_std_i32le, h5t_std_i64le, h5tclose_f, &
-      h5tcopy_f, h5tset_size_f, hid_t, hsize_t, size_t
+      h5screate_simple_f, h5t_fortran_s1, h5t_native_double, h5t_std_i32le, h5t_std_i64le, &
+      h5tclose_f, h5tcopy_f, h5tset_size_f, hid_t, hsize_t, size_t
    use io_file, only: folder_of, remove_file, rename_file, reserve_file, sync_file, sync_folder, &
       truncate_file
-   use io_seal, only: write_seal
    use io_libc, only: clear_failure, failure_number, failure_text
+   use io_seal, only: write_seal
    use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_int64_t, c_loc, c_ptr
    implicit none
    private

@@ -3,8 +3,8 @@
 module io_hdf5_read
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
-   use hdf5, only: h5aclose_f, h5aexists_by_name_f, h5aget_space_f, h5aopen_by_name_f, &
-      h5aread_f, h5close_f, h5dclose_f, h5dget_space_f, h5dget_type_f, h5dopen_f, h5dread_f, &
+   use hdf5, only: h5aclose_f, h5aexists_by_name_f, h5aget_space_f, h5aopen_by_name_f, h5aread_f, &
+      h5close_f, h5dclose_f, h5dget_space_f, h5dget_type_f, h5dopen_f, h5dread_f, &
       h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, h5g_dataset_f, h5gget_obj_info_idx_f, &
       h5gn_members_f, h5lexists_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
       h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &

@@ -5,8 +5,8 @@ module io_points
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use base_text, only: closest, number, shortened, text_t
-   use io_hdf5_read, only: data_info_t, hdf5_source_t
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use io_hdf5_read, only: data_info_t, hdf5_source_t
    implicit none
    private
 

@@ -2,8 +2,8 @@
 !> Profiles hold counts, masses and means of particles in equal bins along an axis, and how high
 !! matter reaches in them. All sums are exact, so they do not depend on the order of the particles.
 module io_profile
-   use base_constants, only: pi
    use base_communicator, only: communicator_t
+   use base_constants, only: pi
    use base_exact_sum, only: exact_sum_t, exact_sum_words
    use base_kinds, only: int64, wp
    use io_fields, only: picks_t

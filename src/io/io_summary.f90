@@ -3,9 +3,9 @@
 module io_summary
    use base_error, only: error_t
    use base_kinds, only: int32, int64, wp
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use io_file, only: write_file
    use io_text, only: real_text, whole_text
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    implicit none
    private
 

@@ -7,11 +7,11 @@ module io_voxels
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use base_text, only: join, lower, number, shortened, split, text_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use io_file, only: folder_of, join_path, read_file
    use io_hdf5_read, only: hdf5_source_t
-   use particle_voxels, only: mark_voxel
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int16, int32, int8, real32, real64
+   use particle_voxels, only: mark_voxel
    implicit none
    private
 

@@ -8,8 +8,8 @@ module io_xdmf
    use base_error, only: error_t
    use base_kinds, only: int64
    use io_file, only: join_path, list_folder, longest_name, name_of, write_file
-   use io_hdf5_read, only: data_info_t
    use io_hdf5_index, only: read_snapshot, snapshot_info_t, write_index
+   use io_hdf5_read, only: data_info_t
    use io_text, only: real_text, whole_text
    implicit none
    private

@@ -2,18 +2,18 @@
 !> The models of one material, each only if asked for, and what they need.
 module material_models
    use base_kinds, only: int64, wp
-   use material_damage, only: damage_t
-   use material_eos, only: eos_t
-   use material_heat, only: heat_t
-   use material_law, only: law_t
-   use material_matter, only: matter_t
+   use constitutive_damage, only: damage_t
+   use constitutive_eos, only: eos_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_heat, only: heat_t
+   use constitutive_law, only: law_t
+   use constitutive_softening, only: softening_t
+   use constitutive_state, only: matter_t
+   use constitutive_tension, only: fracture_t, spall_t
+   use material_failed, only: remains_t
    use material_record, only: record_t
-   use material_remains, only: remains_t
-   use material_softening, only: softening_t
-   use material_tension, only: fracture_t, spall_t
    use material_viscosity, only: viscosity_t
    use material_voids, only: voids_t
-   use material_wishes, only: wishes_t
    implicit none
    private
 

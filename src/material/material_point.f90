@@ -5,8 +5,8 @@
 !! Where the energy is carried it gets the work of the mean of the stresses before and after a step.
 module material_point
    use base_kinds, only: wp
-   use material_chain, only: chain_t
-   use material_matter, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, matter_t
+   use material_update, only: chain_t
    implicit none
    private
 

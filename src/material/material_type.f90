@@ -4,16 +4,16 @@ module material_type
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
+   use constitutive_damage, only: damage_t
+   use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
+   use constitutive_law, only: law_t
+   use constitutive_softening, only: softening_fault
    use material_catalogue, only: choose_damage, choose_eos, choose_law, damage_names, eos_names, &
       law_names
-   use material_chain, only: chain_t
-   use material_damage, only: damage_t
-   use material_effects, only: effects_t
-   use material_eos, only: eos_t
-   use material_law, only: law_t
+   use material_failed, only: choose_remains, declare_remains
    use material_presets, only: aluminium, glass, grains, metals
-   use material_remains, only: choose_remains, declare_remains
-   use material_softening, only: softening_fault
+   use material_update, only: chain_t
    use material_voids, only: declare_voids, voids_t
    implicit none
    private

@@ -14,7 +14,7 @@ module material_voids
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use base_schema, only: schema_t
-   use material_matter, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, matter_t
    implicit none
    private
 

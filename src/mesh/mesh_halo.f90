@@ -10,8 +10,8 @@ module mesh_halo
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use mesh_grid, only: grid_t
+   use mesh_packed_patch, only: boxes_t, pieces_t
    use mesh_patch, only: ensure_patch, extent_of
-   use mesh_pieces, only: boxes_t, pieces_t
    use mesh_tiles, only: neighbors, tiles_t
    implicit none
    private

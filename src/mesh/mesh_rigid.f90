@@ -4,9 +4,9 @@ module mesh_rigid
    use base_kinds, only: int64, wp
    use mesh_boundary, only: boundary_t, lets_out
    use mesh_grid, only: grid_t
-   use mesh_outward, only: find_outward, touches
-   use mesh_wall, only: face_periodic, face_slip, face_friction, face_stick, &
-      face_symmetry, face_velocity, node_place, wall_t
+   use mesh_surface_normal, only: find_outward, touches
+   use mesh_wall, only: face_friction, face_periodic, face_slip, face_stick, face_symmetry, &
+      face_velocity, node_place, wall_t
    implicit none
    private
 

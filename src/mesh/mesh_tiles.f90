@@ -4,9 +4,9 @@
 module mesh_tiles
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
-   use mesh_curve, only: curve_coordinate, curve_key
    use mesh_grid, only: grid_t
-   use mesh_table, only: key_table_t
+   use mesh_hash_table, only: key_table_t
+   use mesh_hilbert, only: curve_coordinate, curve_key
    implicit none
    private
 

@@ -5,8 +5,8 @@ module particle_even
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
-   use mesh_curve, only: curve_coordinate
    use mesh_grid, only: grid_t
+   use mesh_hilbert, only: curve_coordinate
    use particle_body, only: belongs, body_t, site_position, tile_sites
    use particle_fill, only: candidate_tiles, site_volume
    implicit none

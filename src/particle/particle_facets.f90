@@ -10,7 +10,7 @@
 module particle_facets
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
-   use mesh_table, only: key_table_t
+   use mesh_hash_table, only: key_table_t
    use particle_shape, only: shape_t, transform_point
    implicit none
    private

@@ -10,8 +10,8 @@ module particle_fill
    use base_kinds, only: int64, wp
    use base_random, only: random_uniform
    use base_sort, only: sort_order
-   use mesh_curve, only: curve_coordinate, curve_key
    use mesh_grid, only: grid_t
+   use mesh_hilbert, only: curve_coordinate, curve_key
    use particle_body, only: belongs, body_t, cell_of, site_position, tile_sites
    use particle_store, only: store_t
    implicit none
@@ -140,7 +140,6 @@ contains
          end do
       end do
    end function count_sites
-
 
    !> Given particles that a body has in a tile.
    pure integer(int64) function count_given(grid, bodies, body, coordinate) result(particles)

@@ -5,12 +5,12 @@ module particle_migrate
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use mesh_boundary, only: boundary_t
-   use mesh_curve, only: curve_key
    use mesh_grid, only: grid_t
+   use mesh_hilbert, only: curve_key
    use mesh_tiles, only: tiles_t
-   use particle_arrange, only: arrange_store
    use particle_place, only: find_place
-   use particle_settle, only: many, row_packer_t, settle_tile, settler_t
+   use particle_sort_store, only: arrange_store
+   use particle_sort_tile, only: many, row_packer_t, settle_tile, settler_t
    use particle_store, only: moved_away, store_t
    implicit none
    private

@@ -3,8 +3,8 @@
 module particle_points
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
-   use mesh_curve, only: curve_key
    use mesh_grid, only: grid_t
+   use mesh_hilbert, only: curve_key
    use particle_body, only: cell_of, given_t
    use particle_shape, only: shape_t, transform_point
    implicit none

@@ -8,7 +8,7 @@
 module particle_store
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
-   use material_matter, only: matter_t
+   use constitutive_state, only: matter_t
    implicit none
    private
 

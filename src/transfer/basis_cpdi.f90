@@ -12,9 +12,10 @@ module basis_cpdi
    use mesh_grid, only: grid_t, lanes
    use particle_store, only: store_t, traits_t
    use transfer_basis, only: basis_t
-   use transfer_corners, only: collect_corner_slopes, collect_corners, push_corners, spread_corners
+   use transfer_cpdi_kernels, only: collect_corner_slopes, collect_corners, push_corners, &
+      spread_corners
    use transfer_gather, only: locate
-   use transfer_places, only: places_t
+   use transfer_shape_data, only: places_t
    implicit none
    private
 

@@ -10,9 +10,9 @@ module basis_linear
    use transfer_gather, only: gather_gradient, gather_hoop, gather_motion, gather_values, &
       gather_vector, locate
    use transfer_hoop, only: gather_factored_hoop
-   use transfer_places, only: places_t
-   use transfer_scatter, only: scatter_affine, scatter_force, scatter_motion, &
-      scatter_turning, scatter_values
+   use transfer_scatter, only: scatter_affine, scatter_force, scatter_motion, scatter_turning, &
+      scatter_values
+   use transfer_shape_data, only: places_t
    implicit none
    private
 

@@ -5,7 +5,7 @@ module basis_quadratic
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use transfer_places, only: line, places_t
+   use transfer_shape_data, only: line, places_t
    use transfer_tensor, only: basis_tensor_t
    implicit none
    private

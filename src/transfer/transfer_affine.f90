@@ -12,7 +12,7 @@ module transfer_affine
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
    use transfer_basis, only: basis_t
-   use transfer_places, only: places_t
+   use transfer_shape_data, only: places_t
    implicit none
    private
 

@@ -10,7 +10,7 @@ module transfer_basis
    use mesh_grid, only: grid_t
    use particle_store, only: store_t, traits_t
    use transfer_hoop, only: scatter_factored_hoop
-   use transfer_places, only: places_t
+   use transfer_shape_data, only: places_t
    implicit none
    private
 

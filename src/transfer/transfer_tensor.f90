@@ -6,11 +6,11 @@ module transfer_tensor
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
    use transfer_basis, only: basis_t
-   use transfer_collect_plane, only: collect_plane, collect_slopes_plane
    use transfer_gather, only: locate
-   use transfer_lines, only: collect_lines, collect_slopes, spread_affine_lines, spread_lines, &
-      spread_stress_lines
-   use transfer_places, only: line, places_t
+   use transfer_shape_data, only: line, places_t
+   use transfer_spline_gather_plane, only: collect_plane, collect_slopes_plane
+   use transfer_spline_kernels, only: collect_lines, collect_slopes, spread_affine_lines, &
+      spread_lines, spread_stress_lines
    implicit none
    private
 

@@ -18,7 +18,7 @@ module transfer_velocity
    use mesh_grid, only: grid_t
    use mesh_patch, only: combine
    use transfer_basis, only: basis_t
-   use transfer_places, only: places_t
+   use transfer_shape_data, only: places_t
    implicit none
    private
 

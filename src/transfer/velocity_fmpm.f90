@@ -6,7 +6,7 @@
 module velocity_fmpm
    use base_kinds, only: wp
    use base_schema, only: schema_t
-   use transfer_series, only: velocity_series_t
+   use transfer_velocity_series, only: velocity_series_t
    implicit none
    private
 

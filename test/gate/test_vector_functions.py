@@ -17,7 +17,7 @@ from pathlib import Path
 if "--scree" not in sys.argv:
     sys.exit("usage: test_vector_functions.py --scree BUILD/bin/scree")
 BUILD = Path(sys.argv[sys.argv.index("--scree") + 1]).resolve().parents[1]
-LAYERS = ("base", "mesh", "material", "particle", "transfer", "io", "ddmp", "driver")
+LAYERS = ("base", "mesh", "constitutive", "material", "particle", "transfer", "io", "ddmp", "exact", "step", "scene", "output", "program")
 
 SAMPLE = """subroutine sample(number, values)
    integer, intent(in) :: number

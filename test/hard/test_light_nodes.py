@@ -2,7 +2,7 @@
 """Nodes with next to no mass: a loaded lone particle beside a node, and a loose spray at 7 km/s.
 
 Would catch: the force of a light node over its mass in the strain of particles (without the bound of
-driver_nodes a lone particle 1e-3 of a cell beside a node grows by a factor of ten in one step), work
+step_move_nodes a lone particle 1e-3 of a cell beside a node grows by a factor of ten in one step), work
 that does not fit to it, particles that light nodes throw ahead of the fastest body.
 
 A lone particle moves in one step from the middle of its cell to the distance s from a node, under a pressure of 0.05

@@ -1,0 +1,111 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What models of brittle failure share: principal values of few particles, and random strength.
+module constitutive_brittle
+   use base_deck_group, only: group_t
+   use base_kinds, only: int64, wp
+   use base_random, only: random_uniform
+   use base_schema, only: schema_t
+   use constitutive_delay, only: declare_delay
+   use constitutive_principal, only: principal
+   implicit none
+   private
+
+   public :: declare_brittle, draw_weibull, exponential, extremes, read_weibull, &
+      upper_bound, weibull_t
+
+   !> Scatter of strength after W. Weibull, J. Appl. Mech. 18 (1951) 293: the probability that a
+   !! volume V bears less than f times the characteristic strength is 1 - exp(-V/V0 f**m).
+   type :: weibull_t
+      real(wp) :: modulus = 1.0_wp                   !! m [1]
+      real(wp) :: volume = 0.0_wp !! V0, 0 if strength does not depend on size [m3]
+   end type weibull_t
+
+contains
+
+   !> Declare the keys that several models share.
+   subroutine declare_brittle(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call declare_delay(schema)
+      call schema%real("material", "weibull_m", "Weibull modulus of strength, or exponent of "// &
+         "flaws over strain", range="> 0", owner="effects.damage & damage_model = "// &
+         "principal_stress principal_strain grady_kipp")
+      call schema%real("material", "weibull_volume", "volume whose strength is the one given; "// &
+         "without it strength does not depend on size", unit="m3", range="> 0", &
+         owner="effects.size_scatter & damage_model = principal_stress principal_strain")
+   end subroutine declare_brittle
+
+   !> Read the scatter.
+   pure subroutine read_weibull(group, weibull)
+      type(group_t), intent(in) :: group             !! &material
+      type(weibull_t), intent(out) :: weibull        !! Modulus and volume
+
+      if (group%given("weibull_m")) call group%get("weibull_m", weibull%modulus)
+      if (group%given("weibull_volume")) call group%get("weibull_volume", weibull%volume)
+   end subroutine read_weibull
+
+   !> Random number of mean 1 that is distributed as exp(-x).
+   elemental real(wp) function exponential(seed, identity) result(number)
+      integer(int64), intent(in) :: seed             !! Seed of the run
+      integer(int64), intent(in) :: identity         !! Whose number this is
+      ! Which of the numbers of a particle; another effect takes another.
+      integer(int64), parameter :: draw = 7717_int64
+
+      number = -log(random_uniform(seed, identity, draw))
+   end function exponential
+
+   !> Strength of particles over the characteristic one, (-ln U V0/V)**(1/m). Equation (F.5) of
+   !! doc/theory/failure.md.
+   pure subroutine draw_weibull(weibull, density, seed, identity, first, last, mass, scatter)
+      type(weibull_t), intent(in) :: weibull         !! Modulus and volume
+      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      integer(int64), intent(in) :: seed             !! Seed of the run
+      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(inout) :: scatter(:) !! (store) [1]
+      real(wp) :: number
+      integer :: k
+
+      !GCC$ novector
+      do k = first, last
+         number = exponential(seed, identity(k))
+         if (weibull%volume > 0.0_wp) number = number*weibull%volume*density/mass(k)
+         scatter(k) = number**(1.0_wp/weibull%modulus)
+      end do
+   end subroutine draw_weibull
+
+   !> No principal value of the deviator is above this: 2/3 of the equivalent stress. It spares most
+   !! particles the search for their axes.
+   pure subroutine upper_bound(first, last, stress, bound)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: stress(:, :)  !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: bound(:)   !! (range) [Pa]
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         bound(i) = sqrt(2.0_wp/3.0_wp*(stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
+            + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2)))*(1.0_wp + 1.0e-12_wp)
+      end do
+   end subroutine upper_bound
+
+   !> Greatest and least principal value of one deviator.
+   pure subroutine extremes(stress, particle, greatest, least)
+      real(wp), contiguous, intent(in) :: stress(:, :)  !! Deviator (store, 6) [Pa]
+      integer, intent(in) :: particle                !! Which particle
+      real(wp), intent(out) :: greatest              !! [Pa]
+      real(wp), intent(out) :: least                 !! [Pa]
+      real(wp) :: tensor(6), values(3), axes(3, 3)
+      integer :: column
+
+      do column = 1, 6
+         tensor(column) = stress(particle, column)
+      end do
+      call principal(tensor, values, axes)
+      greatest = values(1)
+      least = values(3)
+   end subroutine extremes
+end module constitutive_brittle

@@ -1,0 +1,114 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What a damage model is: it lets the damage of a particle grow from 0 to 1.
+module constitutive_damage
+   use base_deck_group, only: group_t
+   use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
+   use constitutive_effects, only: effects_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_state, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: damage_t
+
+   !> A damage model. The flag of failure is set by the material where damage has reached 1.
+   type, abstract :: damage_t
+      real(wp) :: shear = 0.0_wp                     !! Shear modulus of the material [Pa]
+      real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
+      real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
+   contains
+      procedure(declare_i), deferred :: declare      !! Declares its keys
+      procedure :: fault => damage_fault             !! What is wrong with its keys together
+      procedure :: needs_flow => damage_needs_flow   !! True if it counts plastic strain
+      procedure :: takes_scatter => damage_takes_scatter !! True if strength may scatter
+      procedure :: leaves_strength => damage_leaves_strength !! True if the law knows failed matter
+      procedure(read_i), deferred :: read            !! Reads its keys
+      procedure(request_i), deferred :: request      !! Asks for the fields it needs
+      procedure :: draw => damage_draw               !! Random strength of particles
+      procedure(update_i), deferred :: update        !! Lets the damage grow
+   end type damage_t
+
+   abstract interface
+      subroutine declare_i(self, schema)
+         import :: damage_t, schema_t
+         implicit none
+         class(damage_t), intent(in) :: self
+         type(schema_t), intent(inout) :: schema               !! Keys of the deck
+      end subroutine declare_i
+
+      pure subroutine read_i(self, group, effects)
+         import :: damage_t, effects_t, group_t
+         implicit none
+         class(damage_t), intent(inout) :: self
+         type(group_t), intent(in) :: group                    !! &material
+         type(effects_t), intent(in) :: effects                !! What is asked for
+      end subroutine read_i
+
+      pure subroutine request_i(self, wishes)
+         import :: damage_t, wishes_t
+         implicit none
+         class(damage_t), intent(in) :: self
+         class(wishes_t), intent(inout) :: wishes              !! Fields to be carried
+      end subroutine request_i
+
+      !> On entry the stress holds the deviator after the law, and pressure and plastic increment
+      !! are those after the step.
+      pure subroutine update_i(self, matter, deformation, first, last, dt)
+         import :: damage_t, deformation_t, matter_t, wp
+         implicit none
+         class(damage_t), intent(in) :: self
+         type(matter_t), intent(inout) :: matter               !! State of the store
+         type(deformation_t), intent(inout) :: deformation     !! Step of the range
+         integer, intent(in) :: first                          !! First particle of the range
+         integer, intent(in) :: last                           !! Last particle of the range
+         real(wp), intent(in) :: dt                            !! Time step [s]
+      end subroutine update_i
+   end interface
+
+contains
+
+   !> What is wrong with the keys of the model taken together; empty if nothing is.
+   pure function damage_fault(self, group) result(text)
+      class(damage_t), intent(in) :: self                      !! The model
+      type(group_t), intent(in) :: group                       !! &material
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function damage_fault
+
+   !> True if the model counts plastic strain, so that the law must flow.
+   pure logical function damage_needs_flow(self) result(needs)
+      class(damage_t), intent(in) :: self                      !! The model
+
+      needs = .true.
+   end function damage_needs_flow
+
+   !> True if the strength of particles may scatter.
+   pure logical function damage_takes_scatter(self) result(takes)
+      class(damage_t), intent(in) :: self                      !! The model
+
+      takes = .false.
+   end function damage_takes_scatter
+
+   !> True if the law of strength itself knows what failed matter bears.
+   pure logical function damage_leaves_strength(self) result(leaves)
+      class(damage_t), intent(in) :: self                      !! The model
+
+      leaves = .false.
+   end function damage_leaves_strength
+
+   !> Random strength of new particles, where the model asked for the field `scatter`. Who they are
+   !! decides, not where or in which order they are.
+   pure subroutine damage_draw(self, seed, identity, first, last, mass, scatter)
+      class(damage_t), intent(in) :: self                      !! The model
+      integer(int64), intent(in) :: seed                       !! Seed of the run
+      integer(int64), contiguous, intent(in) :: identity(:)    !! Of the particles (store)
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+      real(wp), contiguous, intent(in) :: mass(:)              !! (store) [kg]
+      real(wp), contiguous, intent(inout) :: scatter(:)        !! Random strength (store) [1]
+
+      scatter(first:last) = 1.0_wp
+   end subroutine damage_draw
+end module constitutive_damage

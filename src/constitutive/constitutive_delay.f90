@@ -1,0 +1,132 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The time that a load above the strength takes to failure: cracks nucleate and grow, the faster
+!! the greater the load. F. R. Tuler, B. M. Butcher, Int. J. Fract. Mech. 4 (1968) 431:
+!!
+!!    dD/dt = x**n/tau,    x = load over strength - 1 > 0,    failed at D = 1.
+!!
+!! n = 0 is a constant delay; then no particle carries its overload x. Equations (F.3) and (F.4)
+!! of doc/theory/failure.md.
+module constitutive_delay
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use constitutive_field_requests, only: wishes_t
+   implicit none
+   private
+
+   public :: ages, declare_delay, delay_fault, delay_t, mean_power
+
+   !> Greatest overload that counts: what is loaded more fails at once, and powers stay numbers.
+   real(wp), parameter :: most_overload = 1.0e9_wp
+
+   !> How long it takes.
+   type :: delay_t
+      real(wp) :: time = 0.0_wp                      !! To failure at twice the strength, tau [s]
+      real(wp) :: power = 0.0_wp                     !! n [1]
+   contains
+      procedure :: read => delay_read                !! Reads its keys
+      procedure :: request => delay_request          !! Asks for the overload, if it is needed
+      procedure :: nucleate => delay_nucleate        !! Lets damage grow by the overload
+   end type delay_t
+
+contains
+
+   !> Declare the keys.
+   subroutine declare_delay(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress "// &
+         "principal_strain"
+
+      call schema%real("material", "failure_delay", "time that a load above the strength takes "// &
+         "to failure", unit="s", default="0", range=">= 0", owner=owner)
+      call schema%real("material", "failure_delay_power", "the time to failure is "// &
+         "failure_delay over this power of load over strength less one; with 0 any load above "// &
+         "the strength takes the same time", default="0", range=">= 0 <= 30", owner=owner)
+   end subroutine declare_delay
+
+   !> What is wrong with the keys taken together; empty if nothing is.
+   pure function delay_fault(group) result(text)
+      type(group_t), intent(in) :: group             !! &material
+      character(len=:), allocatable :: text
+      real(wp) :: time, power
+
+      text = ""
+      if (.not. (group%known("failure_delay") .and. group%known("failure_delay_power"))) return
+      call group%get("failure_delay", time)
+      call group%get("failure_delay_power", power)
+      if (power > 0.0_wp .and. .not. time > 0.0_wp) text = "failure_delay_power needs "// &
+         "failure_delay [s], the time to failure at twice the strength; without it failure "// &
+         "takes no time"
+   end function delay_fault
+
+   !> Read the keys.
+   pure subroutine delay_read(self, group)
+      class(delay_t), intent(inout) :: self          !! The delay
+      type(group_t), intent(in) :: group             !! &material
+
+      call group%get("failure_delay", self%time)
+      call group%get("failure_delay_power", self%power)
+   end subroutine delay_read
+
+   !> Overload of particles, if the delay depends on it.
+   pure subroutine delay_request(self, wishes)
+      class(delay_t), intent(in) :: self             !! The delay
+      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+
+      if (self%power > 0.0_wp) call wishes%ask("overload", "failure_delay_power", 1)
+   end subroutine delay_request
+
+   !> Damage of a particle that was above its strength for a step, with a constant delay. Equation
+   !! (F.3).
+   pure real(wp) function ages(damage, delay, dt) result(grown)
+      real(wp), intent(in) :: damage                 !! Before the step [1]
+      real(wp), intent(in) :: delay                  !! Time to failure [s]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      grown = 1.0_wp
+      if (delay > dt) grown = min(1.0_wp, damage + dt/delay)
+   end function ages
+
+   !> Mean over a step of the power of an overload that goes evenly from one value to another; what
+   !! is below zero counts as zero. Equation (F.4).
+   pure real(wp) function mean_power(before, now, power) result(mean)
+      real(wp), intent(in) :: before                 !! Overload before the step [1]
+      real(wp), intent(in) :: now                    !! After it [1]
+      real(wp), intent(in) :: power                  !! n [1]
+      ! Below this the difference of powers loses more digits than the series leaves out.
+      real(wp), parameter :: narrow = 1.0e-3_wp
+      real(wp) :: lower, upper, middle, width
+
+      mean = 0.0_wp
+      upper = min(max(before, now), most_overload)
+      if (.not. upper > 0.0_wp) return
+      lower = min(before, now, most_overload)
+      middle = 0.5_wp*(lower + upper)
+      width = upper - lower
+      if (width < narrow*middle) then
+         mean = middle**power*(1.0_wp + power*(power - 1.0_wp)/24.0_wp*(width/middle)**2)
+      else
+         mean = upper**power*(1.0_wp - (max(lower, 0.0_wp)/upper)**(power + 1.0_wp)) &
+            *upper/((power + 1.0_wp)*width)
+      end if
+   end function mean_power
+
+   !> Let the damage of particles grow in a step whose load is known at its end.
+   pure subroutine delay_nucleate(self, first, last, dt, load, overload, damage)
+      class(delay_t), intent(in) :: self             !! The delay
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(in) :: load(:)    !! Over strength, after the step (range) [1]
+      real(wp), contiguous, intent(inout) :: overload(:) !! Of the step before, on return of this
+      real(wp), contiguous, intent(inout) :: damage(:) !! (store) [1]
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         if (load(i) > 1.0_wp .or. overload(k) > 0.0_wp) damage(k) = min(1.0_wp, damage(k) &
+            + dt/self%time*mean_power(overload(k), load(i) - 1.0_wp, self%power))
+         overload(k) = load(i) - 1.0_wp
+      end do
+   end subroutine delay_nucleate
+end module constitutive_delay

@@ -1,0 +1,115 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What an equation of state is: pressure and sound speed from density and energy. Equations (E.1)
+!! and (E.2) of doc/theory/equations_of_state.md.
+module constitutive_eos
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_state, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: eos_t
+
+   !> An equation of state. The material holds none if the mean stress follows a rate form.
+   type, abstract :: eos_t
+      real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
+      real(wp) :: distension = 1.0_wp !! Of porous matter at the start, solid over its density [1]
+      real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
+   contains
+      procedure :: declare => eos_declare            !! Declares its keys, if it has any
+      procedure :: fault => eos_fault                !! What is wrong with its keys together
+      procedure :: read => eos_read                  !! Reads its keys, if it has any
+      procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
+      procedure(request_i), deferred :: request      !! Asks for the fields it needs
+      procedure :: remember => eos_remember          !! Keeps what the step did to its own state
+      procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
+      procedure :: gruneisen => eos_gruneisen        !! Grueneisen number times density
+      procedure(stored_i), deferred :: stored        !! Energy stored in the change of volume
+   end type eos_t
+
+   abstract interface
+      pure subroutine request_i(self, wishes)
+         import :: eos_t, wishes_t
+         implicit none
+         class(eos_t), intent(in) :: self
+         class(wishes_t), intent(inout) :: wishes              !! Fields to be carried
+      end subroutine request_i
+
+      !> The square of the bulk sound speed [m2/s2] is left in the wave speed.
+      pure subroutine update_i(self, matter, deformation, first, last)
+         import :: deformation_t, eos_t, matter_t
+         implicit none
+         class(eos_t), intent(in) :: self
+         type(matter_t), intent(in) :: matter                  !! State of the store
+         type(deformation_t), intent(inout) :: deformation     !! Step of the range
+         integer, intent(in) :: first                          !! First particle of the range
+         integer, intent(in) :: last                           !! Last particle of the range
+      end subroutine update_i
+
+      !> Energy [J] of one particle that carries none: work of the pressure from the reference
+      !! state, where the material bears no pressure below a limit [Pa].
+      pure function stored_i(self, mass, volume, limit) result(energy)
+         import :: eos_t, wp
+         implicit none
+         class(eos_t), intent(in) :: self
+         real(wp), intent(in) :: mass                          !! [kg]
+         real(wp), intent(in) :: volume                        !! [m3]
+         real(wp), intent(in) :: limit                         !! Least pressure [Pa]
+         real(wp) :: energy
+      end function stored_i
+   end interface
+
+contains
+
+   !> Declare the keys of &material that belong to the equation of state. Most override this.
+   subroutine eos_declare(self, schema)
+      class(eos_t), intent(in) :: self                         !! The equation of state
+      type(schema_t), intent(inout) :: schema                  !! Keys of the deck
+   end subroutine eos_declare
+
+   !> Read the keys that belong to the equation of state. Its density is set before, its bulk
+   !! modulus after this by the material, unless its own keys give it.
+   pure subroutine eos_read(self, group)
+      class(eos_t), intent(inout) :: self                      !! The equation of state
+      type(group_t), intent(in) :: group                       !! &material
+   end subroutine eos_read
+
+   !> What is wrong with the keys of the equation of state taken together; empty if nothing is.
+   pure function eos_fault(self, group) result(text)
+      class(eos_t), intent(in) :: self                         !! The equation of state
+      type(group_t), intent(in) :: group                       !! &material
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function eos_fault
+
+   !> True if the keys of the equation of state give the bulk modulus.
+   pure logical function eos_sets_bulk(self) result(sets)
+      class(eos_t), intent(in) :: self                         !! The equation of state
+
+      sets = .false.
+   end function eos_sets_bulk
+
+   !> Grueneisen number times density at the middle of the step, for the temperature. It is 0 where
+   !! the pressure does not depend on energy.
+   pure subroutine eos_gruneisen(self, matter, deformation, first, last)
+      class(eos_t), intent(in) :: self                         !! The equation of state
+      type(matter_t), intent(in) :: matter                     !! State of the store
+      type(deformation_t), intent(inout) :: deformation        !! Step of the range
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+
+      deformation%gruneisen(:last - first + 1) = 0.0_wp
+   end subroutine eos_gruneisen
+
+   !> Keep what the step did to the state that belongs to the equation of state, after `update`.
+   pure subroutine eos_remember(self, matter, deformation, first, last)
+      class(eos_t), intent(in) :: self                         !! The equation of state
+      type(matter_t), intent(inout) :: matter                  !! State of the store
+      type(deformation_t), intent(in) :: deformation           !! Step of the range
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+   end subroutine eos_remember
+end module constitutive_eos

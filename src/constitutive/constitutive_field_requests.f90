@@ -1,0 +1,92 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The fields that a material needs its particles to carry, and who asked for them.
+module constitutive_field_requests
+   use base_kinds, only: wp
+   implicit none
+   private
+
+   public :: wish_t, wishes_t
+
+   !> One field.
+   type :: wish_t
+      character(len=:), allocatable :: field         !! Name of the field in files
+      character(len=:), allocatable :: reason        !! Who asked for it
+      integer :: bytes = 0                           !! Bytes a particle
+   end type wish_t
+
+   !> All fields, each once.
+   type :: wishes_t
+      type(wish_t), allocatable :: entries(:)        !! In the order of asking
+   contains
+      procedure :: ask => wishes_ask                 !! Ask for a field
+      procedure :: asked => wishes_asked             !! True if somebody asked for a field
+      procedure :: bytes => wishes_bytes             !! Bytes a particle of all fields
+      procedure :: report => wishes_report           !! Table for the user
+   end type wishes_t
+
+contains
+
+   !> Ask for a field. Who asks for a field that is there already is added to its reasons.
+   pure subroutine wishes_ask(self, field, reason, components)
+      class(wishes_t), intent(inout) :: self         !! The list
+      character(len=*), intent(in) :: field          !! Name of the field
+      character(len=*), intent(in) :: reason         !! Who asks
+      integer, intent(in) :: components              !! Numbers a particle
+      type(wish_t), allocatable :: longer(:)
+      integer :: i, known
+
+      known = 0
+      if (allocated(self%entries)) known = size(self%entries)
+      do i = 1, known
+         if (self%entries(i)%field /= field) cycle
+         self%entries(i)%reason = self%entries(i)%reason//", "//reason
+         return
+      end do
+      allocate (longer(known + 1))
+      do i = 1, known
+         longer(i) = self%entries(i)
+      end do
+      longer(known + 1)%field = field
+      longer(known + 1)%reason = reason
+      longer(known + 1)%bytes = components*storage_size(1.0_wp)/8
+      call move_alloc(longer, self%entries)
+   end subroutine wishes_ask
+
+   !> True if somebody asked for a field.
+   pure logical function wishes_asked(self, field) result(asked)
+      class(wishes_t), intent(in) :: self            !! The list
+      character(len=*), intent(in) :: field          !! Name of the field
+      integer :: i
+
+      asked = .false.
+      if (.not. allocated(self%entries)) return
+      do i = 1, size(self%entries)
+         if (self%entries(i)%field == field) asked = .true.
+      end do
+   end function wishes_asked
+
+   !> Bytes a particle of all fields.
+   pure integer function wishes_bytes(self) result(bytes)
+      class(wishes_t), intent(in) :: self            !! The list
+
+      bytes = 0
+      if (allocated(self%entries)) bytes = sum(self%entries%bytes)
+   end function wishes_bytes
+
+   !> One line a field: name, bytes a particle, who asked for it.
+   pure function wishes_report(self) result(text)
+      class(wishes_t), intent(in) :: self            !! The list
+      character(len=:), allocatable :: text
+      character(len=20) :: name
+      character(len=32) :: line
+      integer :: i
+
+      text = ""
+      if (.not. allocated(self%entries)) return
+      do i = 1, size(self%entries)
+         name = self%entries(i)%field
+         write (line, "(a20, i6, a6)") name, self%entries(i)%bytes, " bytes"
+         text = text//line//"  "//self%entries(i)%reason//new_line("a")
+      end do
+   end function wishes_report
+end module constitutive_field_requests

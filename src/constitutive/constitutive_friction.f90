@@ -1,0 +1,200 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What laws share whose strength grows with the pressure.
+!!
+!! The pressure is that of the equation of state and so knows the density: matter that has come
+!! apart bears nothing until it is as dense again as it was. Where shear loosens it for good, by the
+!! angle of dilation, the volume that is gained is carried and taken out of the pressure.
+module constitutive_friction
+   use base_constants, only: pi
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use base_text, only: brief
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_law, only: law_t
+   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_tension, only: stiffen_intact
+   implicit none
+   private
+
+   public :: angles_t, declare_angles, fault_of_angles, frictional_t, gain, loosen, read_angles
+
+   !> Constants of cohesive matter with friction.
+   type :: angles_t
+      real(wp) :: friction = 0.0_wp                  !! Angle of friction [rad]
+      real(wp) :: dilation = 0.0_wp                  !! Angle of dilation [rad]
+      real(wp) :: cohesion = 0.0_wp                  !! [Pa]
+   end type angles_t
+
+   !> A law whose strength grows with the pressure.
+   type, abstract, extends(law_t) :: frictional_t
+      real(wp) :: apex = 0.0_wp                      !! Least pressure, at the apex [Pa]
+      logical :: dilates = .false.                   !! Shear loosens
+   contains
+      procedure :: follows_density => frictional_follows_density !! Its pressure does
+      procedure :: request => frictional_request     !! Asks for what shear loosened
+      procedure :: stiffen => frictional_stiffen     !! Shear, where matter holds together
+      procedure :: least_pressure => frictional_least_pressure !! That of the apex
+   end type frictional_t
+
+contains
+
+   !> Declare the keys that several laws share.
+   subroutine declare_angles(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      character(len=*), parameter :: owner = "effects.strength & strength_model = "// &
+         "drucker_prager mohr_coulomb"
+
+      call schema%real("material", "friction_angle", "angle of friction", unit="deg", &
+         range=">= 0 < 90", owner=owner)
+      call schema%real("material", "cohesion", "strength without pressure", unit="Pa", &
+         default="0", range=">= 0", owner=owner//" mu_i")
+      call schema%real("material", "dilation_angle", "angle by which shear loosens", &
+         unit="deg", default="0", range=">= 0 < 90", owner=owner)
+      call schema%require("material", "friction_angle")
+   end subroutine declare_angles
+
+   !> Read them.
+   pure subroutine read_angles(group, angles)
+      type(group_t), intent(in) :: group             !! &material
+      type(angles_t), intent(out) :: angles          !! The constants
+
+      call group%get("friction_angle", angles%friction)
+      call group%get("dilation_angle", angles%dilation)
+      call group%get("cohesion", angles%cohesion)
+      angles%friction = angles%friction*pi/180.0_wp
+      angles%dilation = angles%dilation*pi/180.0_wp
+   end subroutine read_angles
+
+   !> What is wrong with the angles taken together.
+   pure function fault_of_angles(group) result(text)
+      type(group_t), intent(in) :: group             !! &material
+      character(len=:), allocatable :: text
+      character(len=:), allocatable :: eos
+      real(wp) :: friction, dilation, cohesion
+
+      text = ""
+      if (.not. (group%known("friction_angle") .and. group%known("dilation_angle") .and. &
+         group%known("cohesion"))) return
+      call group%get("friction_angle", friction)
+      call group%get("dilation_angle", dilation)
+      call group%get("cohesion", cohesion)
+      call group%get("eos_model", eos)
+      if (friction > 0.0_wp .and. friction < 0.5_wp*pi) then
+         text = "friction_angle = "//brief(friction)//" deg: did you mean radians ("// &
+            brief(anint(friction*1800.0_wp/pi)/10.0_wp)//" deg)?"
+      else if (dilation > friction) then
+         text = "dilation_angle must not be above friction_angle, or flow would make energy"
+      else if (dilation > 0.0_wp .and. eos /= "linear") then
+         text = "dilation_angle needs eos_model = 'linear', as others know only the density"
+      else if (.not. (friction > 0.0_wp .or. cohesion > 0.0_wp)) then
+         text = "friction_angle or cohesion must be above 0; for a fluid set elastic = 'none'"
+      end if
+   end function fault_of_angles
+
+   !> The pressure must know the density.
+   pure logical function frictional_follows_density(self) result(follows)
+      class(frictional_t), intent(in) :: self        !! The law
+
+      follows = .true.
+   end function frictional_follows_density
+
+   !> Matter that shear loosens carries by how much.
+   pure subroutine frictional_request(self, wishes)
+      class(frictional_t), intent(in) :: self        !! The law
+      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+
+      if (self%dilates) call wishes%ask("plastic_dilation", "dilation_angle", 1)
+   end subroutine frictional_request
+
+   !> Least pressure that the law can bear [Pa].
+   pure real(wp) function frictional_least_pressure(self) result(pressure)
+      class(frictional_t), intent(in) :: self        !! The law
+
+      pressure = self%apex
+   end function frictional_least_pressure
+
+   !> Shear modulus in the square of the wave speed. What has come apart bears no shear; its wave
+   !! speed does not grow with its volume, or a cloud of it would shorten the time step.
+   pure subroutine frictional_stiffen(self, matter, deformation, first, last)
+      class(frictional_t), intent(in) :: self              !! The law
+      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+
+      if (allocated(matter%failed)) then
+         call stiffen_intact(first, last, self%shear, matter%failed, matter%mass, matter%volume, &
+            deformation%wave_speed)
+      else
+         call stiffen_joined(first, last, self%shear, self%bulk, self%apex, matter%mass, &
+            matter%volume, deformation%pressure, deformation%wave_speed)
+      end if
+   end subroutine frictional_stiffen
+
+   !> Kernel of the above. In matter at its least pressure the shear adds its share of the speed
+   !! that the volume change has, G/K of it.
+   pure subroutine stiffen_joined(first, last, shear, bulk, apex, mass, volume, pressure, &
+      wave_speed)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
+      real(wp), intent(in) :: bulk                   !! Bulk modulus of the reference state [Pa]
+      real(wp), intent(in) :: apex                   !! Least pressure [Pa]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(in) :: pressure(:)        !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: wave_speed(:)   !! Its square (range) [m2/s2]
+      real(wp), parameter :: least = 1.0e-12_wp      ! of the shear modulus, for a divisor
+      real(wp) :: share
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         share = 4.0_wp/3.0_wp*shear*volume(k)/mass(k)
+         wave_speed(i) = wave_speed(i) + merge(share, &
+            min(share, 4.0_wp/3.0_wp*shear/max(bulk, least*shear, tiny(least))*wave_speed(i)), &
+            pressure(i) > apex)
+      end do
+   end subroutine stiffen_joined
+
+   !> Take the volume that shear gained out of the pressure: p + rho c**2 (exp(gained) - 1), exact
+   !! for p = K (rho/rho0 - 1). What the flow of the step gains, x times the volume gained before,
+   !! then raises the pressure by exactly rho c**2 exp(gained) x. Equation (Y.27) of
+   !! doc/theory/strength.md.
+   pure subroutine loosen(first, last, gained, mass, volume, wave_speed, pressure, tangent)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: gained(:)  !! Logarithm of the volume gained (store) [1]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(in) :: wave_speed(:)    !! Its square (range) [m2/s2]
+      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: tangent(:)    !! c**2 exp(gained) (range) [m2/s2]
+      integer :: i, k
+
+      ! Not with vectors: exponentials of vectors differ in the last bits from those of the numbers
+      ! that are left at the end of a range, and bits must not depend on the place of a particle.
+      !GCC$ novector
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         tangent(i) = wave_speed(i)*exp(gained(k))
+         pressure(i) = pressure(i) + mass(k)/volume(k)*(tangent(i) - wave_speed(i))
+      end do
+   end subroutine loosen
+
+   !> Add what the flow of a step gained, as a share of the volume gained before. Equation (Y.27).
+   pure subroutine gain(first, last, share, gained)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: share(:)   !! Of the step (range) [1]
+      real(wp), contiguous, intent(inout) :: gained(:) !! Logarithm of the volume (store) [1]
+      integer :: i
+
+      ! Not with vectors, as above.
+      !GCC$ novector
+      do i = 1, last - first + 1
+         gained(first - 1 + i) = gained(first - 1 + i) + log(1.0_wp + share(i))
+      end do
+   end subroutine gain
+end module constitutive_friction

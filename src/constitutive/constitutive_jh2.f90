@@ -1,0 +1,108 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Strength of brittle matter after G. R. Johnson, T. J. Holmquist, "An improved computational
+!! constitutive model for brittle materials" (AIP Conf. Proc. 309 (1994) 981), known as JH-2.
+!!
+!! In units of the elastic limit (HEL), with p* = p/p_HEL, T* = T/p_HEL:
+!!
+!!    intact     A (p* + T*)**N (1 + C ln(rate))
+!!    fractured  B p***M (1 + C ln(rate)), not above a limit
+!!
+!! and the strength is (1 - D) intact + D fractured. Equation (F.12) of doc/theory/failure.md.
+module constitutive_jh2
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use constitutive_effects, only: effects_t
+   implicit none
+   private
+
+   public :: jh2_t
+
+   !> Constants.
+   type :: jh2_t
+      real(wp) :: intact = 0.0_wp                    !! A [1]
+      real(wp) :: intact_exponent = 1.0_wp           !! N [1]
+      real(wp) :: fractured = 0.0_wp                 !! B [1]
+      real(wp) :: fractured_exponent = 1.0_wp        !! M [1]
+      real(wp) :: fractured_limit = huge(1.0_wp)     !! Greatest fractured strength [1]
+      real(wp) :: rate_coefficient = 0.0_wp          !! C [1]
+      real(wp) :: reference_rate = 1.0_wp            !! Rate of the static strength [1/s]
+      real(wp) :: tension = 0.0_wp                   !! T, greatest hydrostatic tension [Pa]
+      real(wp) :: pressure = 1.0_wp                  !! p_HEL [Pa]
+      real(wp) :: stress = 1.0_wp                    !! Equivalent stress at the limit [Pa]
+   contains
+      procedure, nopass :: declare => jh2_declare    !! Declares the keys
+      procedure :: read => jh2_read                  !! Reads the keys
+      procedure :: strength => jh2_strength          !! Equivalent stress at yield
+   end type jh2_t
+
+contains
+
+   !> Declare the keys.
+   subroutine jh2_declare(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      character(len=*), parameter :: owner = "effects.strength & strength_model = jh2"
+
+      call schema%real("material", "jh2_a", "JH-2 A, intact strength", range="> 0", owner=owner)
+      call schema%real("material", "jh2_n", "JH-2 N, exponent of intact strength", range=">= 0", &
+         owner=owner)
+      call schema%real("material", "jh2_b", "JH-2 B, fractured strength", range=">= 0", owner=owner)
+      call schema%real("material", "jh2_m", "JH-2 M, exponent of fractured strength", &
+         range=">= 0", owner=owner)
+      call schema%real("material", "jh2_fmax", "JH-2 greatest fractured strength over that at "// &
+         "the elastic limit", range="> 0", owner=owner)
+      call schema%real("material", "jh2_c", "JH-2 C, rate dependence", default="0", range=">= 0", &
+         owner=owner//" & effects.rate")
+      call schema%real("material", "jh2_rate", "rate of the static strength of JH-2", &
+         unit="1/s", default="1.0", range="> 0", owner=owner//" & effects.rate")
+      call schema%real("material", "jh2_t", "JH-2 T, greatest hydrostatic tension", unit="Pa", &
+         range=">= 0", owner=owner)
+      call schema%real("material", "jh2_hel", "stress of the elastic limit in uniaxial strain", &
+         unit="Pa", range="> 0", owner=owner)
+      call schema%real("material", "jh2_phel", "pressure at that limit", unit="Pa", range="> 0", &
+         owner=owner)
+      call schema%require("material", "jh2_a jh2_n jh2_b jh2_m jh2_t jh2_hel jh2_phel")
+   end subroutine jh2_declare
+
+   !> Read the keys.
+   pure subroutine jh2_read(self, group, effects)
+      class(jh2_t), intent(inout) :: self            !! The constants
+      type(group_t), intent(in) :: group             !! &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+      real(wp) :: limit
+
+      call group%get("jh2_a", self%intact)
+      call group%get("jh2_n", self%intact_exponent)
+      call group%get("jh2_b", self%fractured)
+      call group%get("jh2_m", self%fractured_exponent)
+      if (group%given("jh2_fmax")) call group%get("jh2_fmax", self%fractured_limit)
+      if (effects%rate) then
+         call group%get("jh2_c", self%rate_coefficient)
+         call group%get("jh2_rate", self%reference_rate)
+      end if
+      call group%get("jh2_t", self%tension)
+      call group%get("jh2_phel", self%pressure)
+      call group%get("jh2_hel", limit)
+      self%stress = 1.5_wp*(limit - self%pressure)
+   end subroutine jh2_read
+
+   !> Equivalent stress at yield [Pa].
+   pure real(wp) function jh2_strength(self, pressure, rate, damage) result(stress)
+      class(jh2_t), intent(in) :: self               !! The constants
+      real(wp), intent(in) :: pressure               !! [Pa]
+      real(wp), intent(in) :: rate                   !! Equivalent rate of strain [1/s]
+      real(wp), intent(in) :: damage                 !! D [1]
+      real(wp) :: factor, whole, broken
+
+      factor = 1.0_wp
+      if (rate > self%reference_rate) &
+         factor = 1.0_wp + self%rate_coefficient*log(rate/self%reference_rate)
+      whole = 0.0_wp
+      broken = 0.0_wp
+      if (pressure > -self%tension) whole = factor*self%intact &
+         *((pressure + self%tension)/self%pressure)**self%intact_exponent
+      if (pressure > 0.0_wp) broken = min(self%fractured_limit, factor*self%fractured &
+         *(pressure/self%pressure)**self%fractured_exponent)
+      stress = self%stress*((1.0_wp - damage)*whole + damage*broken)
+   end function jh2_strength
+end module constitutive_jh2

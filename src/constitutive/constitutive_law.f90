@@ -1,0 +1,256 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What a law of strength is: it corrects the deviator of the stress after an elastic trial, or
+!> gives the whole stress itself.
+module constitutive_law
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use constitutive_effects, only: effects_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_kinematics, only: predict_deviator
+   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_tension, only: stiffen, stiffen_intact
+   implicit none
+   private
+
+   public :: equivalent_stress, law_stiffen, law_stored, law_t, mean_work, strain_trial
+
+   !> A law of strength. The material holds none if it has no strength.
+   type, abstract :: law_t
+      real(wp) :: shear = 0.0_wp                     !! Shear modulus [Pa]
+      real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
+      real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
+      real(wp) :: heat_share = 0.9_wp !! Of plastic work, becomes heat (Taylor, Quinney 1934) [1]
+   contains
+      procedure :: declare => law_declare            !! Declares its keys, if it has any
+      procedure :: select => law_select              !! Reads what decides on other models
+      procedure :: fault => law_fault                !! What is wrong with its keys together
+      procedure :: read => law_read                  !! Reads its keys
+      procedure :: whole => law_whole                !! True if it gives the whole stress
+      procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
+      procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
+      procedure :: follows_density => law_follows_density !! True if its pressure must know it
+      procedure :: has_grains => law_has_grains      !! True if it has an inertial number
+      procedure :: plastic => law_plastic            !! True if it flows and so takes energy
+      procedure(request_i), deferred :: request      !! Asks for the fields it needs
+      procedure :: predict => law_predict            !! Trial deviator of the step
+      procedure(update_i), deferred :: update        !! Corrects the trial deviator
+      procedure :: stiffen => law_stiffen            !! Its share of the square of the wave speed
+      procedure :: damp => law_damp                  !! What its viscosity asks of the time step
+      procedure :: stored => law_stored              !! Energy stored in a particle
+      procedure :: least_pressure => law_least_pressure !! Least pressure it can bear
+   end type law_t
+
+   abstract interface
+      pure subroutine request_i(self, wishes)
+         import :: law_t, wishes_t
+         implicit none
+         class(law_t), intent(in) :: self
+         class(wishes_t), intent(inout) :: wishes              !! Fields to be carried
+      end subroutine request_i
+
+      !> On entry the stress holds the trial deviator, on return the deviator. Plastic increment and
+      !! plastic work are zero on entry. The pressure is that after the step, the wave speed holds
+      !! the square of the bulk sound speed. A law that gives the whole stress sets the pressure.
+      pure subroutine update_i(self, matter, deformation, first, last, dt)
+         import :: deformation_t, law_t, matter_t, wp
+         implicit none
+         class(law_t), intent(in) :: self
+         type(matter_t), intent(inout) :: matter               !! State of the store
+         type(deformation_t), intent(inout) :: deformation     !! Step of the range
+         integer, intent(in) :: first                          !! First particle of the range
+         integer, intent(in) :: last                           !! Last particle of the range
+         real(wp), intent(in) :: dt                            !! Time step [s]
+      end subroutine update_i
+   end interface
+
+contains
+
+   !> Declare the keys of &material that belong to the law. Most laws override this.
+   subroutine law_declare(self, schema)
+      class(law_t), intent(in) :: self                         !! The law
+      type(schema_t), intent(inout) :: schema                  !! Keys of the deck
+   end subroutine law_declare
+
+   !> Read the keys that belong to the law. The shear modulus is set by the material.
+   pure subroutine law_read(self, group, effects)
+      class(law_t), intent(inout) :: self                      !! The law
+      type(group_t), intent(in) :: group                       !! &material
+      type(effects_t), intent(in) :: effects                   !! What is asked for
+   end subroutine law_read
+
+   !> Read the words that decide which other models the material has, before the deck is known to be
+   !! right.
+   pure subroutine law_select(self, group)
+      class(law_t), intent(inout) :: self                      !! The law
+      type(group_t), intent(in) :: group                       !! &material
+   end subroutine law_select
+
+   !> What is wrong with the keys of the law taken together, which the single ones cannot tell;
+   !! empty if nothing is.
+   pure function law_fault(self, group) result(text)
+      class(law_t), intent(in) :: self                         !! The law
+      type(group_t), intent(in) :: group                       !! &material
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function law_fault
+
+   !> True if the law gives the whole stress. Then the material has no equation of state and no
+   !! limit of tension, and there is no elastic trial but what the law makes of it.
+   pure logical function law_whole(self) result(whole)
+      class(law_t), intent(in) :: self                         !! The law
+
+      whole = .false.
+   end function law_whole
+
+   !> True if the law has a shear modulus.
+   pure logical function law_has_shear(self) result(has)
+      class(law_t), intent(in) :: self                         !! The law
+
+      has = .true.
+   end function law_has_shear
+
+   !> True if the law cannot do with a mean stress in rate form. Without an equation of state it
+   !! then gets p = K (rho/rho0 - 1) with the bulk modulus of the material.
+   pure logical function law_follows_density(self) result(follows)
+      class(law_t), intent(in) :: self                         !! The law
+
+      follows = .false.
+   end function law_follows_density
+
+   !> True if the law knows the size and density of grains, and so their inertial number.
+   pure logical function law_has_grains(self) result(has)
+      class(law_t), intent(in) :: self                         !! The law
+
+      has = .false.
+   end function law_has_grains
+
+   !> True if the law needs an equation of state of its own kind.
+   pure logical function law_needs_eos(self) result(needs)
+      class(law_t), intent(in) :: self                         !! The law
+
+      needs = .false.
+   end function law_needs_eos
+
+   !> True if the law flows: it takes energy, and damage by plastic strain can follow it.
+   pure logical function law_plastic(self) result(plastic)
+      class(law_t), intent(in) :: self                         !! The law
+
+      plastic = .true.
+   end function law_plastic
+
+   !> Elastic trial of the deviator with constant shear modulus and Jaumann rate, and the volume.
+   pure subroutine law_predict(self, matter, deformation, first, last)
+      class(law_t), intent(in) :: self                         !! The law
+      type(matter_t), intent(inout) :: matter                  !! State of the store
+      type(deformation_t), intent(inout) :: deformation        !! Step of the range
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+
+      call predict_deviator(first, last, deformation%plane, self%shear, deformation%gradient, &
+         matter%volume, matter%stress, deformation%old_volume, deformation%dilatation, &
+         deformation%pressure)
+   end subroutine law_predict
+
+   !> Add to the square of the wave speed what the law contributes. A law that gives the whole
+   !! stress finds 0 and leaves the square of its fastest wave.
+   pure subroutine law_stiffen(self, matter, deformation, first, last)
+      class(law_t), intent(in) :: self                         !! The law
+      type(matter_t), intent(in) :: matter                     !! State of the store
+      type(deformation_t), intent(inout) :: deformation        !! Step of the range
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+
+      if (allocated(matter%failed)) then
+         call stiffen_intact(first, last, self%shear, matter%failed, matter%mass, matter%volume, &
+            deformation%wave_speed)
+      else
+         call stiffen(first, last, self%shear, matter%mass, matter%volume, deformation%wave_speed)
+      end if
+   end subroutine law_stiffen
+
+   !> Raise the wave speed that limits the time step where the law has a viscosity.
+   pure subroutine law_damp(self, matter, deformation, first, last, spacing)
+      class(law_t), intent(in) :: self                         !! The law
+      type(matter_t), intent(in) :: matter                     !! State of the store
+      type(deformation_t), intent(inout) :: deformation        !! Step of the range
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+      real(wp), intent(in) :: spacing                          !! Cell size [m]
+   end subroutine law_damp
+
+   !> Energy [J] stored in the deviator of the stress of one particle; in the whole stress for a law
+   !! that gives it.
+   pure real(wp) function law_stored(self, matter, particle) result(energy)
+      class(law_t), intent(in) :: self                         !! The law
+      type(matter_t), intent(in) :: matter                     !! State of the store
+      integer, intent(in) :: particle                          !! Which particle
+      real(wp) :: mean
+
+      energy = 0.0_wp
+      if (self%shear <= 0.0_wp) return
+      mean = sum(matter%stress(particle, 1:3))/3.0_wp
+      energy = matter%volume(particle)*(sum((matter%stress(particle, 1:3) - mean)**2) &
+         + 2.0_wp*sum(matter%stress(particle, 4:6)**2))/(4.0_wp*self%shear)
+   end function law_stored
+
+   !> Least pressure that the law can bear [Pa].
+   pure real(wp) function law_least_pressure(self) result(pressure)
+      class(law_t), intent(in) :: self                         !! The law
+
+      pressure = -huge(1.0_wp)
+   end function law_least_pressure
+
+   !> Equivalent stress of von Mises of deviators: sqrt(3/2 s:s).
+   pure subroutine equivalent_stress(first, last, stress, equivalent)
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), contiguous, intent(in) :: stress(:, :)         !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: equivalent(:)     !! (range) [Pa]
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         equivalent(i) = sqrt(1.5_wp*(stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
+            + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2)))
+      end do
+   end subroutine equivalent_stress
+
+   !> Trial deviator times strain increment, s* : e. With it laws find the work that the mean of the
+   !! stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for the
+   !! rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. The stress after the step alone would
+   !! take energy from grains that had no stress when they met.
+   pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
+      real(wp), contiguous, intent(in) :: stress(:, :)    !! Trial deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: product_of_both(:) !! (range) [Pa]
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         product_of_both(i) = stress(k, 1)*gradient(i, 1) + stress(k, 2)*gradient(i, 5) &
+            + stress(k, 3)*gradient(i, 9) + stress(k, 4)*(gradient(i, 2) + gradient(i, 4)) &
+            + stress(k, 5)*(gradient(i, 6) + gradient(i, 8)) &
+            + stress(k, 6)*(gradient(i, 3) + gradient(i, 7))
+      end do
+   end subroutine strain_trial
+
+   !> Work a volume that a radial return does on the plastic strain: that of the mean of the
+   !! stresses before and after the step, (s + s') : (s* - s')/(4 G), so that the books are of
+   !! second order. It is not negative: matter that softens under a load that turns would take
+   !! energy. Equation (Y.2) of doc/theory/strength.md.
+   elemental real(wp) function mean_work(shear, trial, limit, increment, product_of_both) &
+      result(work)
+      real(wp), intent(in) :: shear                        !! Shear modulus of the trial [Pa]
+      real(wp), intent(in) :: trial                        !! Equivalent trial stress [Pa]
+      real(wp), intent(in) :: limit                        !! Equivalent stress after the step [Pa]
+      real(wp), intent(in) :: increment                    !! Of the plastic strain [1]
+      real(wp), intent(in) :: product_of_both              !! s* : e, of `strain_trial` [Pa]
+
+      work = increment*max(0.0_wp, 0.5_wp*(trial + limit) &
+         - 1.5_wp*shear*product_of_both/max(trial, tiny(1.0_wp)))
+   end function mean_work
+end module constitutive_law

@@ -1,0 +1,202 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Limits of tension, and what is left of the strength of failed and melted particles.
+!!
+!! A failed particle is rubble: it keeps mass and volume, has no deviator and bears no tension.
+module constitutive_tension
+   use base_kinds, only: int64, wp
+   implicit none
+   private
+
+   public :: break, cut_tension, fail,  drop_failed, drop_melted, fracture_t, open_voids, spall_t, &
+      stiffen, stiffen_intact
+
+   !> Tension cut-off that leaves no trace.
+   type :: spall_t
+      real(wp) :: strength = huge(1.0_wp)            !! Greatest tension [Pa]
+   end type spall_t
+
+   !> Failure for good, by damage and by tension.
+   type :: fracture_t
+      real(wp) :: strength = huge(1.0_wp)            !! Tension at failure [Pa]
+      logical :: leaves_strength = .false.           !! Failed matter follows a law
+      logical :: leaves_nothing = .false.            !! Failed matter has no stress
+   end type fracture_t
+
+contains
+
+   !> Take the deviator from failed particles.
+   pure subroutine drop_failed(first, last, failed, stress)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      integer(int64), contiguous, intent(in) :: failed(:)     !! Flag of failure (store)
+      real(wp), contiguous, intent(inout) :: stress(:, :)     !! Deviator (store, 6) [Pa]
+      integer :: i, k
+
+      do k = 1, 6
+         do concurrent (i=first:last)
+            stress(i, k) = merge(0.0_wp, stress(i, k), failed(i) /= 0)
+         end do
+      end do
+   end subroutine drop_failed
+
+   !> Take the deviator from melted particles.
+   pure subroutine drop_melted(first, last, melting, temperature, stress)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: melting                !! Temperature of melting [K]
+      real(wp), contiguous, intent(in) :: temperature(:)      !! (store) [K]
+      real(wp), contiguous, intent(inout) :: stress(:, :)     !! Deviator (store, 6) [Pa]
+      integer :: i, k
+
+      do k = 1, 6
+         do concurrent (i=first:last)
+            stress(i, k) = merge(0.0_wp, stress(i, k), temperature(i) >= melting)
+         end do
+      end do
+   end subroutine drop_melted
+
+   !> Keep the pressure above a limit.
+   pure subroutine cut_tension(first, last, strength, pressure, pressure_floor)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: strength               !! Greatest tension [Pa]
+      real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      integer :: i
+
+      do concurrent (i=1:last - first + 1)
+         pressure_floor(i) = -strength
+         pressure(i) = merge(-strength, pressure(i), pressure(i) < -strength)
+      end do
+   end subroutine cut_tension
+
+   !> Let particles fail whose damage or tension is complete, and make rubble of the failed ones.
+   !! The elastic energy that a particle loses on failing is booked as plastic work. Equations (A.7)
+   !! and (A.8) of doc/theory/matter.md.
+   pure subroutine break(first, last, strength, shear, bulk, volume, stress, pressure, &
+      pressure_floor, damage, failed, plastic_work)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: strength               !! Tension at failure [Pa]
+      real(wp), intent(in) :: shear                  !! Shear modulus, 0 without deviator [Pa]
+      real(wp), intent(in) :: bulk                   !! Bulk modulus, 0 for a gas [Pa]
+      real(wp), contiguous, intent(in) :: volume(:)            !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: stress(:, :)      !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: damage(:)         !! (store) [1]
+      integer(int64), contiguous, intent(inout) :: failed(:)   !! Flag of failure (store)
+      real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step (range) [J]
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         pressure_floor(i) = -strength
+         if (failed(k) == 0) then
+            if (damage(k) < 1.0_wp .and. pressure(i) > -strength) cycle
+            failed(k) = 1
+            damage(k) = 1.0_wp
+            if (bulk > 0.0_wp) plastic_work(i) = plastic_work(i) &
+               + volume(k)*0.5_wp*min(pressure(i), 0.0_wp)**2/bulk
+            if (shear > 0.0_wp) plastic_work(i) = plastic_work(i) + volume(k)*0.25_wp/shear &
+               *(stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
+               + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2))
+            stress(k, :) = 0.0_wp
+         end if
+         pressure_floor(i) = 0.0_wp
+         if (pressure(i) < 0.0_wp) pressure(i) = 0.0_wp
+      end do
+   end subroutine break
+
+   !> Let particles fail as above, but leave the deviator to the law of failed matter. Of the
+   !! elastic energy only that of the tension is lost.
+   pure subroutine fail(first, last, strength, bulk, volume, pressure, pressure_floor, damage, &
+      failed, plastic_work)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: strength               !! Tension at failure [Pa]
+      real(wp), intent(in) :: bulk                   !! Bulk modulus, 0 for a gas [Pa]
+      real(wp), contiguous, intent(in) :: volume(:)            !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: damage(:)         !! (store) [1]
+      integer(int64), contiguous, intent(inout) :: failed(:)   !! Flag of failure (store)
+      real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step (range) [J]
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         pressure_floor(i) = -strength
+         if (failed(k) == 0) then
+            if (damage(k) < 1.0_wp .and. pressure(i) > -strength) cycle
+            failed(k) = 1
+            damage(k) = 1.0_wp
+            if (bulk > 0.0_wp) plastic_work(i) = plastic_work(i) &
+               + volume(k)*0.5_wp*min(pressure(i), 0.0_wp)**2/bulk
+         end if
+         pressure_floor(i) = 0.0_wp
+         if (pressure(i) < 0.0_wp) pressure(i) = 0.0_wp
+      end do
+   end subroutine fail
+
+   !> Without equation of state the mean stress does not know of voids: rubble less dense than the
+   !! material bears no pressure, and no signal faster than that of the material runs through it.
+   pure subroutine open_voids(first, last, density, bulk, mass, volume, failed, pressure, &
+      wave_speed)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      integer(int64), contiguous, intent(in) :: failed(:)    !! Flag of failure (store)
+      real(wp), contiguous, intent(inout) :: pressure(:)     !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: wave_speed(:)   !! Its square (range) [m2/s2]
+      real(wp) :: excess, limit
+      integer :: i, k
+
+      limit = bulk/density
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         excess = merge(mass(k) - density*volume(k), 0.0_wp, failed(k) /= 0)
+         pressure(i) = merge(0.0_wp, pressure(i), excess < 0.0_wp)
+         wave_speed(i) = merge(limit, wave_speed(i), excess < 0.0_wp)
+      end do
+   end subroutine open_voids
+
+   !> Add the share of the shear modulus to the square of the wave speed. Equation (A.5).
+   pure subroutine stiffen(first, last, shear, mass, volume, wave_speed)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: wave_speed(:)   !! Its square (range) [m2/s2]
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         wave_speed(i) = wave_speed(i) + 4.0_wp/3.0_wp*shear*volume(k)/mass(k)
+      end do
+   end subroutine stiffen
+
+   !> Add the share of the shear modulus to the square of the wave speed where it has not failed.
+   !! Without this a dispersing cloud of rubble would shorten the time step for no reason.
+   pure subroutine stiffen_intact(first, last, shear, failed, mass, volume, wave_speed)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
+      integer(int64), contiguous, intent(in) :: failed(:)    !! Flag of failure (store)
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: wave_speed(:)   !! Its square (range) [m2/s2]
+      real(wp) :: share
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         share = 4.0_wp/3.0_wp*shear*volume(k)/mass(k)
+         wave_speed(i) = wave_speed(i) + merge(0.0_wp, share, failed(k) /= 0)
+      end do
+   end subroutine stiffen_intact
+end module constitutive_tension

@@ -1,0 +1,163 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Brittle failure by the growth of flaws (D. E. Grady, M. E. Kipp, Int. J. Rock Mech. Min. Sci. 17
+!! (1980) 147; W. Benz, E. Asphaug, Comput. Phys. Commun. 87 (1995) 253). A volume V holds k V e**m
+!! flaws that grow at an elastic tensile strain below e. With n of them growing at the speed g
+!!
+!!    d D**(1/3)/dt = n**(1/3) g/R,   R the radius of a sphere of the volume V
+!!
+!! The weakest flaw of a particle is its own: where the numbers of flaws are those of chance, k V
+!! e**m of it is distributed as exp(-x). Those after it are counted in the mean. Damage does not
+!! weaken a particle before it is complete. Equations (F.6) and (F.7) of doc/theory/failure.md.
+module damage_grady_kipp
+   use base_constants, only: pi
+   use base_deck_group, only: group_t
+   use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
+   use constitutive_brittle, only: exponential, extremes, upper_bound
+   use constitutive_damage, only: damage_t
+   use constitutive_effects, only: effects_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_state, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: damage_grady_kipp_t
+
+   !> Growth of flaws.
+   type, extends(damage_t) :: damage_grady_kipp_t
+      real(wp) :: flaws = 0.0_wp                     !! k [1/m3]
+      real(wp) :: exponent = 1.0_wp                  !! m [1]
+      real(wp) :: share = 0.4_wp                     !! Speed of cracks over that of sound [1]
+      logical :: scatters = .false.                  !! The weakest flaw is one's own
+   contains
+      procedure :: declare => grady_kipp_declare     !! Declares its keys
+      procedure :: needs_flow => grady_kipp_needs_flow !! It does not
+      procedure :: takes_scatter => grady_kipp_takes_scatter !! It does
+      procedure :: read => grady_kipp_read           !! Reads its keys
+      procedure :: request => grady_kipp_request     !! Asks for damage and scatter
+      procedure :: draw => grady_kipp_draw           !! The weakest flaw
+      procedure :: update => grady_kipp_update       !! Lets flaws grow
+   end type damage_grady_kipp_t
+
+contains
+
+   !> Declare the keys of the model.
+   subroutine grady_kipp_declare(self, schema)
+      class(damage_grady_kipp_t), intent(in) :: self !! The model
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      character(len=*), parameter :: owner = "effects.damage & damage_model = grady_kipp"
+
+      call schema%real("material", "weibull_k", "flaws in a volume at a strain of 1, k of "// &
+         "k e**m", unit="1/m3", range="> 0", owner=owner)
+      call schema%real("material", "crack_speed", "speed of cracks over that of longitudinal "// &
+         "waves", default="0.4", range="> 0 <= 1", owner=owner)
+      call schema%require("material", "weibull_k")
+   end subroutine grady_kipp_declare
+
+   !> It does not count plastic strain.
+   pure logical function grady_kipp_needs_flow(self) result(needs)
+      class(damage_grady_kipp_t), intent(in) :: self !! The model
+
+      needs = .false.
+   end function grady_kipp_needs_flow
+
+   !> The weakest flaw may be one's own.
+   pure logical function grady_kipp_takes_scatter(self) result(takes)
+      class(damage_grady_kipp_t), intent(in) :: self !! The model
+
+      takes = .true.
+   end function grady_kipp_takes_scatter
+
+   !> Read the keys of the model.
+   pure subroutine grady_kipp_read(self, group, effects)
+      class(damage_grady_kipp_t), intent(inout) :: self !! The model
+      type(group_t), intent(in) :: group             !! &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+
+      call group%get("weibull_k", self%flaws)
+      if (group%given("weibull_m")) call group%get("weibull_m", self%exponent)
+      call group%get("crack_speed", self%share)
+      self%scatters = effects%size_scatter
+   end subroutine grady_kipp_read
+
+   !> Damage, and the weakest flaw.
+   pure subroutine grady_kipp_request(self, wishes)
+      class(damage_grady_kipp_t), intent(in) :: self !! The model
+      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+
+      call wishes%ask("damage", "damage model grady_kipp", 1)
+      if (self%scatters) call wishes%ask("scatter", "size_scatter", 1)
+   end subroutine grady_kipp_request
+
+   !> Flaws that the mean counts when the weakest one of a particle grows.
+   pure subroutine grady_kipp_draw(self, seed, identity, first, last, mass, scatter)
+      class(damage_grady_kipp_t), intent(in) :: self       !! The model
+      integer(int64), intent(in) :: seed                   !! Seed of the run
+      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
+      real(wp), contiguous, intent(inout) :: scatter(:)    !! (store) [1]
+      integer :: k
+
+      !GCC$ novector
+      do k = first, last
+         scatter(k) = exponential(seed, identity(k))
+      end do
+   end subroutine grady_kipp_draw
+
+   !> Let the flaws of strained particles grow.
+   pure subroutine grady_kipp_update(self, matter, deformation, first, last, dt)
+      class(damage_grady_kipp_t), intent(in) :: self       !! The model
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      integer :: count
+
+      count = last - first + 1
+      call upper_bound(first, last, matter%stress, deformation%homologous)
+      if (self%scatters) then
+         deformation%loosening(:count) = matter%scatter(first:last)
+      else
+         deformation%loosening(:count) = 1.0_wp
+      end if
+      call grow(self, first, last, dt, deformation%pressure, deformation%homologous, &
+         deformation%loosening, matter%mass, matter%stress, matter%damage)
+   end subroutine grady_kipp_update
+
+   !> Kernel of the above.
+   pure subroutine grow(model, first, last, dt, pressure, bound, weakest, mass, stress, damage)
+      class(damage_grady_kipp_t), intent(in) :: model      !! The model
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
+      real(wp), contiguous, intent(in) :: weakest(:)       !! Flaws at the first one (range) [1]
+      real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
+      real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: damage(:)     !! (store) [1]
+      real(wp) :: strain, speed, volume, number, radius, greatest, least
+      integer :: i, k
+
+      ! A gas has no bulk modulus at rest and no elastic strain.
+      if (.not. model%bulk > 0.0_wp) return
+      speed = model%share*sqrt((model%bulk + 4.0_wp/3.0_wp*model%shear)/model%density)
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         strain = 0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk)
+         if (strain <= 0.0_wp .or. damage(k) >= 1.0_wp) cycle
+         volume = mass(k)/model%density
+         if (model%flaws*volume*strain**model%exponent < weakest(i)) cycle
+         call extremes(stress, k, greatest, least)
+         strain = 0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk)
+         number = model%flaws*volume*max(strain, 0.0_wp)**model%exponent - weakest(i) + 1.0_wp
+         if (number < 1.0_wp) cycle
+         radius = (0.75_wp*volume/pi)**(1.0_wp/3.0_wp)
+         damage(k) = min(1.0_wp, (damage(k)**(1.0_wp/3.0_wp) &
+            + number**(1.0_wp/3.0_wp)*speed*dt/radius)**3)
+      end do
+   end subroutine grow
+end module damage_grady_kipp

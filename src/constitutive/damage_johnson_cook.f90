@@ -1,0 +1,140 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Ductile damage of Johnson and Cook (1985): the sum of plastic increments over the strain to
+!! failure (D1 + D2 exp(D3 s)) (1 + D4 ln(rate/rate0)) (1 + D5 T*), with s the ratio of mean
+!! stress, positive in tension, to equivalent stress. Equations (A.9) and (A.10) of
+!! doc/theory/matter.md.
+module damage_johnson_cook
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use constitutive_damage, only: damage_t
+   use constitutive_effects, only: effects_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_heat, only: homologous_temperature, melting_range_t, read_range
+   use constitutive_state, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: damage_johnson_cook_t
+
+   !> Least strain to failure. Sets with negative D1 would give less than nothing in tension.
+   real(wp), parameter :: least_strain = 1.0e-6_wp
+   !> Bounds of the triaxiality: the fit ends at 1.5, and below -10 the exponential would overflow.
+   real(wp), parameter :: least_triaxiality = -10.0_wp, most_triaxiality = 1.5_wp
+
+   !> Damage model of Johnson and Cook. Without rate dependence the fourth coefficient is 0.
+   type, extends(damage_t) :: damage_johnson_cook_t
+      real(wp) :: coefficient(5) = 0.0_wp            !! D1 to D5 [1]
+      real(wp) :: reference_rate = 1.0_wp            !! Rate of the static strain [1/s]
+      type(melting_range_t), allocatable :: range    !! Only if temperature matters
+   contains
+      procedure :: declare => johnson_cook_declare   !! Declares its keys
+      procedure :: read => johnson_cook_read         !! Reads its keys
+      procedure :: request => johnson_cook_request   !! Asks for damage and temperature
+      procedure :: update => johnson_cook_update     !! Lets the damage grow
+      procedure :: failure_strain => johnson_cook_failure_strain !! Strain to failure of a state
+   end type damage_johnson_cook_t
+
+contains
+
+   !> Declare the keys of the model.
+   subroutine johnson_cook_declare(self, schema)
+      class(damage_johnson_cook_t), intent(in) :: self !! The model
+      type(schema_t), intent(inout) :: schema          !! Keys of the deck
+
+      call schema%real("material", "jcd(5)", "Johnson-Cook D1 to D5, strain to failure", &
+         owner="effects.damage & damage_model = johnson_cook")
+      call schema%require("material", "jcd")
+   end subroutine johnson_cook_declare
+
+   !> Read the keys of the model.
+   pure subroutine johnson_cook_read(self, group, effects)
+      class(damage_johnson_cook_t), intent(inout) :: self !! The model
+      type(group_t), intent(in) :: group                  !! &material
+      type(effects_t), intent(in) :: effects              !! What is asked for
+
+      call group%get("jcd", self%coefficient)
+      if (effects%rate) then
+         call group%get("jc_rate", self%reference_rate)
+      else
+         self%coefficient(4) = 0.0_wp
+      end if
+      if (effects%thermal .and. abs(self%coefficient(5)) > 0.0_wp) then
+         allocate (self%range)
+         call read_range(group, self%range)
+      end if
+   end subroutine johnson_cook_read
+
+   !> Damage grows with plastic strain, and the strain to failure may depend on temperature.
+   pure subroutine johnson_cook_request(self, wishes)
+      class(damage_johnson_cook_t), intent(in) :: self !! The model
+      class(wishes_t), intent(inout) :: wishes         !! Fields to be carried
+
+      call wishes%ask("damage", "damage model johnson_cook", 1)
+      if (allocated(self%range)) call wishes%ask("temperature", "damage model johnson_cook", 1)
+   end subroutine johnson_cook_request
+
+   !> Strain to failure [1] of a state.
+   pure real(wp) function johnson_cook_failure_strain(self, triaxiality, rate, homologous) &
+      result(strain)
+      class(damage_johnson_cook_t), intent(in) :: self !! The model
+      real(wp), intent(in) :: triaxiality              !! Mean over equivalent stress [1]
+      real(wp), intent(in) :: rate                     !! Rate of plastic strain [1/s]
+      real(wp), intent(in) :: homologous               !! Homologous temperature, 0 to 1 [1]
+      real(wp) :: clipped
+
+      clipped = min(most_triaxiality, max(least_triaxiality, triaxiality))
+      strain = self%coefficient(1) + self%coefficient(2)*exp(self%coefficient(3)*clipped)
+      if (rate > self%reference_rate) &
+         strain = strain*(1.0_wp + self%coefficient(4)*log(rate/self%reference_rate))
+      strain = max(least_strain, strain*(1.0_wp + self%coefficient(5)*homologous))
+   end function johnson_cook_failure_strain
+
+   !> Let the damage of flowing particles grow.
+   pure subroutine johnson_cook_update(self, matter, deformation, first, last, dt)
+      class(damage_johnson_cook_t), intent(in) :: self     !! The model
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+
+      if (allocated(self%range)) then
+         call homologous_temperature(first, last, self%range, matter%temperature, &
+            deformation%homologous)
+      else
+         deformation%homologous(1:last - first + 1) = 0.0_wp
+      end if
+      call grow(self, first, last, dt, matter%stress, deformation%pressure, &
+         deformation%plastic_increment, deformation%homologous, matter%damage)
+   end subroutine johnson_cook_update
+
+   !> Add the share of the step to the damage of the particles that flow.
+   pure subroutine grow(model, first, last, dt, stress, pressure, plastic_increment, homologous, &
+      damage)
+      class(damage_johnson_cook_t), intent(in) :: model    !! The model
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      real(wp), contiguous, intent(in) :: stress(:, :)           !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(in) :: pressure(:)            !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: plastic_increment(:)   !! (range) [1]
+      real(wp), contiguous, intent(in) :: homologous(:)          !! (range) [1]
+      real(wp), contiguous, intent(inout) :: damage(:)           !! (store) [1]
+      real(wp) :: flow, triaxiality
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         if (.not. plastic_increment(i) > 0.0_wp) cycle
+         k = first - 1 + i
+         flow = sqrt(1.5_wp*(stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
+            + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2)))
+         ! Clipped before the division, which could overflow for a particle about to melt.
+         triaxiality = most_triaxiality
+         if (-pressure(i) < most_triaxiality*flow) triaxiality = least_triaxiality
+         if (abs(pressure(i)) < abs(least_triaxiality)*flow) triaxiality = -pressure(i)/flow
+         damage(k) = min(1.0_wp, damage(k) + plastic_increment(i) &
+            /model%failure_strain(triaxiality, plastic_increment(i)/dt, homologous(i)))
+      end do
+   end subroutine grow
+end module damage_johnson_cook

@@ -1,0 +1,195 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Brittle failure where the greatest principal value of the elastic strain, s/(2 G) - p/(3 K),
+!! reaches a limit. Equation (F.2) of doc/theory/failure.md.
+module damage_principal_strain
+   use base_deck_group, only: group_t
+   use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
+   use constitutive_brittle, only: draw_weibull, extremes, read_weibull, upper_bound, weibull_t
+   use constitutive_damage, only: damage_t
+   use constitutive_delay, only: ages, delay_fault, delay_t
+   use constitutive_effects, only: effects_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_state, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: damage_principal_strain_t
+
+   !> Failure by principal strain.
+   type, extends(damage_t) :: damage_principal_strain_t
+      real(wp) :: limit = huge(1.0_wp)               !! Greatest principal strain [1]
+      type(delay_t) :: delay                         !! Time from load to failure
+      type(weibull_t), allocatable :: weibull        !! Only if strength scatters
+   contains
+      procedure :: declare => principal_declare      !! Declares its keys
+      procedure :: fault => principal_fault          !! What is wrong with its keys together
+      procedure :: needs_flow => principal_needs_flow !! It does not
+      procedure :: takes_scatter => principal_takes_scatter !! It does
+      procedure :: read => principal_read            !! Reads its keys
+      procedure :: request => principal_request      !! Asks for damage and scatter
+      procedure :: draw => principal_draw            !! Random strength
+      procedure :: update => principal_update        !! Failure
+   end type damage_principal_strain_t
+
+contains
+
+   !> Declare the keys of the model.
+   subroutine principal_declare(self, schema)
+      class(damage_principal_strain_t), intent(in) :: self !! The model
+      type(schema_t), intent(inout) :: schema          !! Keys of the deck
+      character(len=*), parameter :: owner = "effects.damage & damage_model = principal_strain"
+
+      call schema%real("material", "failure_strain", "greatest principal elastic strain at "// &
+         "failure", range="> 0", owner=owner)
+      call schema%require("material", "failure_strain")
+   end subroutine principal_declare
+
+   !> What is wrong with its keys taken together; empty if nothing is.
+   pure function principal_fault(self, group) result(text)
+      class(damage_principal_strain_t), intent(in) :: self !! The model
+      type(group_t), intent(in) :: group                  !! &material
+      character(len=:), allocatable :: text
+
+      text = delay_fault(group)
+   end function principal_fault
+
+   !> It does not count plastic strain.
+   pure logical function principal_needs_flow(self) result(needs)
+      class(damage_principal_strain_t), intent(in) :: self !! The model
+
+      needs = .false.
+   end function principal_needs_flow
+
+   !> Its strength may scatter.
+   pure logical function principal_takes_scatter(self) result(takes)
+      class(damage_principal_strain_t), intent(in) :: self !! The model
+
+      takes = .true.
+   end function principal_takes_scatter
+
+   !> Read the keys of the model.
+   pure subroutine principal_read(self, group, effects)
+      class(damage_principal_strain_t), intent(inout) :: self !! The model
+      type(group_t), intent(in) :: group                  !! &material
+      type(effects_t), intent(in) :: effects              !! What is asked for
+
+      call group%get("failure_strain", self%limit)
+      ! Then cracks open, and nothing fails at once.
+      if (group%given("fracture_energy")) self%limit = sqrt(huge(1.0_wp))
+      call self%delay%read(group)
+      if (.not. effects%size_scatter) return
+      allocate (self%weibull)
+      call read_weibull(group, self%weibull)
+   end subroutine principal_read
+
+   !> Damage, and a strength of its own for each particle.
+   pure subroutine principal_request(self, wishes)
+      class(damage_principal_strain_t), intent(in) :: self !! The model
+      class(wishes_t), intent(inout) :: wishes         !! Fields to be carried
+
+      call wishes%ask("damage", "damage model principal_strain", 1)
+      call self%delay%request(wishes)
+      if (allocated(self%weibull)) call wishes%ask("scatter", "size_scatter", 1)
+   end subroutine principal_request
+
+   !> Random strength.
+   pure subroutine principal_draw(self, seed, identity, first, last, mass, scatter)
+      class(damage_principal_strain_t), intent(in) :: self !! The model
+      integer(int64), intent(in) :: seed                   !! Seed of the run
+      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
+      real(wp), contiguous, intent(inout) :: scatter(:)    !! (store) [1]
+
+      if (allocated(self%weibull)) call draw_weibull(self%weibull, self%density, seed, identity, &
+         first, last, mass, scatter)
+   end subroutine principal_draw
+
+   !> Let overloaded particles fail. Few are near their strength, and only these are looked at one
+   !! by one.
+   pure subroutine principal_update(self, matter, deformation, first, last, dt)
+      class(damage_principal_strain_t), intent(in) :: self !! The model
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      integer :: count
+
+      count = last - first + 1
+      call upper_bound(first, last, matter%stress, deformation%homologous)
+      if (allocated(self%weibull)) then
+         deformation%loosening(:count) = matter%scatter(first:last)
+      else
+         deformation%loosening(:count) = 1.0_wp
+      end if
+      if (allocated(matter%overload)) then
+         call find_load(self, first, last, deformation%pressure, deformation%homologous, &
+            matter%stress, matter%overload, deformation%loosening)
+         call self%delay%nucleate(first, last, dt, deformation%loosening, matter%overload, &
+            matter%damage)
+      else
+         call overload(self, first, last, dt, deformation%pressure, deformation%homologous, &
+            deformation%loosening, matter%stress, matter%damage)
+      end if
+   end subroutine principal_update
+
+   !> Kernel of the above.
+   pure subroutine overload(model, first, last, dt, pressure, bound, factor, stress, damage)
+      class(damage_principal_strain_t), intent(in) :: model !! The model
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
+      real(wp), contiguous, intent(in) :: factor(:)        !! Strength of its own (range) [1]
+      real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: damage(:)     !! (store) [1]
+      real(wp) :: greatest, least
+      integer :: i, k
+
+      ! A gas has no bulk modulus at rest and no elastic strain.
+      if (.not. model%bulk > 0.0_wp) return
+      do i = 1, last - first + 1
+         if (0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk) &
+            < model%limit*factor(i)) cycle
+         k = first - 1 + i
+         call extremes(stress, k, greatest, least)
+         if (0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk) &
+            < model%limit*factor(i)) cycle
+         damage(k) = ages(damage(k), model%delay%time, dt)
+      end do
+   end subroutine overload
+
+   !> Strain over its limit. Where it is below 1, and was before, a bound that it does not exceed
+   !! will do. Equation (F.3).
+   pure subroutine find_load(model, first, last, pressure, bound, stress, overload, load)
+      class(damage_principal_strain_t), intent(in) :: model !! The model
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
+      real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(in) :: overload(:)      !! Before the step (store) [1]
+      !> On entry the strength of its own, on return the load over strength (range) [1]
+      real(wp), contiguous, intent(inout) :: load(:)
+      real(wp) :: greatest, least, limit
+      integer :: i, k
+
+      if (.not. model%bulk > 0.0_wp) then
+         ! A gas has no bulk modulus at rest and no elastic strain.
+         load(:last - first + 1) = 0.0_wp
+         return
+      end if
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         limit = model%limit*load(i)
+         load(i) = (0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk))/limit
+         if (load(i) < 1.0_wp .and. .not. overload(k) > 0.0_wp) cycle
+         call extremes(stress, k, greatest, least)
+         load(i) = (0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk))/limit
+      end do
+   end subroutine find_load
+end module damage_principal_strain

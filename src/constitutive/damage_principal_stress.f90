@@ -1,0 +1,200 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Brittle failure where the greatest principal stress reaches the strength, or, in compression,
+!! where half the difference of the principal stresses reaches that of shear. Equation (F.1) of
+!! doc/theory/failure.md.
+module damage_principal_stress
+   use base_deck_group, only: group_t
+   use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
+   use constitutive_brittle, only: declare_brittle, draw_weibull, extremes, read_weibull, &
+      upper_bound, weibull_t
+   use constitutive_damage, only: damage_t
+   use constitutive_delay, only: ages, delay_fault, delay_t
+   use constitutive_effects, only: effects_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_softening, only: declare_softening
+   use constitutive_state, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: damage_principal_stress_t
+
+   !> Failure by principal stress.
+   type, extends(damage_t) :: damage_principal_stress_t
+      real(wp) :: strength = huge(1.0_wp)            !! Greatest principal stress [Pa]
+      !> Greatest shear stress; none still is a number when a particle is stronger by chance [Pa]
+      real(wp) :: crushing = sqrt(huge(1.0_wp))
+      type(delay_t) :: delay                         !! Time from load to failure
+      type(weibull_t), allocatable :: weibull        !! Only if strength scatters
+   contains
+      procedure :: declare => principal_declare      !! Declares its keys
+      procedure :: fault => principal_fault          !! What is wrong with its keys together
+      procedure :: needs_flow => principal_needs_flow !! It does not
+      procedure :: takes_scatter => principal_takes_scatter !! It does
+      procedure :: read => principal_read            !! Reads its keys
+      procedure :: request => principal_request      !! Asks for damage and scatter
+      procedure :: draw => principal_draw            !! Random strength
+      procedure :: update => principal_update        !! Failure
+   end type damage_principal_stress_t
+
+contains
+
+   !> Declare the keys of the model.
+   subroutine principal_declare(self, schema)
+      class(damage_principal_stress_t), intent(in) :: self !! The model
+      type(schema_t), intent(inout) :: schema          !! Keys of the deck
+      character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress"
+
+      call schema%real("material", "failure_stress", "greatest principal stress at failure", &
+         unit="Pa", range="> 0", owner=owner)
+      call schema%real("material", "failure_shear", "greatest shear stress at failure, half "// &
+         "the difference of the principal stresses", unit="Pa", range="> 0", owner=owner)
+      call schema%require("material", "failure_stress")
+      call declare_brittle(schema)
+      call declare_softening(schema)
+   end subroutine principal_declare
+
+   !> What is wrong with its keys taken together; empty if nothing is.
+   pure function principal_fault(self, group) result(text)
+      class(damage_principal_stress_t), intent(in) :: self !! The model
+      type(group_t), intent(in) :: group                  !! &material
+      character(len=:), allocatable :: text
+
+      text = delay_fault(group)
+   end function principal_fault
+
+   !> It does not count plastic strain.
+   pure logical function principal_needs_flow(self) result(needs)
+      class(damage_principal_stress_t), intent(in) :: self !! The model
+
+      needs = .false.
+   end function principal_needs_flow
+
+   !> Its strength may scatter.
+   pure logical function principal_takes_scatter(self) result(takes)
+      class(damage_principal_stress_t), intent(in) :: self !! The model
+
+      takes = .true.
+   end function principal_takes_scatter
+
+   !> Read the keys of the model.
+   pure subroutine principal_read(self, group, effects)
+      class(damage_principal_stress_t), intent(inout) :: self !! The model
+      type(group_t), intent(in) :: group                  !! &material
+      type(effects_t), intent(in) :: effects              !! What is asked for
+
+      call group%get("failure_stress", self%strength)
+      ! Then cracks open by tension, and this model is left with compression.
+      if (group%given("fracture_energy")) self%strength = sqrt(huge(1.0_wp))
+      if (group%given("failure_shear")) call group%get("failure_shear", self%crushing)
+      call self%delay%read(group)
+      if (.not. effects%size_scatter) return
+      allocate (self%weibull)
+      call read_weibull(group, self%weibull)
+   end subroutine principal_read
+
+   !> Damage, and a strength of its own for each particle.
+   pure subroutine principal_request(self, wishes)
+      class(damage_principal_stress_t), intent(in) :: self !! The model
+      class(wishes_t), intent(inout) :: wishes         !! Fields to be carried
+
+      call wishes%ask("damage", "damage model principal_stress", 1)
+      call self%delay%request(wishes)
+      if (allocated(self%weibull)) call wishes%ask("scatter", "size_scatter", 1)
+   end subroutine principal_request
+
+   !> Random strength.
+   pure subroutine principal_draw(self, seed, identity, first, last, mass, scatter)
+      class(damage_principal_stress_t), intent(in) :: self !! The model
+      integer(int64), intent(in) :: seed                   !! Seed of the run
+      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
+      real(wp), contiguous, intent(inout) :: scatter(:)    !! (store) [1]
+
+      if (allocated(self%weibull)) call draw_weibull(self%weibull, self%density, seed, identity, &
+         first, last, mass, scatter)
+   end subroutine principal_draw
+
+   !> Let overloaded particles fail. Few are near their strength, and only these are looked at one
+   !! by one.
+   pure subroutine principal_update(self, matter, deformation, first, last, dt)
+      class(damage_principal_stress_t), intent(in) :: self !! The model
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      integer :: count
+
+      count = last - first + 1
+      call upper_bound(first, last, matter%stress, deformation%homologous)
+      if (allocated(self%weibull)) then
+         deformation%loosening(:count) = matter%scatter(first:last)
+      else
+         deformation%loosening(:count) = 1.0_wp
+      end if
+      if (allocated(matter%overload)) then
+         call find_load(self, first, last, deformation%pressure, deformation%homologous, &
+            matter%stress, matter%overload, deformation%loosening)
+         call self%delay%nucleate(first, last, dt, deformation%loosening, matter%overload, &
+            matter%damage)
+      else
+         call overload(self, first, last, dt, deformation%pressure, deformation%homologous, &
+            deformation%loosening, matter%stress, matter%damage)
+      end if
+   end subroutine principal_update
+
+   !> Kernel of the above.
+   pure subroutine overload(model, first, last, dt, pressure, bound, factor, stress, damage)
+      class(damage_principal_stress_t), intent(in) :: model !! The model
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
+      real(wp), contiguous, intent(in) :: factor(:)        !! Strength of its own (range) [1]
+      real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: damage(:)     !! (store) [1]
+      real(wp) :: greatest, least
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         if (bound(i) - pressure(i) < model%strength*factor(i) .and. &
+            bound(i) < model%crushing*factor(i)) cycle
+         k = first - 1 + i
+         call extremes(stress, k, greatest, least)
+         if (greatest - pressure(i) < model%strength*factor(i) .and. &
+            0.5_wp*(greatest - least) < model%crushing*factor(i)) cycle
+         damage(k) = ages(damage(k), model%delay%time, dt)
+      end do
+   end subroutine overload
+
+   !> Load over strength, the greater one of tension and shear. Where it is below 1, and was before,
+   !! a bound that it does not exceed will do. Equation (F.3).
+   pure subroutine find_load(model, first, last, pressure, bound, stress, overload, load)
+      class(damage_principal_stress_t), intent(in) :: model !! The model
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
+      real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(in) :: overload(:)      !! Before the step (store) [1]
+      !> On entry the strength of its own, on return the load over strength (range) [1]
+      real(wp), contiguous, intent(inout) :: load(:)
+      real(wp) :: greatest, least, factor
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         factor = load(i)
+         load(i) = max((bound(i) - pressure(i))/(model%strength*factor), &
+            bound(i)/(model%crushing*factor))
+         if (load(i) < 1.0_wp .and. .not. overload(k) > 0.0_wp) cycle
+         call extremes(stress, k, greatest, least)
+         load(i) = max((greatest - pressure(i))/(model%strength*factor), &
+            0.5_wp*(greatest - least)/(model%crushing*factor))
+      end do
+   end subroutine find_load
+end module damage_principal_stress

@@ -1,0 +1,210 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Equation of state of J. H. Tillotson (General Atomic report GA-3216, 1962) for impacts from solid
+!! to vapour, in the form of H. J. Melosh, "Impact cratering", 1989, appendix II.
+!!
+!! With eta = rho/rho0, mu = eta - 1, w = 1 + e/(e0 eta**2): condensed, for mu >= 0 or e <= e_iv,
+!! p = (a + b/w) rho e + A mu + B mu**2, where for mu < 0 the last two are A/2 eta (eta**2 - 1);
+!! expanded, for mu < 0 and e >= e_cv, with x = 1/eta - 1, p = a rho e + (b rho e/w + A mu exp(-beta
+!! x)) exp(-alpha x**2); between the two energies linear in e from one to the other. The published
+!! form has A mu for all mu < 0: tension that does not end as the density goes to 0. Equations
+!! (E.9), (E.10) and (E.11) of doc/theory/equations_of_state.md.
+module eos_tillotson
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use constitutive_eos, only: eos_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_state, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: eos_tillotson_t
+
+   !> Lower bound of the sound speed, relative to that of the reference state. The square of it is
+   !! negative in material expanded beyond its greatest tension, which is unstable (spinodal).
+   real(wp), parameter :: least_sound = 0.1_wp
+
+   !> Equation of state of Tillotson.
+   type, extends(eos_t) :: eos_tillotson_t
+      real(wp) :: a = 0.5_wp                         !! a [1]
+      real(wp) :: b = 0.0_wp                         !! b [1]
+      real(wp) :: square = 0.0_wp                    !! B [Pa]; A is the bulk modulus
+      real(wp) :: alpha = 5.0_wp                     !! alpha [1]
+      real(wp) :: beta = 5.0_wp                      !! beta [1]
+      real(wp) :: energy = 0.0_wp                    !! e0 [J/kg]
+      real(wp) :: melt = 0.0_wp                      !! e_iv, vapour begins [J/kg]
+      real(wp) :: vapour = 0.0_wp                    !! e_cv, vapour alone [J/kg]
+   contains
+      procedure :: declare => tillotson_declare      !! Declares its keys
+      procedure :: fault => tillotson_fault          !! Energies in the wrong order
+      procedure :: read => tillotson_read            !! Reads its keys
+      procedure :: sets_bulk => tillotson_sets_bulk  !! It does
+      procedure :: request => tillotson_request      !! Asks for energy
+      procedure :: update => tillotson_update        !! Pressure and square of the sound speed
+      procedure :: gruneisen => tillotson_gruneisen  !! Grueneisen number times density
+      procedure :: stored => tillotson_stored        !! Nothing, energy is carried
+   end type eos_tillotson_t
+
+contains
+
+   !> Declare the keys of the equation of state.
+   subroutine tillotson_declare(self, schema)
+      class(eos_tillotson_t), intent(in) :: self     !! The equation of state
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      character(len=*), parameter :: owner = "effects.eos & eos_model = tillotson"
+
+      call schema%real("material", "till_a", "Tillotson a", range="> 0", owner=owner)
+      call schema%real("material", "till_b", "Tillotson b", range=">= 0", owner=owner)
+      call schema%real("material", "till_bulk", "Tillotson A, bulk modulus", unit="Pa", &
+         range="> 0", owner=owner)
+      call schema%real("material", "till_square", "Tillotson B", unit="Pa", range=">= 0", &
+         owner=owner)
+      call schema%real("material", "till_alpha", "Tillotson alpha", range=">= 0", owner=owner)
+      call schema%real("material", "till_beta", "Tillotson beta", range=">= 0", owner=owner)
+      call schema%real("material", "till_e0", "Tillotson e0", unit="J/kg", range="> 0", owner=owner)
+      call schema%real("material", "till_eiv", "energy at which expanded matter begins to boil", &
+         unit="J/kg", range="> 0", owner=owner)
+      call schema%real("material", "till_ecv", "energy at which expanded matter is vapour", &
+         unit="J/kg", range="> 0", owner=owner)
+      call schema%require("material", "till_a till_b till_bulk till_square till_alpha "// &
+         "till_beta till_e0 till_eiv till_ecv")
+   end subroutine tillotson_declare
+
+   !> Boiling must begin before it ends.
+   pure function tillotson_fault(self, group) result(text)
+      class(eos_tillotson_t), intent(in) :: self     !! The equation of state
+      type(group_t), intent(in) :: group             !! &material
+      character(len=:), allocatable :: text
+      real(wp) :: melt, vapour
+
+      text = ""
+      if (.not. (group%known("till_eiv") .and. group%known("till_ecv"))) return
+      call group%get("till_eiv", melt)
+      call group%get("till_ecv", vapour)
+      if (vapour <= melt) text = "till_ecv must be above till_eiv"
+   end function tillotson_fault
+
+   !> Read the keys of the equation of state.
+   pure subroutine tillotson_read(self, group)
+      class(eos_tillotson_t), intent(inout) :: self  !! The equation of state
+      type(group_t), intent(in) :: group             !! &material
+
+      call group%get("till_a", self%a)
+      call group%get("till_b", self%b)
+      call group%get("till_bulk", self%bulk)
+      call group%get("till_square", self%square)
+      call group%get("till_alpha", self%alpha)
+      call group%get("till_beta", self%beta)
+      call group%get("till_e0", self%energy)
+      call group%get("till_eiv", self%melt)
+      call group%get("till_ecv", self%vapour)
+   end subroutine tillotson_read
+
+   !> The bulk modulus is A.
+   pure logical function tillotson_sets_bulk(self) result(sets)
+      class(eos_tillotson_t), intent(in) :: self     !! The equation of state
+
+      sets = .true.
+   end function tillotson_sets_bulk
+
+   !> The pressure depends on energy.
+   pure subroutine tillotson_request(self, wishes)
+      class(eos_tillotson_t), intent(in) :: self     !! The equation of state
+      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+
+      call wishes%ask("energy", "equation of state tillotson", 1)
+   end subroutine tillotson_request
+
+   !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de: (E.1).
+   pure subroutine tillotson_update(self, matter, deformation, first, last)
+      class(eos_tillotson_t), intent(in) :: self           !! The equation of state
+      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp) :: density, pressure, to_density, to_energy
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         density = matter%mass(k)/matter%volume(k)
+         call state(self, density, matter%energy(k), pressure, to_density, to_energy)
+         deformation%pressure(i) = pressure
+         deformation%wave_speed(i) = max(least_sound**2*self%bulk/self%density, &
+            to_density + pressure/density**2*to_energy)
+      end do
+   end subroutine tillotson_update
+
+   !> Grueneisen number (a + b/w**2) of condensed material times density at the middle of the step.
+   !! In vapour b/w**2 is small.
+   pure subroutine tillotson_gruneisen(self, matter, deformation, first, last)
+      class(eos_tillotson_t), intent(in) :: self           !! The equation of state
+      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp) :: density, w
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         density = 2.0_wp*matter%mass(k)/(matter%volume(k) + deformation%old_volume(i))
+         w = 1.0_wp + max(matter%energy(k), 0.0_wp)*(self%density/density)**2/self%energy
+         deformation%gruneisen(i) = (self%a + self%b/w**2)*density
+      end do
+   end subroutine tillotson_gruneisen
+
+   !> Pressure of a state, and its derivatives to density and energy.
+   pure subroutine state(eos, density, given, pressure, to_density, to_energy)
+      type(eos_tillotson_t), intent(in) :: eos       !! Constants
+      real(wp), intent(in) :: density                !! [kg/m3]
+      real(wp), intent(in) :: given                  !! Energy [J/kg]
+      real(wp), intent(out) :: pressure              !! [Pa]
+      real(wp), intent(out) :: to_density            !! dp/drho [m2/s2]
+      real(wp), intent(out) :: to_energy             !! dp/de [kg/m3]
+      real(wp) :: eta, mu, e, w, dense(3), thin(3), share, fade, tail, x, cold, stiff, heated
+
+      ! Finite steps can leave a small negative energy.
+      e = max(given, 0.0_wp)
+      heated = merge(1.0_wp, 0.0_wp, given >= 0.0_wp)
+      eta = density/eos%density
+      mu = eta - 1.0_wp
+      w = 1.0_wp + e/(eos%energy*eta**2)
+      cold = merge(eos%bulk + eos%square*mu, 0.5_wp*eos%bulk*eta*(eta + 1.0_wp), mu >= 0.0_wp)*mu
+      stiff = merge(eos%bulk + 2.0_wp*eos%square*mu, eos%bulk*(1.5_wp*eta**2 - 0.5_wp), &
+         mu >= 0.0_wp)/eos%density
+      share = 0.0_wp
+      if (mu < 0.0_wp) &
+         share = min(1.0_wp, max(0.0_wp, (e - eos%melt)/(eos%vapour - eos%melt)))
+      dense(1) = (eos%a + eos%b/w)*density*e + cold
+      dense(2) = (eos%a + eos%b/w + 2.0_wp*eos%b*(w - 1.0_wp)/w**2)*e + stiff
+      dense(3) = (eos%a + eos%b/w**2)*density
+      pressure = dense(1)
+      to_density = dense(2)
+      to_energy = heated*dense(3)
+      if (share <= 0.0_wp) return
+      x = 1.0_wp/eta - 1.0_wp
+      fade = exp(-eos%alpha*x**2)
+      tail = exp(-eos%beta*x)
+      thin(1) = (eos%b*density*e/w + eos%bulk*mu*tail)*fade
+      thin(2) = eos%a*e + 2.0_wp*eos%alpha*x/(eos%density*eta**2)*thin(1) &
+         + ((eos%b/w + 2.0_wp*eos%b*(w - 1.0_wp)/w**2)*e &
+         + eos%bulk*tail/eos%density*(1.0_wp + eos%beta*mu/eta**2))*fade
+      thin(1) = thin(1) + eos%a*density*e
+      thin(3) = (eos%a + eos%b/w**2*fade)*density
+      pressure = (1.0_wp - share)*dense(1) + share*thin(1)
+      to_density = (1.0_wp - share)*dense(2) + share*thin(2)
+      to_energy = (1.0_wp - share)*dense(3) + share*thin(3)
+      if (share < 1.0_wp) to_energy = to_energy + (thin(1) - dense(1))/(eos%vapour - eos%melt)
+   end subroutine state
+
+   !> The energy is carried by the particles.
+   pure real(wp) function tillotson_stored(self, mass, volume, limit) result(energy)
+      class(eos_tillotson_t), intent(in) :: self     !! The equation of state
+      real(wp), intent(in) :: mass                   !! [kg]
+      real(wp), intent(in) :: volume                 !! [m3]
+      real(wp), intent(in) :: limit                  !! Least pressure [Pa]
+
+      energy = 0.0_wp
+   end function tillotson_stored
+end module eos_tillotson

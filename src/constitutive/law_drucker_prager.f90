@@ -1,0 +1,181 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Matter with friction and cohesion after D. C. Drucker and W. Prager (Q. Appl. Math. 10 (1952)
+!! 157): the equivalent stress q is not above M p + k, which ends in an apex at the pressure -k/M.
+!!
+!! Flow loosens by b for each unit of equivalent plastic strain. M, k and b are those of the cone
+!! that touches the surface of Mohr and Coulomb where dp_cone says. Equation (Y.20) of
+!! doc/theory/strength.md.
+module law_drucker_prager
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use constitutive_effects, only: effects_t
+   use constitutive_friction, only: angles_t, declare_angles, fault_of_angles, frictional_t, &
+      gain, loosen, read_angles
+   use constitutive_law, only: equivalent_stress, strain_trial
+   use constitutive_state, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: law_drucker_prager_t
+
+   !> Law of Drucker and Prager.
+   type, extends(frictional_t) :: law_drucker_prager_t
+      real(wp) :: slope = 0.0_wp                     !! M [1]
+      real(wp) :: strength = 0.0_wp                  !! k, without pressure [Pa]
+      real(wp) :: gain = 0.0_wp                      !! b [1]
+   contains
+      procedure :: declare => drucker_prager_declare !! Declares its keys
+      procedure :: fault => drucker_prager_fault     !! Angles that do not fit
+      procedure :: read => drucker_prager_read       !! Reads its keys
+      procedure :: set => drucker_prager_set         !! Cone from the angles
+      procedure :: update => drucker_prager_update   !! Return to cone or apex
+   end type law_drucker_prager_t
+
+contains
+
+   !> Declare the keys of the law.
+   subroutine drucker_prager_declare(self, schema)
+      class(law_drucker_prager_t), intent(in) :: self !! The law
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call declare_angles(schema)
+      call schema%text("material", "dp_cone", "where the cone touches the surface of Mohr and "// &
+         "Coulomb; plane_strain lies inside it everywhere", default="compression", &
+         words="compression extension plane_strain", &
+         owner="effects.strength & strength_model = drucker_prager")
+   end subroutine drucker_prager_declare
+
+   !> What is wrong with the angles taken together.
+   pure function drucker_prager_fault(self, group) result(text)
+      class(law_drucker_prager_t), intent(in) :: self !! The law
+      type(group_t), intent(in) :: group             !! &material
+      character(len=:), allocatable :: text
+
+      text = fault_of_angles(group)
+   end function drucker_prager_fault
+
+   !> Read the keys of the law.
+   pure subroutine drucker_prager_read(self, group, effects)
+      class(law_drucker_prager_t), intent(inout) :: self !! The law
+      type(group_t), intent(in) :: group             !! &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(angles_t) :: angles
+      character(len=:), allocatable :: where_cone
+
+      call read_angles(group, angles)
+      call group%get("dp_cone", where_cone)
+      call self%set(angles, where_cone)
+   end subroutine drucker_prager_read
+
+   !> Cone that belongs to the angles. All that friction takes becomes heat.
+   pure subroutine drucker_prager_set(self, angles, where_cone)
+      class(law_drucker_prager_t), intent(inout) :: self !! The law
+      type(angles_t), intent(in) :: angles           !! The constants
+      character(len=*), intent(in) :: where_cone     !! Where it touches Mohr-Coulomb
+
+      self%slope = cone(angles%friction, where_cone)
+      ! The apex of the cone is that of Mohr and Coulomb, c/tan(phi).
+      self%apex = -huge(1.0_wp)
+      if (self%slope > 0.0_wp) then
+         self%strength = angles%cohesion*self%slope/tan(angles%friction)
+         self%apex = -self%strength/self%slope
+      else if (where_cone == "plane_strain") then
+         self%strength = sqrt(3.0_wp)*angles%cohesion
+      else
+         self%strength = 2.0_wp*angles%cohesion
+      end if
+      self%gain = cone(angles%dilation, where_cone)
+      self%dilates = self%gain > 0.0_wp
+      self%heat_share = 1.0_wp
+   end subroutine drucker_prager_set
+
+   !> Slope of the cone of an angle. Equation (Y.21).
+   pure real(wp) function cone(angle, where_cone) result(slope)
+      real(wp), intent(in) :: angle                  !! Of friction or dilation [rad]
+      character(len=*), intent(in) :: where_cone     !! Where it touches Mohr-Coulomb
+
+      select case (where_cone)
+      case ("extension")
+         slope = 6.0_wp*sin(angle)/(3.0_wp + sin(angle))
+      case ("plane_strain")
+         slope = 3.0_wp*tan(angle)/sqrt(3.0_wp + 4.0_wp*tan(angle)**2)
+      case default
+         slope = 6.0_wp*sin(angle)/(3.0_wp - sin(angle))
+      end select
+   end function cone
+
+   !> Return to cone or apex.
+   pure subroutine drucker_prager_update(self, matter, deformation, first, last, dt)
+      class(law_drucker_prager_t), intent(in) :: self      !! The law
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+
+      if (allocated(matter%plastic_dilation)) call loosen(first, last, matter%plastic_dilation, &
+         matter%mass, matter%volume, deformation%wave_speed, deformation%pressure, &
+         deformation%modulus)
+      call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
+      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
+      if (allocated(matter%plastic_dilation)) then
+         call return_to_cone(first, last, self, matter%mass, matter%volume, deformation%modulus, &
+            matter%stress, deformation%pressure, deformation%plastic_increment, &
+            deformation%plastic_work, deformation%loosening)
+         call gain(first, last, deformation%loosening, matter%plastic_dilation)
+      else
+         call return_to_cone(first, last, self, matter%mass, matter%volume, &
+            deformation%wave_speed, matter%stress, deformation%pressure, &
+            deformation%plastic_increment, deformation%plastic_work, deformation%loosening)
+      end if
+   end subroutine drucker_prager_update
+
+   !> Kernel of the above (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods for
+   !! plasticity", 2008, section 8.3). Flow loosens only on the cone: what has come apart has no
+   !! grains that climb over each other. Equation (Y.22).
+   pure subroutine return_to_cone(first, last, law, mass, volume, tangent, stress, pressure, &
+      plastic_increment, plastic_work, loosening)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      type(law_drucker_prager_t), intent(in) :: law  !! Constants
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(in) :: tangent(:) !! K/rho of pressure and flow (range) [m2/s2]
+      real(wp), contiguous, intent(inout) :: stress(:, :)  !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
+      !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
+      real(wp), contiguous, intent(inout) :: plastic_increment(:)
+      !> Trial deviator times strain [Pa] in, plastic work [J] out (range).
+      real(wp), contiguous, intent(inout) :: plastic_work(:)
+      real(wp), contiguous, intent(inout) :: loosening(:)    !! (range) [1]
+      real(wp) :: bulk, trial, flow, equivalent, scaling, least
+      logical :: apart
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         trial = plastic_increment(i)
+         bulk = tangent(i)*mass(k)/volume(k)
+         flow = max(0.0_wp, trial - law%slope*pressure(i) - law%strength) &
+            /(3.0_wp*law%shear + law%slope*bulk*law%gain)
+         equivalent = trial - 3.0_wp*law%shear*flow
+         apart = equivalent <= 0.0_wp .and. flow > 0.0_wp
+         loosening(i) = merge(0.0_wp, law%gain*flow, apart)
+         least = pressure(i) + bulk*loosening(i)
+         pressure(i) = merge(law%apex, least, apart)
+         equivalent = merge(0.0_wp, min(equivalent, trial), apart)
+         plastic_increment(i) = (trial - equivalent)/(3.0_wp*law%shear)
+         scaling = equivalent/max(trial, tiny(1.0_wp))
+         scaling = merge(scaling, 1.0_wp, flow > 0.0_wp)
+         plastic_work(i) = volume(k)*max(0.0_wp, (1.0_wp - scaling)*((1.0_wp + scaling)*trial**2 &
+            /(6.0_wp*law%shear) - 0.5_wp*plastic_work(i)) - pressure(i)*loosening(i))
+         stress(k, 1) = scaling*stress(k, 1)
+         stress(k, 2) = scaling*stress(k, 2)
+         stress(k, 3) = scaling*stress(k, 3)
+         stress(k, 4) = scaling*stress(k, 4)
+         stress(k, 5) = scaling*stress(k, 5)
+         stress(k, 6) = scaling*stress(k, 6)
+      end do
+   end subroutine return_to_cone
+end module law_drucker_prager

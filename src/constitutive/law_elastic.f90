@@ -1,0 +1,45 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Linear elasticity in rate form: the deviator is the elastic trial.
+module law_elastic
+   use base_kinds, only: wp
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_law, only: law_t
+   use constitutive_state, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: law_elastic_t
+
+   !> Elastic law with Jaumann rate.
+   type, extends(law_t) :: law_elastic_t
+   contains
+      procedure :: plastic => elastic_plastic        !! It does not flow
+      procedure :: request => elastic_request        !! Asks for nothing
+      procedure :: update => elastic_update          !! Keeps the trial
+   end type law_elastic_t
+
+contains
+
+   !> An elastic law does not flow.
+   pure logical function elastic_plastic(self) result(plastic)
+      class(law_elastic_t), intent(in) :: self       !! The law
+
+      plastic = .false.
+   end function elastic_plastic
+
+   !> An elastic particle remembers nothing but its stress.
+   pure subroutine elastic_request(self, wishes)
+      class(law_elastic_t), intent(in) :: self           !! The law
+      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+   end subroutine elastic_request
+
+   !> The trial deviator is right already.
+   pure subroutine elastic_update(self, matter, deformation, first, last, dt)
+      class(law_elastic_t), intent(in) :: self                 !! The law
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+   end subroutine elastic_update
+end module law_elastic

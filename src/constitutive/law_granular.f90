@@ -1,0 +1,177 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Granular matter whose stress relaxes as its contacts break (D. Z. Zhang, R. M. Rauenzahn, J.
+!! Rheol. 41 (1997) 1275 and 44 (2000) 1019):
+!!
+!!    dsigma/dt - W sigma + sigma W = -sigma/tau + lambda tr(D) I + 2 G D
+!!
+!! with the spin W and the rate of strain D, and 1/tau = 1/gr_tau + rate/gr_gamma_c, where the rate
+!! is sqrt(2 D' : D'). With gr_gamma_c alone the stress does not depend on the rate and does not
+!! relax at rest. In mode seed the whole stress relaxes, in mode deviator the pressure is left to
+!! the equation of state. Equations (Y.15) and (Y.16) of doc/theory/strength.md.
+module law_granular
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use constitutive_effects, only: effects_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_kinematics, only: follow_motion
+   use constitutive_law, only: law_stiffen, law_stored, law_t
+   use constitutive_relaxation, only: relax_deviator, relax_pressure
+   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_tension, only: drop_failed
+   implicit none
+   private
+
+   public :: law_granular_t
+
+   !> Law of stress relaxation.
+   type, extends(law_t) :: law_granular_t
+      real(wp) :: slowness = 0.0_wp                  !! 1/gr_tau, 0 if there is none [1/s]
+      real(wp) :: fragility = 0.0_wp                 !! 1/gr_gamma_c, 0 if there is none [1]
+      logical :: relaxes_pressure = .false.          !! Mode seed
+   contains
+      procedure :: declare => granular_declare       !! Declares its keys
+      procedure :: select => granular_select         !! Reads the mode
+      procedure :: fault => granular_fault           !! Without any relaxation it is elastic
+      procedure :: read => granular_read             !! Reads its keys
+      procedure :: whole => granular_whole           !! In mode seed
+      procedure :: request => granular_request       !! Asks for nothing
+      procedure :: predict => granular_predict       !! Volume, and the deviator as it was
+      procedure :: update => granular_update         !! Relaxes
+      procedure :: stiffen => granular_stiffen       !! Waves are those of the intact contacts
+      procedure :: stored => granular_stored         !! Elastic energy
+   end type law_granular_t
+
+contains
+
+   !> Declare the keys of the law.
+   subroutine granular_declare(self, schema)
+      class(law_granular_t), intent(in) :: self      !! The law
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      character(len=*), parameter :: owner = "effects.strength & strength_model = granular"
+
+      call schema%real("material", "gr_tau", "time in which the stress of granular matter "// &
+         "relaxes at rest", unit="s", range="> 0", owner=owner)
+      call schema%real("material", "gr_gamma_c", "strain that a contact of granular matter "// &
+         "survives", range="> 0", owner=owner)
+      call schema%text("material", "gr_mode", "what relaxes: seed, the whole stress; deviator, "// &
+         "all but the pressure, which follows the equation of state", default="deviator", &
+         words="seed deviator", owner=owner)
+   end subroutine granular_declare
+
+   !> The mode decides whether there is an equation of state.
+   pure subroutine granular_select(self, group)
+      class(law_granular_t), intent(inout) :: self   !! The law
+      type(group_t), intent(in) :: group             !! &material
+      character(len=:), allocatable :: mode
+
+      call group%get("gr_mode", mode)
+      self%relaxes_pressure = mode == "seed"
+   end subroutine granular_select
+
+   !> One of the two relaxations must be there.
+   pure function granular_fault(self, group) result(text)
+      class(law_granular_t), intent(in) :: self      !! The law
+      type(group_t), intent(in) :: group             !! &material
+      character(len=:), allocatable :: text
+
+      text = ""
+      if (.not. (group%given("gr_tau") .or. group%given("gr_gamma_c"))) &
+         text = "strength_model = 'granular' needs gr_tau [s], gr_gamma_c or both"
+   end function granular_fault
+
+   !> Read the keys of the law. All that relaxation takes becomes heat.
+   pure subroutine granular_read(self, group, effects)
+      class(law_granular_t), intent(inout) :: self   !! The law
+      type(group_t), intent(in) :: group             !! &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+      real(wp) :: number
+
+      self%heat_share = 1.0_wp
+      if (group%given("gr_tau")) then
+         call group%get("gr_tau", number)
+         self%slowness = 1.0_wp/number
+      end if
+      if (group%given("gr_gamma_c")) then
+         call group%get("gr_gamma_c", number)
+         self%fragility = 1.0_wp/number
+      end if
+   end subroutine granular_read
+
+   !> In mode seed the pressure is a part of the law.
+   pure logical function granular_whole(self) result(whole)
+      class(law_granular_t), intent(in) :: self      !! The law
+
+      whole = self%relaxes_pressure
+   end function granular_whole
+
+   !> The stress is all that is remembered.
+   pure subroutine granular_request(self, wishes)
+      class(law_granular_t), intent(in) :: self      !! The law
+      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+   end subroutine granular_request
+
+   !> Volume after the step; the stress becomes its deviator.
+   pure subroutine granular_predict(self, matter, deformation, first, last)
+      class(law_granular_t), intent(in) :: self            !! The law
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+
+      call follow_motion(first, last, deformation%gradient, matter%volume, matter%stress, &
+         deformation%old_volume, deformation%dilatation, deformation%pressure)
+   end subroutine granular_predict
+
+   !> Deviator after the step, and in mode seed the pressure.
+   pure subroutine granular_update(self, matter, deformation, first, last, dt)
+      class(law_granular_t), intent(in) :: self            !! The law
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      integer :: count
+
+      count = last - first + 1
+      call relax_deviator(first, last, self%shear, dt*self%slowness, self%fragility, &
+         deformation%gradient, matter%volume, matter%stress, deformation%plastic_increment, &
+         deformation%plastic_work)
+      if (self%relaxes_pressure) then
+         if (allocated(matter%viscous_pressure)) deformation%pressure(:count) = &
+            deformation%pressure(:count) - matter%viscous_pressure(first:last)
+         call relax_pressure(first, last, self%bulk, dt*self%slowness, self%fragility, &
+            deformation%gradient, matter%volume, deformation%pressure, deformation%plastic_work)
+      end if
+      if (allocated(matter%failed)) call drop_failed(first, last, matter%failed, matter%stress)
+   end subroutine granular_update
+
+   !> Shear, and in mode seed the bulk modulus too.
+   pure subroutine granular_stiffen(self, matter, deformation, first, last)
+      class(law_granular_t), intent(in) :: self            !! The law
+      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+
+      call law_stiffen(self, matter, deformation, first, last)
+      if (self%relaxes_pressure) deformation%wave_speed(:last - first + 1) = &
+         deformation%wave_speed(:last - first + 1) &
+         + self%bulk*matter%volume(first:last)/matter%mass(first:last)
+   end subroutine granular_stiffen
+
+   !> Energy of the contacts that live.
+   pure real(wp) function granular_stored(self, matter, particle) result(energy)
+      class(law_granular_t), intent(in) :: self      !! The law
+      type(matter_t), intent(in) :: matter           !! State of the store
+      integer, intent(in) :: particle                !! Which particle
+      real(wp) :: pressure
+
+      energy = law_stored(self, matter, particle)
+      if (.not. self%relaxes_pressure) return
+      pressure = -sum(matter%stress(particle, 1:3))/3.0_wp
+      if (allocated(matter%viscous_pressure)) &
+         pressure = pressure - matter%viscous_pressure(particle)
+      energy = energy + matter%volume(particle)*pressure**2/(2.0_wp*self%bulk)
+   end function granular_stored
+end module law_granular

@@ -1,0 +1,185 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Strength of brittle matter after Johnson and Holmquist (JH-2), see constitutive_jh2. Damage is
+!! that
+!! of damage_model = 'jh2'; without it matter stays intact. Damaged matter bears less tension, T (1
+!! - D). Equations (F.12) and (F.13) of doc/theory/failure.md.
+module law_jh2
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use constitutive_effects, only: effects_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_jh2, only: jh2_t
+   use constitutive_law, only: equivalent_stress, law_t, mean_work, strain_trial
+   use constitutive_state, only: deformation_t, matter_t
+   implicit none
+   private
+
+   public :: law_jh2_t, strain_rate
+
+   !> Law of Johnson and Holmquist.
+   type, extends(law_t) :: law_jh2_t
+      type(jh2_t) :: constants                       !! Constants of strength
+   contains
+      procedure :: declare => law_jh2_declare        !! Declares its keys
+      procedure :: fault => law_jh2_fault            !! Limits that do not fit
+      procedure :: read => law_jh2_read              !! Reads its keys
+      procedure :: needs_eos => law_jh2_needs_eos    !! It does
+      procedure :: request => law_jh2_request        !! Asks for energy
+      procedure :: update => law_jh2_update          !! Radial return
+      procedure :: stiffen => law_jh2_stiffen        !! Fractured matter is stiff too
+      procedure :: least_pressure => law_jh2_least_pressure !! That of the tension
+   end type law_jh2_t
+
+contains
+
+   !> Declare the keys of the law.
+   subroutine law_jh2_declare(self, schema)
+      class(law_jh2_t), intent(in) :: self           !! The law
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call self%constants%declare(schema)
+   end subroutine law_jh2_declare
+
+   !> The stress of the limit has a deviator.
+   pure function law_jh2_fault(self, group) result(text)
+      class(law_jh2_t), intent(in) :: self           !! The law
+      type(group_t), intent(in) :: group             !! &material
+      character(len=:), allocatable :: text
+      real(wp) :: limit, pressure
+
+      text = ""
+      if (.not. (group%given("jh2_hel") .and. group%given("jh2_phel"))) return
+      call group%get("jh2_hel", limit)
+      call group%get("jh2_phel", pressure)
+      if (limit <= pressure) text = "jh2_hel must be above jh2_phel"
+   end function law_jh2_fault
+
+   !> Read the keys of the law.
+   pure subroutine law_jh2_read(self, group, effects)
+      class(law_jh2_t), intent(inout) :: self        !! The law
+      type(group_t), intent(in) :: group             !! &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+
+      call self%constants%read(group, effects)
+   end subroutine law_jh2_read
+
+   !> Strength follows a pressure that knows the density.
+   pure logical function law_jh2_needs_eos(self) result(needs)
+      class(law_jh2_t), intent(in) :: self           !! The law
+
+      needs = .true.
+   end function law_jh2_needs_eos
+
+   !> Pressure that fracture made is no function of the density, so that the energy is carried.
+   pure subroutine law_jh2_request(self, wishes)
+      class(law_jh2_t), intent(in) :: self           !! The law
+      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+
+      call wishes%ask("energy", "strength model jh2", 1)
+   end subroutine law_jh2_request
+
+   !> Return to the yield surface, which does not change in the step.
+   pure subroutine law_jh2_update(self, matter, deformation, first, last, dt)
+      class(law_jh2_t), intent(in) :: self                 !! The law
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      integer :: count
+
+      count = last - first + 1
+      if (allocated(matter%damage)) then
+         deformation%homologous(:count) = matter%damage(first:last)
+      else
+         deformation%homologous(:count) = 0.0_wp
+      end if
+      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
+      call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
+      call strain_rate(count, deformation%gradient, dt, deformation%loosening)
+      call return_to_strength(first, last, self, deformation%homologous, deformation%loosening, &
+         matter%volume, matter%stress, deformation%pressure, deformation%plastic_increment, &
+         deformation%plastic_work)
+   end subroutine law_jh2_update
+
+   !> Equivalent rate of strain, sqrt(2/3 d:d) of its deviator.
+   pure subroutine strain_rate(count, gradient, dt, rate)
+      integer, intent(in) :: count                   !! Particles of the range
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(inout) :: rate(:) !! (range) [1/s]
+      real(wp) :: mean
+      integer :: i
+
+      do concurrent (i=1:count)
+         mean = (gradient(i, 1) + gradient(i, 5) + gradient(i, 9))/3.0_wp
+         rate(i) = sqrt(2.0_wp/3.0_wp*((gradient(i, 1) - mean)**2 + (gradient(i, 5) - mean)**2 &
+            + (gradient(i, 9) - mean)**2 + 0.5_wp*((gradient(i, 2) + gradient(i, 4))**2 &
+            + (gradient(i, 3) + gradient(i, 7))**2 + (gradient(i, 6) + gradient(i, 8))**2)))/dt
+      end do
+   end subroutine strain_rate
+
+   !> Kernel of the above.
+   pure subroutine return_to_strength(first, last, law, damage, rate, volume, stress, pressure, &
+      plastic_increment, plastic_work)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      type(law_jh2_t), intent(in) :: law             !! Constants
+      real(wp), contiguous, intent(in) :: damage(:)  !! Before the step (range) [1]
+      real(wp), contiguous, intent(in) :: rate(:)    !! Of strain (range) [1/s]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: stress(:, :)  !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
+      !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
+      real(wp), contiguous, intent(inout) :: plastic_increment(:)
+      !> Trial deviator times strain increment [Pa] in, plastic work [J] out (range).
+      real(wp), contiguous, intent(inout) :: plastic_work(:)
+      real(wp) :: trial, limit, scaling
+      integer :: i, k
+
+      ! Not with vectors: powers of vectors differ in the last bits from those of single numbers.
+      !GCC$ novector
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         trial = plastic_increment(i)
+         pressure(i) = max(pressure(i), -law%constants%tension*(1.0_wp - damage(i)))
+         limit = law%constants%strength(pressure(i), rate(i), damage(i))
+         plastic_increment(i) = max(0.0_wp, trial - limit)/(3.0_wp*law%shear)
+         plastic_work(i) = volume(k)*mean_work(law%shear, trial, limit, plastic_increment(i), &
+            plastic_work(i))
+         if (trial <= limit) cycle
+         scaling = limit/trial
+         stress(k, 1) = scaling*stress(k, 1)
+         stress(k, 2) = scaling*stress(k, 2)
+         stress(k, 3) = scaling*stress(k, 3)
+         stress(k, 4) = scaling*stress(k, 4)
+         stress(k, 5) = scaling*stress(k, 5)
+         stress(k, 6) = scaling*stress(k, 6)
+      end do
+   end subroutine return_to_strength
+
+   !> Shear modulus in the square of the wave speed, also of fractured matter. It does not grow with
+   !! the volume, or a cloud of fragments would shorten the time step.
+   pure subroutine law_jh2_stiffen(self, matter, deformation, first, last)
+      class(law_jh2_t), intent(in) :: self                 !! The law
+      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         deformation%wave_speed(i) = deformation%wave_speed(i) + 4.0_wp/3.0_wp*self%shear &
+            *min(matter%volume(k)/matter%mass(k), 1.0_wp/self%density)
+      end do
+   end subroutine law_jh2_stiffen
+
+   !> Least pressure that the law can bear [Pa].
+   pure real(wp) function law_jh2_least_pressure(self) result(pressure)
+      class(law_jh2_t), intent(in) :: self           !! The law
+
+      pressure = -self%constants%tension
+   end function law_jh2_least_pressure
+end module law_jh2

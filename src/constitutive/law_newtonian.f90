@@ -1,0 +1,186 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Viscous fluid of Newton: the deviator of the stress is 2 eta times that of the rate of strain.
+!! Equation (Y.13) of doc/theory/strength.md.
+module law_newtonian
+   use base_deck_group, only: group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use constitutive_effects, only: effects_t
+   use constitutive_field_requests, only: wishes_t
+   use constitutive_kinematics, only: dilate
+   use constitutive_law, only: law_t
+   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_tension, only: drop_failed
+   implicit none
+   private
+
+   public :: law_newtonian_t
+
+   !> Law of Newton.
+   type, extends(law_t) :: law_newtonian_t
+      real(wp) :: viscosity = 0.0_wp                 !! eta [Pa s]
+   contains
+      procedure :: declare => newtonian_declare      !! Declares its key
+      procedure :: read => newtonian_read            !! Reads its key
+      procedure :: has_shear => newtonian_has_shear  !! It has no shear modulus
+      procedure :: follows_density => newtonian_follows_density !! Its pressure has no rate form
+      procedure :: request => newtonian_request      !! Asks for nothing
+      procedure :: predict => newtonian_predict      !! Volume, there is no trial
+      procedure :: update => newtonian_update        !! Viscous stress
+      procedure :: stiffen => newtonian_stiffen      !! Nothing
+      procedure :: damp => newtonian_damp            !! Limit of the time step by diffusion
+      procedure :: stored => newtonian_stored        !! Nothing
+   end type law_newtonian_t
+
+contains
+
+   !> Declare the key of the law.
+   subroutine newtonian_declare(self, schema)
+      class(law_newtonian_t), intent(in) :: self     !! The law
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%real("material", "viscosity", "viscosity of a Newtonian fluid", unit="Pa s", &
+         range=">= 0", owner="effects.strength & strength_model = newtonian")
+      call schema%require("material", "viscosity")
+   end subroutine newtonian_declare
+
+   !> Read the key of the law. All that viscosity takes becomes heat.
+   pure subroutine newtonian_read(self, group, effects)
+      class(law_newtonian_t), intent(inout) :: self  !! The law
+      type(group_t), intent(in) :: group             !! &material
+      type(effects_t), intent(in) :: effects         !! What is asked for
+
+      call group%get("viscosity", self%viscosity)
+      self%heat_share = 1.0_wp
+   end subroutine newtonian_read
+
+   !> A fluid has no shear modulus.
+   pure logical function newtonian_has_shear(self) result(has)
+      class(law_newtonian_t), intent(in) :: self     !! The law
+
+      has = .false.
+   end function newtonian_has_shear
+
+   !> The stress keeps nothing from step to step, so the pressure cannot be found from it.
+   pure logical function newtonian_follows_density(self) result(follows)
+      class(law_newtonian_t), intent(in) :: self     !! The law
+
+      follows = .true.
+   end function newtonian_follows_density
+
+   !> A fluid remembers nothing.
+   pure subroutine newtonian_request(self, wishes)
+      class(law_newtonian_t), intent(in) :: self     !! The law
+      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+   end subroutine newtonian_request
+
+   !> Volume after the step.
+   pure subroutine newtonian_predict(self, matter, deformation, first, last)
+      class(law_newtonian_t), intent(in) :: self           !! The law
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+
+      call dilate(first, last, deformation%gradient, matter%volume, deformation%old_volume, &
+         deformation%dilatation)
+   end subroutine newtonian_predict
+
+   !> Viscous stress, and the work that it takes.
+   pure subroutine newtonian_update(self, matter, deformation, first, last, dt)
+      class(law_newtonian_t), intent(in) :: self           !! The law
+      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+
+      call shear_stress(first, last, self%viscosity/dt, deformation%gradient, matter%volume, &
+         matter%stress, deformation%plastic_increment, deformation%plastic_work)
+      if (allocated(matter%failed)) call drop_failed(first, last, matter%failed, matter%stress)
+   end subroutine newtonian_update
+
+   !> Kernel of the above.
+   pure subroutine shear_stress(first, last, factor, gradient, volume, stress, plastic_increment, &
+      plastic_work)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: factor                 !! Viscosity over time step [Pa]
+      real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: stress(:, :) !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: plastic_increment(:) !! Equivalent (range) [1]
+      real(wp), contiguous, intent(inout) :: plastic_work(:)      !! (range) [J]
+      real(wp) :: mean, xx, yy, zz, xy, yz, xz, square
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         mean = (gradient(i, 1) + gradient(i, 5) + gradient(i, 9))/3.0_wp
+         xx = gradient(i, 1) - mean
+         yy = gradient(i, 5) - mean
+         zz = gradient(i, 9) - mean
+         xy = 0.5_wp*(gradient(i, 2) + gradient(i, 4))
+         yz = 0.5_wp*(gradient(i, 6) + gradient(i, 8))
+         xz = 0.5_wp*(gradient(i, 3) + gradient(i, 7))
+         stress(k, 1) = 2.0_wp*factor*xx
+         stress(k, 2) = 2.0_wp*factor*yy
+         stress(k, 3) = 2.0_wp*factor*zz
+         stress(k, 4) = 2.0_wp*factor*xy
+         stress(k, 5) = 2.0_wp*factor*yz
+         stress(k, 6) = 2.0_wp*factor*xz
+         square = xx**2 + yy**2 + zz**2 + 2.0_wp*(xy**2 + yz**2 + xz**2)
+         plastic_increment(i) = sqrt(2.0_wp/3.0_wp*square)
+         plastic_work(i) = 2.0_wp*factor*square*volume(k)
+      end do
+   end subroutine shear_stress
+
+   !> Shear travels by diffusion, not as a wave.
+   pure subroutine newtonian_stiffen(self, matter, deformation, first, last)
+      class(law_newtonian_t), intent(in) :: self           !! The law
+      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+   end subroutine newtonian_stiffen
+
+   !> Explicit steps with a viscosity eta along a wave, here 4/3 of that of shear, are stable up to
+   !! h/(Q + sqrt(Q**2 + c**2)) with Q = eta/(rho h), as for the artificial viscosity. Both together
+   !! are not less than the wave speed found before plus 2 Q. Equation (Y.14).
+   pure subroutine newtonian_damp(self, matter, deformation, first, last, spacing)
+      class(law_newtonian_t), intent(in) :: self           !! The law
+      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(deformation_t), intent(inout) :: deformation    !! Step of the range
+      integer, intent(in) :: first                         !! First particle of the range
+      integer, intent(in) :: last                          !! Last particle of the range
+      real(wp), intent(in) :: spacing                      !! Cell size [m]
+
+      call diffuse(first, last, 8.0_wp/3.0_wp*self%viscosity/spacing, matter%mass, matter%volume, &
+         deformation%wave_speed)
+   end subroutine newtonian_damp
+
+   !> Kernel of the above.
+   pure subroutine diffuse(first, last, factor, mass, volume, wave_speed)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: factor                 !! Density times 2 Q [kg/(m2 s)]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: wave_speed(:) !! (range) [m/s]
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         wave_speed(i) = wave_speed(i) + factor*volume(k)/mass(k)
+      end do
+   end subroutine diffuse
+
+   !> Viscous stress stores nothing.
+   pure real(wp) function newtonian_stored(self, matter, particle) result(energy)
+      class(law_newtonian_t), intent(in) :: self     !! The law
+      type(matter_t), intent(in) :: matter           !! State of the store
+      integer, intent(in) :: particle                !! Which particle
+
+      energy = 0.0_wp
+   end function newtonian_stored
+end module law_newtonian

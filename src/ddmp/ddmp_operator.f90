@@ -1,0 +1,491 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The integrals of the dual gradient as products of functions of one coordinate each, for all cells
+!! of a tile at once.
+!!
+!! D_ji of a cell is a derivative along one direction times integrals along the three, so it is
+!! applied direction by direction: a dozen additions a component of a cell instead of 64 products.
+!! A tile is one row of numbers, three components a node, and the next node along a direction is a
+!! fixed number of places away. Places that are no cell's first node have the weight zero.
+!! In a plane and on a line vectors have no component along y, so a node has two numbers, and
+!! integrals of products are those along a single other direction. In space all cells have the same
+!! integrals: those of products are 2 or 1 times h/6, so that sums take their place, and what is
+!! left is one factor that goes into the weights. Equation (M.3) of doc/theory/method.md.
+module ddmp_operator
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   implicit none
+   private
+
+   public :: lattice_t, spread_force, spread_gradient
+
+   integer, parameter :: parts = 3                   !! Components of a vector
+   integer, parameter :: plane = 2                   !! The same in a plane, along x and z
+
+   !> Functions of one coordinate on the nodes of a tile, as rows of numbers, for a plane or a line.
+   !! In axisymmetry those along x depend on the radius and thus on the tile.
+   type :: lattice_t
+      integer :: parts = parts                       !! Components of a vector that count
+      integer :: numbers = 0                         !! So many a node
+      integer :: shift(3) = 0                        !! (direction) Numbers to the next node
+      !> (number, lower or upper node, direction, tile along x) Integral of a function [m]
+      real(wp), allocatable :: line(:, :, :, :)
+      !> (number, both lower / mixed / both upper, direction, tile along x) Of a product [m]
+      real(wp), allocatable :: mass(:, :, :, :)
+      real(wp) :: factor = 0.0_wp                    !! Depth of missing directions over the spacing
+      real(wp) :: share = 0.0_wp                     !! In space: (h/6)**2 h/2 1/h [m2]
+   contains
+      procedure :: start => lattice_start            !! Compute the functions
+   end type lattice_t
+
+contains
+
+   !> Compute the functions of all tiles along x that differ.
+   subroutine lattice_start(self, grid)
+      class(lattice_t), intent(inout) :: self        !! The functions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer :: direction, node, tile, tiles, at, along, place(3)
+      real(wp) :: weight(0:1), products(0:1, 0:1)
+
+      tiles = merge(grid%tiles(1), 1, grid%axisymmetric)
+      self%parts = merge(parts, plane, grid%dimensions == 3)
+      self%numbers = self%parts*grid%tile_nodes
+      self%shift = self%parts*grid%stride
+      self%factor = grid%depth/grid%spacing
+      self%share = 0.5_wp*(grid%spacing/6.0_wp)**2
+      if (allocated(self%line)) deallocate (self%line, self%mass)
+      if (grid%dimensions == 3) return
+      allocate (self%line(self%numbers, 2, 3, tiles), self%mass(self%numbers, 3, 3, tiles))
+      self%line = 0.0_wp
+      self%mass = 0.0_wp
+      do tile = 1, tiles
+         do node = 1, grid%tile_nodes
+            at = self%parts*(node - 1)
+            place = grid%node_position(node)
+            do direction = 1, 3
+               ! nothing of the tile lies after the last node of a line, or before the first
+               if (place(direction) < 0 .or. place(direction) >= grid%width(direction)) cycle
+               along = place(direction)
+               if (direction == 1) along = along + (tile - 1)*grid%width(1)
+               weight = grid%line_weight(direction, along)
+               products = grid%mass_weight(direction, along)
+               self%line(at + 1:at + self%parts, 1, direction, tile) = weight(0)
+               self%line(at + 1:at + self%parts, 2, direction, tile) = weight(1)
+               self%mass(at + 1:at + self%parts, 1, direction, tile) = products(0, 0)
+               self%mass(at + 1:at + self%parts, 2, direction, tile) = products(0, 1)
+               self%mass(at + 1:at + self%parts, 3, direction, tile) = products(1, 1)
+            end do
+         end do
+      end do
+   end subroutine lattice_start
+
+   !> Weights of cells as rows of numbers, on their first nodes, and the numbers between which there
+   !! are some: sparse tiles are looked at only where they have matter.
+   pure subroutine lay_weights(grid, parts, weight, row, low, high)
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: parts                   !! Numbers a node, two or three
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(inout) :: row(:)  !! (number)
+      integer, intent(out) :: low                    !! First number of a cell with a weight
+      integer, intent(out) :: high                   !! Last one; below the first if there is none
+      integer :: cell, at
+
+      row = 0.0_wp
+      low = size(row) + 1
+      high = 0
+      do cell = 0, grid%tile_cells - 1
+         if (.not. weight(cell) > 0.0_wp) cycle
+         at = parts*(grid%first_node(cell) - 1)
+         row(at + 1) = weight(cell)
+         row(at + 2) = weight(cell)
+         row(at + parts) = weight(cell)
+         low = min(low, at + 1)
+         high = at + parts
+      end do
+   end subroutine lay_weights
+
+   !> Add the force of the node stress, - sum_j sigma_j . D_ji, of the cells of a tile.
+   pure subroutine spread_force(self, grid, tile, weight, stress, patch)
+      type(lattice_t), intent(in) :: self            !! The functions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: tile                    !! Tile along x, from 1
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
+
+      if (grid%dimensions < 3) then
+         call force_plane(self, grid, tile, weight, stress, patch)
+      else
+         call force_space(self, grid, weight, stress, patch)
+      end if
+   end subroutine spread_force
+
+   !> The same in space.
+   pure subroutine force_space(self, grid, weight, stress, patch)
+      type(lattice_t), intent(in) :: self            !! The functions
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
+      real(wp) :: row(self%numbers), field(self%numbers + 1), sums(1 - sum(self%shift):self%numbers)
+      integer :: low, high, l, one, other, last
+
+      call lay_weights(grid, parts, weight, row, low, high)
+      if (high < low) return
+      last = high + sum(self%shift)
+      row(low:high) = self%share*row(low:high)
+      do l = 1, 3
+         call others(l, one, other)
+         call pack_column((low + 2)/parts, (last + 2)/parts, parts*(l - 1), size(stress, 2), &
+            stress, field)
+         call add_next(low, last - self%shift(l), self%shift(l), self%numbers, field)
+         call apply_mass(self%numbers, sum(self%shift), low, high, self%shift(one), &
+            self%shift(other), self%shift(l), row, field, sums)
+         call add_change(self%numbers, sum(self%shift), low, last, self%shift(l), sums, patch)
+      end do
+   end subroutine force_space
+
+   !> Add sum_i u_i D_ji of the cells of a tile.
+   pure subroutine spread_gradient(self, grid, tile, weight, velocity, patch)
+      type(lattice_t), intent(in) :: self            !! The functions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: tile                    !! Tile along x, from 1
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
+
+      if (grid%dimensions < 3) then
+         call gradient_plane(self, grid, tile, weight, velocity, patch)
+      else
+         call gradient_space(self, grid, weight, velocity, patch)
+      end if
+   end subroutine spread_gradient
+
+   !> The same in space.
+   pure subroutine gradient_space(self, grid, weight, velocity, patch)
+      type(lattice_t), intent(in) :: self            !! The functions
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
+      real(wp) :: row(self%numbers), field(self%numbers + 1), sums(1 - sum(self%shift):self%numbers)
+      integer :: low, high, l, one, other, last, node, k, n
+
+      call lay_weights(grid, parts, weight, row, low, high)
+      if (high < low) return
+      last = high + sum(self%shift)
+      row(low:high) = self%share*row(low:high)
+      do l = 1, 3
+         call others(l, one, other)
+         call difference_along(self%numbers, low, last - self%shift(l), self%shift(l), 1.0_wp, &
+            velocity, field)
+         call apply_mass(self%numbers, sum(self%shift), low, high, self%shift(one), &
+            self%shift(other), self%shift(l), row, field, sums)
+         do node = (low + 2)/parts, (last + 2)/parts
+            do k = 1, parts
+               n = parts*(node - 1) + k
+               patch(k + parts*(l - 1), node) = patch(k + parts*(l - 1), node) &
+                  + (sums(n) + sums(n - self%shift(l)))
+            end do
+         end do
+      end do
+   end subroutine gradient_space
+
+   !> Three components of the tensors of some nodes as a row of numbers. Four are copied at a time,
+   !! because the fourth is written over by the next node.
+   pure subroutine pack_column(first, last, before, nodes, tensor, field)
+      integer, intent(in) :: first                   !! First node
+      integer, intent(in) :: last                    !! Last one
+      integer, intent(in) :: before                  !! Components before the three
+      integer, intent(in) :: nodes                   !! Of the tile
+      real(wp), intent(in) :: tensor(9*nodes)        !! (component and node)
+      real(wp), intent(inout) :: field(parts*nodes + 1) !! (number)
+      integer :: node, k
+
+      do node = first, last - 1
+         !$omp simd
+         do k = 1, parts + 1
+            field(parts*(node - 1) + k) = tensor(9*(node - 1) + before + k)
+         end do
+      end do
+      do k = 1, parts
+         field(parts*(last - 1) + k) = tensor(9*(last - 1) + before + k)
+      end do
+   end subroutine pack_column
+
+   !> Add to each number that of the next node along a direction.
+   pure subroutine add_next(low, high, shift, numbers, field)
+      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: shift                   !! Numbers to the next node
+      integer, intent(in) :: numbers                 !! Of the tile
+      real(wp), intent(inout) :: field(numbers)      !! On the nodes in, between them out
+      integer :: n
+
+      !$omp simd
+      do n = low, high
+         field(n) = field(n) + field(n + shift)
+      end do
+   end subroutine add_next
+
+   !> Add what a node gets from what lies after it, less what lies before it.
+   pure subroutine add_change(numbers, pad, low, high, shift, sums, patch)
+      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: pad                     !! Room before them
+      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: shift                   !! Numbers to the next node
+      real(wp), intent(in) :: sums(1 - pad:numbers)  !! Between a node and the next
+      real(wp), intent(inout) :: patch(numbers)      !! On the nodes
+      integer :: n
+
+      !$omp simd
+      do n = low, high
+         patch(n) = patch(n) + (sums(n) - sums(n - shift))
+      end do
+   end subroutine add_change
+
+   !> The force in a plane or on a line.
+   pure subroutine force_plane(self, grid, tile, weight, stress, patch)
+      type(lattice_t), intent(in) :: self            !! The functions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: tile                    !! Tile along x, from 1
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
+      ! one piece of memory: getting it costs as much as a loop over the tile
+      real(wp) :: work(self%numbers, 5)
+      integer :: low, high, l, last, node
+
+      associate (row => work(:, 1), field => work(:, 2), means => work(:, 3), sums => work(:, 4), &
+         force => work(:, 5))
+         call lay_weights(grid, plane, weight, row, low, high)
+         if (high < low) return
+         last = high + sum(self%shift)
+         force(low:last) = 0.0_wp
+         do l = 1, 3, 2
+            if (.not. grid%active(l)) cycle
+            do node = (low + 1)/plane, (last + 1)/plane
+               field(2*node - 1) = stress(3*l - 2, node)
+               field(2*node) = stress(3*l, node)
+            end do
+            call mean_along(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%line(:, :, l, tile), field, means)
+            call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
+               self%mass(:, :, 4 - l, tile), row, means, sums)
+            call add_difference(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%factor, sums, force)
+         end do
+         do node = (low + 1)/plane, (last + 1)/plane
+            patch(1, node) = patch(1, node) + force(2*node - 1)
+            patch(3, node) = patch(3, node) + force(2*node)
+         end do
+      end associate
+   end subroutine force_plane
+
+   !> The node gradient in a plane or on a line.
+   pure subroutine gradient_plane(self, grid, tile, weight, velocity, patch)
+      type(lattice_t), intent(in) :: self            !! The functions
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: tile                    !! Tile along x, from 1
+      real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
+      real(wp) :: work(self%numbers, 4)
+      integer :: low, high, l, last, node
+
+      associate (row => work(:, 1), field => work(:, 2), slopes => work(:, 3), sums => work(:, 4))
+         call lay_weights(grid, plane, weight, row, low, high)
+         if (high < low) return
+         last = high + sum(self%shift)
+         do node = (low + 1)/plane, (last + 1)/plane
+            field(2*node - 1) = velocity(1, node)
+            field(2*node) = velocity(3, node)
+         end do
+         do l = 1, 3, 2
+            if (.not. grid%active(l)) cycle
+            call difference_along(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%factor, field, slopes)
+            call apply_line_mass(self%numbers, low, high, self%shift(4 - l), &
+               self%mass(:, :, 4 - l, tile), row, slopes, sums)
+            slopes(low:last) = 0.0_wp
+            call add_line(self%numbers, low, last - self%shift(l), self%shift(l), &
+               self%line(:, :, l, tile), sums, slopes)
+            do node = (low + 1)/plane, (last + 1)/plane
+               patch(3*l - 2, node) = patch(3*l - 2, node) + slopes(2*node - 1)
+               patch(3*l, node) = patch(3*l, node) + slopes(2*node)
+            end do
+         end do
+      end associate
+   end subroutine gradient_plane
+
+   !> The two directions besides one.
+   pure subroutine others(direction, one, other)
+      integer, intent(in) :: direction               !! Of the derivative
+      integer, intent(out) :: one                    !! The lower of the others
+      integer, intent(out) :: other                  !! The higher
+
+      one = merge(2, 1, direction == 1)
+      other = merge(2, 3, direction == 3)
+   end subroutine others
+
+   !> Integrals along a direction of what stands on the nodes.
+   pure subroutine mean_along(numbers, low, high, shift, line, field, means)
+      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: shift                   !! Numbers to the next node
+      real(wp), intent(in) :: line(numbers, 2)       !! Integrals of the two functions [m]
+      real(wp), intent(in) :: field(numbers)         !! On the nodes
+      real(wp), intent(inout) :: means(numbers)      !! Between a node and the next [field m]
+      integer :: n
+
+      !$omp simd
+      do n = low, high
+         means(n) = line(n, 1)*field(n) + line(n, 2)*field(n + shift)
+      end do
+   end subroutine mean_along
+
+   !> The transpose of that.
+   pure subroutine add_line(numbers, low, high, shift, line, sums, field)
+      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: shift                   !! Numbers to the next node
+      real(wp), intent(in) :: line(numbers, 2)       !! Integrals of the two functions [m]
+      real(wp), intent(in) :: sums(numbers)          !! Between a node and the next
+      real(wp), intent(inout) :: field(numbers)      !! On the nodes
+      integer :: n
+
+      !$omp simd
+      do n = low, high
+         field(n) = field(n) + line(n, 1)*sums(n)
+      end do
+      call add_shifted(numbers, low, high, shift, line(1, 2), sums, field)
+   end subroutine add_line
+
+   !> Add products to the numbers a few places on.
+   pure subroutine add_shifted(numbers, low, high, shift, line, sums, field)
+      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: shift                   !! Places
+      real(wp), intent(in) :: line(numbers)          !! Factors
+      real(wp), intent(in) :: sums(numbers)          !! Multiplied by them
+      real(wp), intent(inout) :: field(numbers)      !! Gets the products
+      integer :: n
+
+      !$omp simd
+      do n = low, high
+         field(n + shift) = field(n + shift) + line(n)*sums(n)
+      end do
+   end subroutine add_shifted
+
+   !> Differences along a direction, times a factor.
+   pure subroutine difference_along(numbers, low, high, shift, factor, field, differences)
+      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: shift                   !! Numbers to the next node
+      real(wp), intent(in) :: factor                 !! Factor
+      real(wp), intent(in) :: field(numbers)         !! On the nodes
+      real(wp), intent(inout) :: differences(numbers) !! Between a node and the next
+      integer :: n
+
+      !$omp simd
+      do n = low, high
+         differences(n) = factor*(field(n + shift) - field(n))
+      end do
+   end subroutine difference_along
+
+   !> Minus the transpose of that: what one node gains the other loses.
+   pure subroutine add_difference(numbers, low, high, shift, factor, sums, field)
+      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: shift                   !! Numbers to the next node
+      real(wp), intent(in) :: factor                 !! Factor
+      real(wp), intent(in) :: sums(numbers)          !! Between a node and the next
+      real(wp), intent(inout) :: field(numbers)      !! On the nodes
+      integer :: n
+
+      !$omp simd
+      do n = low, high
+         field(n) = field(n) + factor*sums(n)
+      end do
+      !$omp simd
+      do n = low, high
+         field(n + shift) = field(n + shift) - factor*sums(n)
+      end do
+   end subroutine add_difference
+
+   !> Integrals of products with both functions along two directions, times the weights of cells,
+   !! summed over the cells around, in space. The sums end with zeros as far as the next node along
+   !! the third direction, and begin with such.
+   ! gate: long kernel because directions are told by their shifts
+   pure subroutine apply_mass(numbers, pad, low, high, one, other, third, weight, field, sums)
+      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: pad                     !! Room before them
+      integer, intent(in) :: low                     !! First number of a cell
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: one                     !! Numbers to the next node, first direction
+      integer, intent(in) :: other                   !! The same, second direction
+      integer, intent(in) :: third                   !! The same, third direction
+      real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
+      real(wp), intent(in) :: field(numbers)         !! On the four corners of a face
+      real(wp), intent(inout) :: sums(1 - pad:numbers) !! The same
+      real(wp) :: part(1 - pad:numbers, 4), a, a0, a1, b, b0, b1
+      integer :: n, k
+
+      !$omp simd private(a, a0, a1, b, b0, b1)
+      do n = low, high
+         a = field(n) + field(n + one)
+         a0 = a + field(n)
+         a1 = a + field(n + one)
+         b = field(n + other) + field(n + one + other)
+         b0 = b + field(n + other)
+         b1 = b + field(n + one + other)
+         a = a0 + b0
+         b = a1 + b1
+         part(n, 1) = weight(n)*(a + a0)
+         part(n, 2) = weight(n)*(b + a1)
+         part(n, 3) = weight(n)*(a + b0)
+         part(n, 4) = weight(n)*(b + b1)
+      end do
+      do k = 1, 4
+         part(low - one - other:low - 1, k) = 0.0_wp
+         part(high + 1:high + one + other, k) = 0.0_wp
+      end do
+      sums(low - third:low - 1) = 0.0_wp
+      sums(high + one + other + 1:high + one + other + third) = 0.0_wp
+      !$omp simd
+      do n = low, high + one + other
+         sums(n) = (part(n, 1) + part(n - one, 2)) + (part(n - other, 3) + part(n - one - other, 4))
+      end do
+   end subroutine apply_mass
+
+   !> The same along a single direction.
+   ! gate: long kernel because a direction is told by its shift and integrals
+   pure subroutine apply_line_mass(numbers, low, high, shift, mass, weight, field, sums)
+      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: low                     !! First number of a cell
+      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: shift                   !! Numbers to the next node, 0 if missing
+      real(wp), intent(in) :: mass(numbers, 3)       !! Integrals of products [m]
+      real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
+      real(wp), intent(in) :: field(numbers)         !! On the two corners of an edge
+      real(wp), intent(inout) :: sums(numbers)       !! The same
+      integer :: n
+
+      !$omp simd
+      do n = low, high
+         sums(n) = weight(n)*(mass(n, 1)*field(n) + mass(n, 2)*field(n + shift))
+      end do
+      sums(high + 1:high + shift) = 0.0_wp
+      ! without another field in between, for which memory would have to be got
+      !$omp simd
+      do n = low, high
+         sums(n + shift) = sums(n + shift) &
+            + weight(n)*(mass(n, 2)*field(n) + mass(n, 3)*field(n + shift))
+      end do
+   end subroutine apply_line_mass
+end module ddmp_operator

@@ -1,0 +1,184 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What an exact solution is: it knows where each material point is at any time, how fast it moves,
+!! how it is deformed, and, if it was made up, the body force that makes it true.
+!!
+!! A material point is named by its reference position. A solution looks at one point at a time:
+!! its sines cost far more than the call.
+module exact_solution
+   use base_deck_group, only: group_t
+   use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
+   implicit none
+   private
+
+   public :: determinant, exact_case_t, exact_holder_t, exact_t, inverse
+
+   !> An exact solution in one material.
+   type, abstract :: exact_t
+      real(wp) :: density = 1.0_wp                   !! Of the material at rest [kg/m3]
+      real(wp) :: lambda = 0.0_wp                    !! First constant of Lame [Pa]
+      real(wp) :: shear = 0.0_wp                     !! Second constant of Lame [Pa]
+      real(wp) :: origin(3) = 0.0_wp                 !! Of the coordinates of the solution [m]
+      integer :: dimensions = 3                      !! 1, 2 (x and z) or 3
+      logical :: hyperelastic = .false. !! Is the material neo-Hookean, else linear in rates?
+   contains
+      procedure :: declare => exact_declare          !! Declares its keys of &exact
+      procedure :: read => exact_read                !! Reads them
+      procedure :: law => exact_law                  !! Strength model that it is exact for
+      procedure :: fault => exact_fault              !! Why it does not fit the scene
+      procedure(place_i), deferred :: place          !! Position and velocity of a point
+      procedure(gradient_i), deferred :: gradient    !! Deformation gradient of a point
+      procedure :: forced => exact_forced            !! Does it need a body force?
+      procedure :: body_force => exact_body_force    !! That body force
+      procedure :: young => exact_young              !! Young's modulus of the material
+      procedure :: stress => exact_stress            !! Cauchy stress of a deformation gradient
+   end type exact_t
+
+   !> A solution that may not be there.
+   type :: exact_holder_t
+      class(exact_t), allocatable :: solution        !! None: the material is free
+   end type exact_holder_t
+
+   !> The exact solution of a run and how far the run was from it.
+   type :: exact_case_t
+      type(exact_holder_t), allocatable :: material(:) !! (material)
+      logical :: forced = .false.                    !! Does some material feel a body force?
+      real(wp) :: force_time = 0.0_wp                !! Time of the body force of this step [s]
+      real(wp) :: error(3) = 0.0_wp !! Of displacement [m], velocity [m/s], stress [Pa], last seen
+      real(wp) :: greatest_error = 0.0_wp            !! Greatest of displacement so far [m]
+      real(wp) :: greatest_motion = 0.0_wp           !! Greatest displacement so far [m]
+      integer(int64) :: seen = -1                    !! Step at which the errors were taken
+   end type exact_case_t
+
+   abstract interface
+      !> Position and velocity of a material point.
+      pure subroutine place_i(self, point, time, position, velocity)
+         import :: exact_t, wp
+         implicit none
+         class(exact_t), intent(in) :: self           !! The solution
+         real(wp), intent(in) :: point(3)             !! Reference position [m]
+         real(wp), intent(in) :: time                 !! [s]
+         real(wp), intent(out) :: position(3)         !! [m]
+         real(wp), intent(out) :: velocity(3)         !! [m/s]
+      end subroutine place_i
+
+      !> Derivative of the position by the reference position.
+      pure subroutine gradient_i(self, point, time, gradient)
+         import :: exact_t, wp
+         implicit none
+         class(exact_t), intent(in) :: self           !! The solution
+         real(wp), intent(in) :: point(3)             !! Reference position [m]
+         real(wp), intent(in) :: time                 !! [s]
+         real(wp), intent(out) :: gradient(3, 3)      !! (position, reference) [1]
+      end subroutine gradient_i
+   end interface
+
+contains
+
+   !> Declare the keys of &exact that belong to the solution. Most override this.
+   subroutine exact_declare(self, schema)
+      class(exact_t), intent(in) :: self             !! The solution
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+   end subroutine exact_declare
+
+   !> Read the keys that belong to the solution. Material, origin and dimensions are set before.
+   subroutine exact_read(self, group)
+      class(exact_t), intent(inout) :: self          !! The solution
+      type(group_t), intent(in) :: group             !! &exact
+   end subroutine exact_read
+
+   !> The `strength_model` that the solution is exact for; empty: any elastic one.
+   pure function exact_law(self) result(law)
+      class(exact_t), intent(in) :: self             !! The solution
+      character(len=:), allocatable :: law
+
+      law = ""
+   end function exact_law
+
+   !> Why the solution does not fit the scene, and what to write instead; empty: it fits.
+   pure function exact_fault(self) result(text)
+      class(exact_t), intent(in) :: self             !! The solution
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function exact_fault
+
+   !> A solution of the equations as they are needs no body force.
+   pure logical function exact_forced(self) result(forced)
+      class(exact_t), intent(in) :: self             !! The solution
+
+      forced = .false.
+   end function exact_forced
+
+   !> Body force on a material point.
+   pure subroutine exact_body_force(self, point, time, force)
+      class(exact_t), intent(in) :: self             !! The solution
+      real(wp), intent(in) :: point(3)               !! Reference position [m]
+      real(wp), intent(in) :: time                   !! [s]
+      real(wp), intent(out) :: force(3)              !! Per mass [m/s2]
+
+      force = 0.0_wp
+   end subroutine exact_body_force
+
+   !> Young's modulus of the material [Pa].
+   pure real(wp) function exact_young(self) result(young)
+      class(exact_t), intent(in) :: self             !! The solution
+
+      young = self%shear*(3.0_wp*self%lambda + 2.0_wp*self%shear)/(self%lambda + self%shear)
+   end function exact_young
+
+   !> Cauchy stress of the material at a deformation gradient F that began without stress.
+   !!
+   !! Neo-Hooke: sigma = lambda ln J/J 1 + mu/J (F F^T - 1). Else the laws integrate rates, which
+   !! without turning axes of strain gives sigma = lambda tr(e) 1 + 2 mu e with e = ln(F F^T)/2;
+   !! here e = (B - 1)(B + 1)^-1 with B = F F^T, which is that but for the third power of strain.
+   pure subroutine exact_stress(self, gradient, stress)
+      class(exact_t), intent(in) :: self             !! The solution
+      real(wp), intent(in) :: gradient(3, 3)         !! Deformation gradient [1]
+      real(wp), intent(out) :: stress(6)             !! xx, yy, zz, xy, yz, xz [Pa]
+      real(wp) :: left(3, 3), strain(3, 3), unity(3, 3), volume
+      integer :: k
+
+      unity = 0.0_wp
+      do k = 1, 3
+         unity(k, k) = 1.0_wp
+      end do
+      left = matmul(gradient, transpose(gradient))
+      if (self%hyperelastic) then
+         volume = sqrt(determinant(left))
+         strain = (self%lambda*log(volume)*unity + self%shear*(left - unity))/volume
+      else
+         strain = matmul(left - unity, inverse(left + unity))
+         volume = strain(1, 1) + strain(2, 2) + strain(3, 3)
+         strain = self%lambda*volume*unity + 2.0_wp*self%shear*strain
+      end if
+      stress = [strain(1, 1), strain(2, 2), strain(3, 3), strain(1, 2), strain(2, 3), strain(1, 3)]
+   end subroutine exact_stress
+
+   !> Determinant.
+   pure real(wp) function determinant(a) result(volume)
+      real(wp), intent(in) :: a(3, 3)                !! Any
+
+      volume = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
+         - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
+   end function determinant
+
+   !> Inverse.
+   pure function inverse(a) result(b)
+      real(wp), intent(in) :: a(3, 3)                !! Not singular
+      real(wp) :: b(3, 3)
+      integer :: k, l, k1, k2, l1, l2
+
+      do l = 1, 3
+         do k = 1, 3
+            ! the cofactor, with the indices that follow in cyclic order
+            k1 = mod(k, 3) + 1
+            k2 = mod(k + 1, 3) + 1
+            l1 = mod(l, 3) + 1
+            l2 = mod(l + 1, 3) + 1
+            b(k, l) = a(l1, k1)*a(l2, k2) - a(l1, k2)*a(l2, k1)
+         end do
+      end do
+      b = b/determinant(a)
+   end function inverse
+end module exact_solution

@@ -1,0 +1,61 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Kinds of material that choose defaults of the method.
+module material_kinds
+   use base_kinds, only: wp
+   use material_type, only: material_t
+   implicit none
+   private
+
+   public :: all_gases, flows, stores_work, supports_any_shear
+
+contains
+
+   !> Is a material without strength? Loose grains have some.
+   pure logical function flows(material) result(yes)
+      type(material_t), intent(in) :: material       !! The material
+
+      yes = .true.
+      if (allocated(material%law)) yes = .not. (material%law%has_shear() .or. &
+         material%law%has_grains() .or. material%law%whole())
+   end function flows
+
+   !> Does a material support any shear: without flow, failure or a law made for large strains?
+   pure logical function supports_any_shear(material) result(yes)
+      type(material_t), intent(in) :: material       !! The material
+
+      yes = .false.
+      if (.not. allocated(material%law) .or. allocated(material%damage) .or. &
+         allocated(material%fracture)) return
+      yes = material%law%has_shear() .and. .not. (material%law%plastic() .or. material%law%whole() &
+         .or. material%law%has_grains())
+   end function supports_any_shear
+
+   !> True if all materials are gases: without strength, with an internal energy, and without a
+   !! pressure that holds them together where they have none.
+   pure logical function all_gases(materials) result(yes)
+      type(material_t), intent(in) :: materials(:)   !! Those of the deck
+      integer :: index
+
+      yes = size(materials) > 0
+      do index = 1, size(materials)
+         yes = yes .and. flows(materials(index)) .and. materials(index)%carries_energy() .and. &
+            .not. materials(index)%reference_speed() > 0.0_wp
+      end do
+   end function all_gases
+
+   !> True if all materials store the work of strain and give it back: no flow, failure or heat.
+   pure logical function stores_work(materials) result(stored)
+      type(material_t), intent(in) :: materials(:)   !! Those of the deck
+      integer :: index
+
+      stored = size(materials) > 0
+      do index = 1, size(materials)
+         associate (material => materials(index))
+            stored = stored .and. allocated(material%law) .and. .not. &
+               (allocated(material%damage) .or. allocated(material%fracture))
+            if (.not. stored) return
+            stored = .not. (material%law%plastic() .or. material%carries_energy())
+         end associate
+      end do
+   end function stores_work
+end module material_kinds

@@ -1,0 +1,393 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The chain of laws that a time step of a material runs through, each link only if asked for.
+!! Its links are equations (A.1) to (A.13) of doc/theory/matter.md and those of the laws.
+module material_update
+   use base_kinds, only: int64, wp
+   use constitutive_heat, only: heat, melt
+   use constitutive_kinematics, only: dilate
+   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_tension, only: break, cut_tension, drop_failed, drop_melted, fail, open_voids
+   use material_failed, only: share_t, vanish
+   use material_models, only: effect_damage, effect_eos, effect_strength, effect_thermal, &
+      effect_viscosity, effect_voids, models_t
+   use material_record, only: add_strain
+   use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
+   use material_viscosity, only: resist, viscous_losses
+   use material_voids, only: expand_grains
+   implicit none
+   private
+
+   public :: chain_stages, chain_t, effect_of_stage
+
+   integer, parameter :: chain_stages = 13           !! Stages of a time step
+   !> Effect that a stage belongs to
+   integer, parameter :: effect_of_stage(chain_stages) = [effect_damage, effect_voids, &
+      effect_strength, effect_voids, effect_eos, effect_damage, effect_strength, effect_damage, &
+      effect_viscosity, effect_thermal, effect_viscosity, effect_strength, effect_damage]
+
+   !> The models as a chain through which a time step runs.
+   type, extends(models_t) :: chain_t
+   contains
+      procedure :: settle => chain_settle            !! Stress of the state as it is
+      procedure :: update => chain_update            !! One time step
+      procedure :: advance => chain_advance          !! One stage of it
+      procedure :: signal_speed => chain_signal_speed         !! Fastest signal of a state
+      procedure :: stored_energy => chain_stored_energy       !! Internal energy of particles
+   end type chain_t
+
+contains
+
+   !> Stress of particles at rest whose volume, energy, deformation gradient or deviator of stress
+   !! were set from outside: a step without deformation that takes no time.
+   pure subroutine chain_settle(self, matter, first, last)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(inout) :: matter        !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      ! Short beside every time of matter, and still a divisor that leaves numbers.
+      real(wp), parameter :: instant = 1.0e-100_wp
+      type(deformation_t) :: deformation
+
+      if (last < first) return
+      call deformation%reserve(last - first + 1)
+      deformation%gradient = 0.0_wp
+      deformation%jump = 0.0_wp
+      call self%update(matter, deformation, first, last, instant, 1.0_wp)
+   end subroutine chain_settle
+
+   !> Fastest signal [m/s] of a range of particles in their present state, for the first time step
+   !! of matter that does not start in the reference state.
+   pure real(wp) function chain_signal_speed(self, matter, first, last) result(speed)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(in) :: matter           !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      type(deformation_t) :: deformation
+      type(matter_t) :: squeezed
+      integer :: count
+
+      speed = 0.0_wp
+      count = last - first + 1
+      if (count < 1) return
+      call deformation%reserve(count)
+      deformation%wave_speed(:count) = 0.0_wp
+      if (allocated(self%voids)) then
+         squeezed = matter
+         deformation%share(:count) = 1.0_wp
+         call self%voids%squeeze(squeezed, deformation, first, last)
+         call self%eos%update(squeezed, deformation, first, last)
+         call self%voids%relax(squeezed, deformation, first, last)
+      else if (allocated(self%eos)) then
+         call self%eos%update(matter, deformation, first, last)
+      else if (self%bulk_in_rate_form()) then
+         deformation%wave_speed(:count) = self%bulk*matter%volume(first:last) &
+            /matter%mass(first:last)
+      end if
+      if (allocated(self%law)) call self%law%stiffen(matter, deformation, first, last)
+      speed = sqrt(maxval(deformation%wave_speed(:count)))
+   end function chain_signal_speed
+
+   !> One time step of a range of particles, with the gradient given and the work of the stress of
+   !! the force already in the energy: all stages in their order.
+   pure subroutine chain_update(self, matter, deformation, first, last, dt, spacing)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp), intent(in) :: dt                         !! Time step [s]
+      real(wp), intent(in) :: spacing                    !! Cell size [m]
+      type(share_t) :: share
+      integer :: stage
+
+      if (last < first) return
+      do stage = 1, chain_stages
+         call self%advance(stage, matter, deformation, first, last, dt, spacing, share)
+      end do
+   end subroutine chain_update
+
+   !> One stage of that, so that a caller can take the time between them. The order of the chain is
+   !! that of the cases.
+   ! gate: long kernel because the chain is one list
+   pure subroutine chain_advance(self, stage, matter, deformation, first, last, dt, spacing, share)
+      class(chain_t), intent(in) :: self                 !! The material
+      integer, intent(in) :: stage                       !! From 1 to `chain_stages`
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle, not before it
+      real(wp), intent(in) :: dt                         !! Time step [s]
+      real(wp), intent(in) :: spacing                    !! Cell size [m]
+      type(share_t), intent(inout) :: share              !! Failed particles, kept between stages
+      integer :: count
+
+      count = last - first + 1
+      select case (stage)
+      case (1)
+         if (allocated(self%softening)) call self%softening%recover(matter, first, last)
+         if (allocated(self%remains)) &
+            call self%remains%collect(matter, deformation, first, last, share)
+      case (2)
+         if (allocated(self%voids)) call self%voids%choose(matter, deformation, first, last)
+      case (3)
+         deformation%plastic_work(:count) = 0.0_wp
+         deformation%viscous_work(:count) = 0.0_wp
+         deformation%plastic_increment(:count) = 0.0_wp
+         if (allocated(matter%equivalent_strain)) call add_strain(first, last, deformation%plane, &
+            deformation%gradient, matter%equivalent_strain)
+         if (allocated(self%law)) then
+            call self%law%predict(matter, deformation, first, last)
+         else
+            call dilate(first, last, deformation%gradient, matter%volume, deformation%old_volume, &
+               deformation%dilatation)
+         end if
+      case (4)
+         if (allocated(self%voids)) call self%voids%open(matter, deformation, first, last)
+      case (5)
+         call update_pressure(self, matter, deformation, first, last)
+      case (6)
+         if (allocated(self%remains)) &
+            call self%remains%follow(matter, deformation, first, dt, share)
+      case (7)
+         if (allocated(self%law)) call update_deviator(self, matter, deformation, first, last, dt)
+      case (8)
+         if (allocated(self%remains)) &
+            call self%remains%give_back(share, matter, deformation, first)
+         if (allocated(self%softening)) &
+            call self%softening%open(matter, deformation, first, last, spacing)
+         if (allocated(self%damage)) call self%damage%update(matter, deformation, first, last, dt)
+         call limit_tension(self, matter, deformation, first, last)
+      case (9)
+         if (allocated(self%viscosity)) call viscous_losses(first, last, matter%viscous_pressure, &
+            deformation%old_volume, deformation%dilatation, deformation%viscous_work)
+      case (10)
+         if (allocated(self%heat)) call update_temperature(self, matter, deformation, first, last)
+      case (11)
+         if (allocated(self%viscosity)) then
+            if (self%viscosity%limited) then
+               call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
+                  deformation%jump, matter%viscous_pressure, deformation%pressure, &
+                  deformation%wave_speed)
+            else
+               call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
+                  deformation%dilatation, matter%viscous_pressure, deformation%pressure, &
+                  deformation%wave_speed)
+            end if
+         else
+            call square_root(count, deformation%wave_speed)
+         end if
+      case (12)
+         if (allocated(self%law)) then
+            call self%law%damp(matter, deformation, first, last, spacing)
+            call assemble(first, last, deformation%pressure, matter%stress)
+         else
+            call assemble_isotropic(first, last, deformation%pressure, matter%stress)
+         end if
+      case default
+         call leave_nothing(self, matter, deformation, first, last)
+      end select
+   end subroutine chain_advance
+
+   !> Take all stress from failed particles, if nothing is left of them.
+   pure subroutine leave_nothing(self, matter, deformation, first, last)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (.not. allocated(self%fracture)) return
+      if (.not. self%fracture%leaves_nothing) return
+      call vanish(first, last, matter%failed, matter%stress, deformation%wave_speed)
+      if (allocated(self%viscosity)) matter%viscous_pressure(first:last) = &
+         merge(0.0_wp, matter%viscous_pressure(first:last), matter%failed(first:last) /= 0)
+   end subroutine leave_nothing
+
+   !> Pressure of the material, and the square of its wave speed without strength.
+   pure subroutine update_pressure(self, matter, deformation, first, last)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (allocated(self%voids)) then
+         call self%voids%squeeze(matter, deformation, first, last)
+         call self%eos%update(matter, deformation, first, last)
+         call add_bulking(matter, deformation, first, last)
+         call self%voids%relax(matter, deformation, first, last)
+      else if (allocated(self%eos)) then
+         call self%eos%update(matter, deformation, first, last)
+         call add_bulking(matter, deformation, first, last)
+         call self%eos%remember(matter, deformation, first, last)
+      else if (self%bulk_in_rate_form()) then
+         if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
+            deformation%pressure(:last - first + 1) - matter%viscous_pressure(first:last)
+         call follow_rate(first, last, self%bulk, matter%mass, matter%volume, &
+            deformation%dilatation, deformation%pressure, deformation%wave_speed)
+      else
+         deformation%wave_speed(:last - first + 1) = 0.0_wp
+      end if
+   end subroutine update_pressure
+
+   !> Add the pressure that fracture made to that of the equation of state, where there is any.
+   pure subroutine add_bulking(matter, deformation, first, last)
+      type(matter_t), intent(in) :: matter               !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (allocated(matter%bulking)) deformation%pressure(:last - first + 1) = &
+         deformation%pressure(:last - first + 1) + matter%bulking(first:last)
+   end subroutine add_bulking
+
+   !> Deviator of stress, and what strength adds to the square of the wave speed.
+   pure subroutine update_deviator(self, matter, deformation, first, last, dt)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp), intent(in) :: dt                         !! Time step [s]
+
+      ! Before the law, so that what has no strength does not flow plastically.
+      if (drops(self)) call drop_failed(first, last, matter%failed, matter%stress)
+      if (allocated(self%melting)) &
+         call drop_melted(first, last, self%melting, matter%temperature, matter%stress)
+      call self%law%update(matter, deformation, first, last, dt)
+      call self%law%stiffen(matter, deformation, first, last)
+   end subroutine update_deviator
+
+   !> True if the law of strength must not see failed matter.
+   pure logical function drops(self) result(must_not)
+      class(chain_t), intent(in) :: self                 !! The material
+
+      must_not = .false.
+      if (allocated(self%fracture)) must_not = allocated(self%remains) .or. &
+         .not. self%fracture%leaves_strength
+   end function drops
+
+   !> Let particles fail.
+   pure subroutine break_or_fail(self, matter, deformation, first, last)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (self%fracture%leaves_strength) then
+         call fail(first, last, self%fracture%strength, self%bulk, matter%volume, &
+            deformation%pressure, deformation%pressure_floor, matter%damage, matter%failed, &
+            deformation%plastic_work)
+      else
+         call break(first, last, self%fracture%strength, self%shear, self%bulk, matter%volume, &
+            matter%stress, deformation%pressure, deformation%pressure_floor, matter%damage, &
+            matter%failed, deformation%plastic_work)
+      end if
+   end subroutine break_or_fail
+
+   !> Cut the tension or let particles fail.
+   pure subroutine limit_tension(self, matter, deformation, first, last)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+
+      if (allocated(self%fracture)) then
+         call break_or_fail(self, matter, deformation, first, last)
+         if (.not. allocated(self%eos)) call open_voids(first, last, self%density, self%bulk, &
+            matter%mass, matter%volume, matter%failed, deformation%pressure, &
+            deformation%wave_speed)
+      else if (allocated(self%spall)) then
+         call cut_tension(first, last, self%spall%strength, deformation%pressure, &
+            deformation%pressure_floor)
+      else if (allocated(self%heat)) then
+         deformation%pressure_floor(:last - first + 1) = -huge(1.0_wp)
+      end if
+      if (allocated(self%melting)) call melt(first, last, self%melting, matter%temperature, &
+         deformation%pressure, deformation%pressure_floor)
+   end subroutine limit_tension
+
+   !> Temperature after the step.
+   pure subroutine update_temperature(self, matter, deformation, first, last)
+      class(chain_t), intent(in) :: self                 !! The material
+      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp) :: share
+
+      share = 0.9_wp
+      if (allocated(self%law)) then
+         share = self%law%heat_share
+         deformation%pressure_floor(:last - first + 1) = max(self%law%least_pressure(), &
+            deformation%pressure_floor(:last - first + 1))
+      end if
+      ! Nobody needs the homologous temperature any more in this step.
+      if (allocated(self%voids)) &
+         deformation%homologous(:last - first + 1) = matter%temperature(first:last)
+      if (allocated(self%voids)) call self%voids%squeeze_both(matter, deformation, first, last)
+      deformation%gruneisen(:last - first + 1) = 0.0_wp
+      if (allocated(self%eos)) call self%eos%gruneisen(matter, deformation, first, last)
+      call heat(first, last, self%heat%specific_heat, share, deformation%gruneisen, matter%mass, &
+         matter%volume, deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
+         deformation%plastic_work, deformation%viscous_work, matter%temperature)
+      if (.not. allocated(self%voids)) return
+      matter%volume(first:last) = deformation%whole_volume(:last - first + 1)
+      call expand_grains(first, last, self%voids%expansion, matter%temperature, &
+         deformation%homologous, matter%solid_fraction)
+   end subroutine update_temperature
+
+   !> True if nothing is left of a particle that bears stress.
+   pure logical function gone(self, matter, particle) result(is_gone)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(in) :: matter           !! State of the store
+      integer, intent(in) :: particle                !! Which particle
+
+      is_gone = .false.
+      if (.not. allocated(self%fracture)) return
+      is_gone = self%fracture%leaves_nothing .and. matter%failed(particle) /= 0
+   end function gone
+
+   !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.
+   !! Equation (L.2) of doc/theory/ledger.md.
+   pure subroutine chain_stored_energy(self, matter, first, last, energy)
+      class(chain_t), intent(in) :: self             !! The material
+      type(matter_t), intent(in) :: matter           !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(inout) :: energy(:) !! (range) [J]
+      real(wp) :: limit, pressure, volume
+      integer :: i, k
+
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         if (allocated(matter%energy)) then
+            energy(i) = matter%mass(k)*matter%energy(k)
+            cycle
+         end if
+         energy(i) = 0.0_wp
+         if (gone(self, matter, k)) cycle
+         limit = -huge(1.0_wp)
+         if (allocated(self%law)) then
+            energy(i) = self%law%stored(matter, k)
+            limit = self%law%least_pressure()
+         end if
+         if (allocated(self%eos)) then
+            if (allocated(self%spall)) limit = max(limit, -self%spall%strength)
+            if (allocated(matter%failed)) limit = merge(0.0_wp, limit, matter%failed(k) /= 0)
+            volume = matter%volume(k)
+            if (allocated(matter%solid_fraction)) volume = volume*matter%solid_fraction(k)
+            if (allocated(matter%plastic_dilation)) volume = volume*exp(-matter%plastic_dilation(k))
+            energy(i) = energy(i) + self%eos%stored(matter%mass(k), volume, limit)
+         else if (self%bulk_in_rate_form()) then
+            pressure = -sum(matter%stress(k, 1:3))/3.0_wp
+            if (allocated(matter%viscous_pressure)) pressure = pressure - matter%viscous_pressure(k)
+            energy(i) = energy(i) + matter%volume(k)*pressure**2/(2.0_wp*self%bulk)
+         end if
+         if (allocated(self%softening)) energy(i) = energy(i) &
+            + self%softening%missing(matter, k, .not. allocated(self%eos))
+      end do
+   end subroutine chain_stored_energy
+end module material_update

@@ -1,0 +1,265 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The direction out of rigid regions.
+!!
+!! It is asked of the sets of points alone, so it serves any shape and any set operation: the seam
+!! between two regions, and the side of a region that lies on a face of the box, are no surface.
+module mesh_surface_normal
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   use mesh_wall, only: wall_t
+   implicit none
+   private
+
+   public :: covers, find_outward, touches
+
+   real(wp), parameter :: pace = 0.5_wp              !! Of the search along a ray [cells]
+   integer, parameter :: paces = 8                   !! So far it is looked for a way out
+   real(wp), parameter :: aside = 0.05_wp            !! Of the places that give slopes [cells]
+   integer, parameter :: halvings = 40               !! Of a piece of a ray
+   real(wp), parameter :: beside = 0.499999_wp       !! So near a place touches a wall [cells]
+   integer, parameter :: most_rays = 124             !! That start from a place
+   integer, parameter :: rounds = 12                 !! From a normal to a better one, at most
+   real(wp), parameter :: settled = 1.0e-9_wp        !! Change of a normal that is good enough
+   real(wp), parameter :: within = 1.0e-6_wp         !! So far inside faces count [cells]
+
+contains
+
+   !> Outward normal of the surface nearest to a place that touches the walls. Rays in all
+   !! directions give a first guess, the mean of the shortest ways out; the slopes of the surface
+   !! where the normal leaves it give a better one.
+   pure subroutine find_outward(walls, grid, place, normal, found)
+      type(wall_t), intent(in) :: walls(:)           !! The rigid regions
+      type(grid_t), intent(in) :: grid               !! The box
+      real(wp), intent(in) :: place(3)               !! [m]
+      real(wp), intent(out) :: normal(3)             !! Of length one [1]
+      logical, intent(out) :: found                  !! Is there a way out nearby?
+      real(wp) :: inside(3), below(3), before(3)
+      integer :: round
+      logical :: smooth
+
+      call step_in(walls, grid, place, inside)
+      call guess_outward(walls, grid, inside, normal, found)
+      if (.not. found) return
+      do round = 1, rounds
+         ! below the place itself, if it lies outside, so that the normal leads through it
+         below = place - grid%spacing*normal
+         if (any(abs(inside - place) > 0.0_wp) .and. closed(walls, grid, below)) inside = below
+         before = normal
+         call improve(walls, grid, inside, normal, smooth)
+         if (.not. smooth .or. maxval(abs(normal - before)) < settled) exit
+      end do
+   end subroutine find_outward
+
+   !> True if a wall covers a place, or one less than half a cell away.
+   pure logical function touches(wall, grid, place) result(touch)
+      type(wall_t), intent(in) :: wall               !! A rigid region
+      type(grid_t), intent(in) :: grid               !! The box
+      real(wp), intent(in) :: place(3)               !! [m]
+      integer :: n, number
+      real(wp) :: direction(3, most_rays)
+
+      touch = wall%acts
+      if (.not. touch) return
+      touch = covers(wall, grid, place)
+      if (touch) return
+      call rays(grid, 1, direction, number)
+      do n = 1, number
+         touch = covers(wall, grid, place + beside*grid%spacing*direction(:, n))
+         if (touch) return
+      end do
+   end function touches
+
+   !> A place in the walls at or next to another one that touches them.
+   pure subroutine step_in(walls, grid, place, inside)
+      type(wall_t), intent(in) :: walls(:)           !! The rigid regions
+      type(grid_t), intent(in) :: grid               !! The box
+      real(wp), intent(in) :: place(3)               !! [m]
+      real(wp), intent(out) :: inside(3)             !! [m]
+      integer :: n, number, wall
+      real(wp) :: direction(3, most_rays)
+
+      inside = place
+      call rays(grid, 1, direction, number)
+      do n = 0, number
+         if (n > 0) inside = place + beside*grid%spacing*direction(:, n)
+         do wall = 1, size(walls)
+            if (covers(walls(wall), grid, inside)) return
+         end do
+      end do
+      inside = place
+   end subroutine step_in
+
+   !> Directions to all sides, from the middle of a cube to the nodes on its faces.
+   pure subroutine rays(grid, side, direction, number)
+      type(grid_t), intent(in) :: grid               !! The box
+      integer, intent(in) :: side                    !! Half the edge of the cube
+      real(wp), intent(out) :: direction(3, most_rays) !! Of length one [1]
+      integer, intent(out) :: number                 !! How many
+      integer :: x, y, z, last(3)
+
+      last = merge(side, 0, grid%active)
+      number = 0
+      do z = -last(3), last(3)
+         do y = -last(2), last(2)
+            do x = -last(1), last(1)
+               if (maxval(abs([x, y, z])) < side) cycle
+               number = number + 1
+               direction(:, number) = real([x, y, z], wp)/norm2(real([x, y, z], wp))
+            end do
+         end do
+      end do
+   end subroutine rays
+
+   !> Whether a place is closed to matter: in some wall, or beyond the box.
+   pure logical function closed(walls, grid, place) result(yes)
+      type(wall_t), intent(in) :: walls(:)           !! The rigid regions
+      type(grid_t), intent(in) :: grid               !! The box
+      real(wp), intent(in) :: place(3)               !! [m]
+      integer :: n
+
+      yes = any(grid%active .and. .not. grid%periodic .and. (place < grid%lower .or. &
+         place > grid%upper))
+      do n = 1, size(walls)
+         if (yes) return
+         yes = covers(walls(n), grid, place)
+      end do
+   end function closed
+
+   !> Whether a wall covers a place, or that which it is beyond periodic faces. On the faces of the
+   !! box it counts what lies just inside, as regions that end there hold one of two faces only.
+   pure logical function covers(wall, grid, place) result(yes)
+      type(wall_t), intent(in) :: wall               !! A rigid region
+      type(grid_t), intent(in) :: grid               !! The box
+      real(wp), intent(in) :: place(3)               !! [m]
+      real(wp) :: inside(3)
+
+      inside = place
+      where (grid%active .and. grid%periodic) inside = grid%lower + modulo(place - grid%lower, &
+         grid%upper - grid%lower)
+      where (grid%active) inside = min(max(inside, grid%lower + within*grid%spacing), &
+         grid%upper - within*grid%spacing)
+      yes = wall%covers(inside)
+   end function covers
+
+   !> Mean of the directions whose ways out are next to the shortest.
+   pure subroutine guess_outward(walls, grid, place, normal, found)
+      type(wall_t), intent(in) :: walls(:)           !! The rigid regions
+      type(grid_t), intent(in) :: grid               !! The box
+      real(wp), intent(in) :: place(3)               !! [m]
+      real(wp), intent(out) :: normal(3)             !! Of length one [1]
+      logical, intent(out) :: found                  !! Is there a way out nearby?
+      integer, parameter :: around(3) = [1, 2, 2]    ! half the edge of the cube of rays
+      real(wp), parameter :: next = 0.1_wp           ! so much longer ways count as well [cells]
+      integer :: n, number
+      real(wp) :: way(most_rays), direction(3, most_rays), shortest
+
+      normal = 0.0_wp
+      call rays(grid, around(grid%dimensions), direction, number)
+      do n = 1, number
+         way(n) = way_out(walls, grid, place, direction(:, n))
+      end do
+      shortest = minval(way(:number))
+      found = shortest < huge(shortest)
+      if (.not. found) return
+      do n = 1, number
+         if (way(n) <= shortest + next*grid%spacing) normal = normal + direction(:, n)
+      end do
+      ! a place in the middle of a plate has two ways out that cancel: the first one serves
+      if (norm2(normal) < 0.5_wp) normal = direction(:, minloc(way(:number), 1))
+      normal = normal/norm2(normal)
+   end subroutine guess_outward
+
+   !> Length of the way out along a direction, huge if it is long or leads out of the box [m].
+   pure real(wp) function way_out(walls, grid, place, direction) result(way)
+      type(wall_t), intent(in) :: walls(:)           !! The rigid regions
+      type(grid_t), intent(in) :: grid               !! The box
+      real(wp), intent(in) :: place(3)               !! [m]
+      real(wp), intent(in) :: direction(3)           !! Of length one [1]
+      integer :: step
+
+      do step = 1, paces
+         way = pace*grid%spacing*real(step, wp)
+         if (closed(walls, grid, place + way*direction)) cycle
+         way = surface_on(walls, grid, place, direction, way - pace*grid%spacing, way)
+         return
+      end do
+      way = huge(way)
+   end function way_out
+
+   !> Where a line leaves the walls, between a way inside and one outside [m].
+   pure real(wp) function surface_on(walls, grid, place, direction, inside, outside) result(way)
+      type(wall_t), intent(in) :: walls(:)           !! The rigid regions
+      type(grid_t), intent(in) :: grid               !! The box
+      real(wp), intent(in) :: place(3)               !! Where the line begins [m]
+      real(wp), intent(in) :: direction(3)           !! Of length one [1]
+      real(wp), intent(in) :: inside, outside        !! Two ways along it [m]
+      real(wp) :: low, high
+      integer :: n
+
+      low = inside
+      high = outside
+      do n = 1, halvings
+         way = 0.5_wp*(low + high)
+         if (closed(walls, grid, place + way*direction)) then
+            low = way
+         else
+            high = way
+         end if
+      end do
+   end function surface_on
+
+   !> Turn a normal with the slopes of the surface where it leaves it.
+   pure subroutine improve(walls, grid, place, normal, smooth)
+      type(wall_t), intent(in) :: walls(:)           !! The rigid regions
+      type(grid_t), intent(in) :: grid               !! The box
+      real(wp), intent(in) :: place(3)               !! [m]
+      real(wp), intent(inout) :: normal(3)           !! Of length one [1]
+      logical, intent(out) :: smooth                 !! Has the surface slopes there?
+      real(wp) :: along(3, 2), foot(3), height(2), reach, way
+      integer :: k, side, directions
+
+      smooth = grid%dimensions > 1
+      if (.not. smooth) return
+      way = way_out(walls, grid, place, normal)
+      smooth = way < huge(way)
+      if (.not. smooth) return
+      call tangents(grid, normal, along, directions)
+      reach = 4.0_wp*aside*grid%spacing
+      do k = 1, directions
+         do side = 1, 2
+            foot = place + way*normal + real(2*side - 3, wp)*aside*grid%spacing*along(:, k)
+            smooth = closed(walls, grid, foot - reach*normal) .and. &
+               .not. closed(walls, grid, foot + reach*normal)
+            if (.not. smooth) return
+            height(side) = surface_on(walls, grid, foot, normal, -reach, reach)
+         end do
+         along(:, k) = (height(2) - height(1))/(2.0_wp*aside*grid%spacing)*along(:, k)
+      end do
+      do k = 1, directions
+         normal = normal - along(:, k)
+      end do
+      normal = normal/norm2(normal)
+   end subroutine improve
+
+   !> Directions at right angles to a normal that the scene has.
+   pure subroutine tangents(grid, normal, along, directions)
+      type(grid_t), intent(in) :: grid               !! The box
+      real(wp), intent(in) :: normal(3)              !! Of length one [1]
+      real(wp), intent(out) :: along(3, 2)           !! Of length one [1]
+      integer, intent(out) :: directions             !! How many
+      integer :: least
+
+      along = 0.0_wp
+      directions = grid%dimensions - 1
+      if (directions == 1) then
+         along(:, 1) = [-normal(3), 0.0_wp, normal(1)]
+         return
+      end if
+      least = minloc(abs(normal), 1)
+      along(:, 1) = -normal(least)*normal
+      along(least, 1) = along(least, 1) + 1.0_wp
+      along(:, 1) = along(:, 1)/norm2(along(:, 1))
+      along(:, 2) = [normal(2)*along(3, 1) - normal(3)*along(2, 1), normal(3)*along(1, 1) &
+         - normal(1)*along(3, 1), normal(1)*along(2, 1) - normal(2)*along(1, 1)]
+   end subroutine tangents
+end module mesh_surface_normal

@@ -1,0 +1,142 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Checkpoints of a run and the way back from them.
+module output_checkpoint
+   use base_error, only: error_t, exit_file, fail
+   use base_kinds, only: int64, wp
+   use io_checkpoint, only: checkpoint_newest, checkpoint_place_t, checkpoint_write
+   use io_deck_changes, only: changes_t
+   use io_file, only: file_exists, join_path, longest_path
+   use io_restart, only: checkpoint_find, checkpoint_read
+   use io_state, only: state_t
+   use output_streams, only: outputs_t
+   use scene_particles, only: distribute
+   use step_exact_error, only: load_errors, save_errors
+   use step_gravity, only: note_gravity
+   use step_simulation, only: simulation_t
+   use step_trust_record, only: load_trust, save_trust
+   implicit none
+   private
+
+   public :: describe_state, resume, write_checkpoint
+
+contains
+
+   !> Step, time, books and counters of a run.
+   subroutine describe_state(simulation, state)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(state_t), intent(out) :: state            !! The same on all ranks
+
+      state%step = simulation%step
+      state%time = simulation%time
+      state%dt_next = simulation%dt_next
+      call simulation%ledger%save(simulation%communicator, state)
+   end subroutine describe_state
+
+   !> Write a checkpoint and count it.
+   subroutine write_checkpoint(simulation, outputs, place, error)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(outputs_t), intent(in) :: outputs         !! Their counters go along
+      type(checkpoint_place_t), intent(inout) :: place !! Where; its number grows
+      type(error_t), allocatable, intent(out) :: error !! Not written; older ones are intact
+      type(state_t) :: state
+
+      call simulation%timer%start(simulation%phase%checkpoint)
+      call describe_state(simulation, state)
+      call outputs%save(state)
+      call save_errors(simulation, state)
+      call save_trust(simulation%trust, state)
+      call state%set("checkpoint_number", [int(place%number, int64)])
+      call state%set("last_step_length", [simulation%dt, simulation%guard%longest])
+      call state%set("space", space_of(simulation))
+      call checkpoint_write(simulation%communicator, place, simulation%stores, state, error)
+      if (.not. allocated(error)) place%number = place%number + 1
+      call simulation%timer%stop(simulation%phase%checkpoint)
+   end subroutine write_checkpoint
+
+   !> What a state cannot be carried over to: the number of directions, and whether they go round.
+   pure function space_of(simulation) result(space)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer(int64) :: space(2)
+
+      space = [int(simulation%grid%dimensions, int64), &
+         merge(1_int64, 0_int64, simulation%grid%axisymmetric)]
+   end function space_of
+
+   !> Go on from a checkpoint: the one named, or the newest that can be read.
+   subroutine resume(simulation, outputs, place, file, note, changes, error)
+      type(simulation_t), intent(inout) :: simulation !! The run, without particles
+      type(outputs_t), intent(inout) :: outputs      !! Their counters
+      type(checkpoint_place_t), intent(inout) :: place !! Folder and case; gets the next number
+      character(len=*), intent(in) :: file           !! Empty = the newest
+      character(len=:), allocatable, intent(out) :: note !! What the log should say
+      type(changes_t), intent(out) :: changes        !! Keys that differ from those of the file
+      type(error_t), allocatable, intent(out) :: error !! None can be read, or of another deck
+      character(len=:), allocatable :: path, passed
+      type(state_t) :: state
+      integer(int64), allocatable :: number(:)
+      real(wp), allocatable :: length(:)
+
+      note = ""
+      if (len(file) > 0) then
+         path = file
+         call checkpoint_read(simulation%communicator, path, simulation%stores, state, error, &
+            place%echo, changes)
+      else
+         call checkpoint_find(simulation%communicator, place, simulation%stores, state, path, &
+            passed, error, changes)
+         if (len(passed) > 0) note = passed//new_line("a")
+      end if
+      if (allocated(error)) return
+      note = note//"restart from "//path
+      call state%get("space", number, error)
+      if (allocated(error)) return
+      if (any(number /= space_of(simulation))) then
+         call fail(error, exit_file, "'"//path// &
+            "' is of another deck: its dimension in &run differs")
+         return
+      end if
+      simulation%step = state%step
+      simulation%time = state%time
+      simulation%dt_next = state%dt_next
+      call simulation%ledger%load(simulation%communicator, state, error)
+      if (allocated(error)) return
+      call state%get("checkpoint_number", number, error)
+      if (allocated(error)) return
+      place%number = int(number(1)) + 1
+      if (len(file) > 0) call pass_by(simulation, place, error)
+      if (allocated(error)) return
+      call state%get("last_step_length", length, error)
+      if (allocated(error)) return
+      simulation%dt = length(1)
+      call note_gravity(simulation)
+      simulation%guard%longest = length(size(length))
+      call outputs%load(state)
+      call load_errors(simulation, state)
+      call load_trust(simulation%trust, state)
+      call distribute(simulation)
+   end subroutine resume
+
+   !> Number the next checkpoint after all in the folder: a run that goes on from a file of the
+   !! user's choice leaves later ones as they are.
+   subroutine pass_by(simulation, place, error)
+      type(simulation_t), intent(in) :: simulation   !! For the ranks
+      type(checkpoint_place_t), intent(inout) :: place !! Gets another number
+      type(error_t), allocatable, intent(out) :: error !! The folder cannot be read
+      character(len=longest_path), allocatable :: paths(:)
+
+      if (.not. file_exists(join_path(place%folder, "."))) return
+      call checkpoint_newest(simulation%communicator, place%folder, place%case, paths, error)
+      if (allocated(error) .or. size(paths) == 0) return
+      do while (.not. comes_after(place%path(), trim(paths(1))))
+         place%number = place%number + 1
+      end do
+   end subroutine pass_by
+
+   !> True if a checkpoint has the greater number: of four digits or more, so the longer is greater.
+   pure logical function comes_after(path, other) result(after)
+      character(len=*), intent(in) :: path           !! Its path
+      character(len=*), intent(in) :: other          !! Path of the other one
+
+      after = len(path) > len(other) .or. (len(path) == len(other) .and. lgt(path, other))
+   end function comes_after
+end module output_checkpoint

@@ -1,0 +1,302 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What the lines of a history hold: by itself the whole ledger, else the columns that the deck
+!! names, among them some that are found only for those who ask.
+module output_history
+   use base_error, only: error_t, exit_input, fail
+   use base_exact_sum, only: exact_sum_t
+   use base_kinds, only: wp
+   use base_text, only: append, closest, text_t
+   use io_profile, only: half_height, profile_rows, profile_t
+   use mesh_grid, only: grid_t
+   use particle_store, only: store_t
+   use step_diagnostics, only: look_at_shapes, shapes_look_t
+   use step_exact_error, only: error_columns, take_errors
+   use step_ledger, only: balance_t, entries, entry_names, entry_units
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: choose_history, history_columns_t, history_names, history_row
+
+   integer, parameter, public :: heading_length = 40 !! Longest name of a column with its unit
+   integer, parameter :: before = 3                  !! Columns before the ledger
+   integer, parameter :: sums = 5                    !! Columns behind it: total and errors
+   integer, parameter :: all_books = before + entries + sums
+   integer, parameter :: all_errors = size(error_columns) !! Columns of an exact solution
+   !> Columns that only those get who name them, with units; and their numbers.
+   character(len=19), parameter :: further(13) = [character(len=19) :: "potential [J]", &
+      "runout [m]", "height [m]", "front_x [m]", "front_y [m]", "front_z [m]", "tail_x [m]", &
+      "tail_y [m]", "tail_z [m]", "stretch [1]", "stretched_share [1]", "overlap [1]", &
+      "noise [Pa]"]
+   integer, parameter :: potential = 1, runout = 2, height = 3, front = 4, tail = 7, &
+      stretch = 10
+   character(len=*), parameter :: other_name = "mass_failed" !! Of failed_mass
+   integer, parameter :: every = all_books + all_errors + size(further)
+   real(wp), parameter :: share = 0.99_wp            !! Of the mass, behind the run-out
+
+   !> The columns of a history, by their numbers in the list of all there are.
+   type :: history_columns_t
+      integer, allocatable :: chosen(:)              !! In their order in the file
+      logical :: further(size(further)) = .false.    !! Which of those not in the ledger
+   contains
+      procedure :: headings => columns_headings      !! Names with units
+   end type history_columns_t
+
+contains
+
+   !> Names of all columns without their units.
+   pure function history_names() result(names)
+      type(text_t), allocatable :: names(:)
+      character(len=heading_length) :: list(every)
+      integer :: n
+
+      list = all_columns()
+      allocate (names(0))
+      do n = 1, size(list)
+         call append(names, name_of(list(n)))
+      end do
+   end function history_names
+
+   !> All columns that there can be: time, ledger, errors against an exact solution, further ones.
+   pure function all_columns() result(columns)
+      character(len=heading_length) :: columns(every)
+      integer :: n
+
+      columns(:before) = [character(len=heading_length) :: "time [s]", "step", "dt [s]"]
+      do n = 1, entries
+         columns(before + n) = trim(entry_names(n))//" ["//trim(entry_units(n))//"]"
+      end do
+      columns(before + entries + 1:all_books) = [character(len=heading_length) :: "total [J]", &
+         "mass_error [1]", "momentum_error [1]", "angular_momentum_error [1]", "energy_error [1]"]
+      columns(all_books + 1:all_books + all_errors) = error_columns
+      columns(all_books + all_errors + 1:) = further
+   end function all_columns
+
+   !> The name in a heading.
+   pure function name_of(heading) result(name)
+      character(len=*), intent(in) :: heading        !! As "time [s]"
+      character(len=:), allocatable :: name
+
+      name = trim(heading)
+      if (index(name, " [") > 0) name = name(:index(name, " [") - 1)
+   end function name_of
+
+   !> Choose columns by their names; "default" is the ledger, with the errors of an exact solution.
+   !! Time and step are always there.
+   subroutine choose_history(fields, with_exact, grid, with_gravity, columns, error)
+      character(len=*), intent(in) :: fields(:)      !! Names, or "default"
+      logical, intent(in) :: with_exact              !! Is there an exact solution?
+      type(grid_t), intent(in) :: grid               !! The box and its directions
+      logical, intent(in) :: with_gravity            !! Is there gravity?
+      type(history_columns_t), intent(out) :: columns !! What the history shows
+      type(error_t), allocatable, intent(out) :: error !! A name does not work
+      character(len=heading_length) :: list(every)
+      character(len=:), allocatable :: fault
+      logical :: chosen(every)
+      integer :: last, n, k
+
+      list = all_columns()
+      last = all_books
+      if (with_exact) last = all_books + all_errors
+      allocate (columns%chosen(0))
+      chosen = .false.
+      call take(1, columns%chosen, chosen)
+      call take(2, columns%chosen, chosen)
+      do n = 1, size(fields)
+         if (fields(n) == "default") then
+            do k = 1, last
+               call take(k, columns%chosen, chosen)
+            end do
+            cycle
+         end if
+         do k = size(list), 1, -1
+            if (name_of(list(k)) == fields(n)) exit
+            if (fields(n) == other_name .and. name_of(list(k)) == "failed_mass") exit
+         end do
+         fault = fault_of(fields(n), k, with_exact, grid, with_gravity)
+         if (fault /= "") then
+            call fail(error, exit_input, "output field '"//trim(fields(n))//"' "//fault)
+            return
+         end if
+         call take(k, columns%chosen, chosen)
+      end do
+      columns%further = chosen(all_books + all_errors + 1:)
+   end subroutine choose_history
+
+   !> Take a column, unless it is taken already.
+   pure subroutine take(number, list, chosen)
+      integer, intent(in) :: number                  !! Which one
+      integer, allocatable, intent(inout) :: list(:) !! In their order
+      logical, intent(inout) :: chosen(:)            !! Those that are taken
+
+      if (.not. chosen(number)) list = [list, number]
+      chosen(number) = .true.
+   end subroutine take
+
+   !> What is wrong with a name; empty if nothing is.
+   pure function fault_of(name, number, with_exact, grid, with_gravity) result(text)
+      character(len=*), intent(in) :: name           !! As in the deck
+      integer, intent(in) :: number                  !! Of the column, 0 = there is none
+      logical, intent(in) :: with_exact              !! Is there an exact solution?
+      type(grid_t), intent(in) :: grid               !! The box and its directions
+      logical, intent(in) :: with_gravity            !! Is there gravity?
+      character(len=:), allocatable :: text
+      type(text_t), allocatable :: names(:)
+      character(len=:), allocatable :: near
+      logical :: lacks
+      integer :: n
+
+      text = ""
+      if (number == 0) then
+         text = "is unknown in a history; there are: default"
+         names = history_names()
+         do n = 1, size(names)
+            text = text//" "//names(n)%text
+         end do
+         near = closest(trim(name), names)
+         if (near /= "") text = text//"; did you mean '"//near//"'?"
+         return
+      end if
+      if (number > all_books .and. number <= all_books + all_errors .and. .not. with_exact) &
+         text = "needs &exact, a solution to compare with"
+      n = number - all_books - all_errors
+      if (n < 1) return
+      if (n == potential .and. .not. with_gravity) text = "needs &effects gravity = .true."
+      lacks = n == height .and. .not. grid%active(3)
+      if (n >= front .and. n < stretch) lacks = .not. grid%active(mod(n - front, 3) + 1)
+      if (lacks) text = "is along a direction that the scene lacks; remove it"
+   end function fault_of
+
+   !> Names of the columns with units.
+   pure function columns_headings(self) result(headings)
+      class(history_columns_t), intent(in) :: self   !! The columns
+      character(len=heading_length), allocatable :: headings(:)
+      character(len=heading_length) :: list(every)
+
+      list = all_columns()
+      headings = list(self%chosen)
+   end function columns_headings
+
+   !> Values of a line. Collective.
+   subroutine history_row(simulation, columns, row)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(history_columns_t), intent(in) :: columns !! What is wanted
+      real(wp), allocatable, intent(out) :: row(:)   !! (column)
+      real(wp) :: values(every)
+      type(balance_t) :: now
+      type(shapes_look_t) :: look
+
+      values = 0.0_wp
+      call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+         simulation%stores, simulation%materials, now)
+      values(:all_books) = [simulation%time, real(simulation%step, wp), simulation%dt, now%entry, &
+         now%total, now%mass_error, now%momentum_error, now%angular_error, now%energy_error]
+      if (allocated(simulation%exact)) then
+         call take_errors(simulation)
+         values(all_books + 1:all_books + all_errors) = simulation%exact%error
+      end if
+      associate (more => values(all_books + all_errors + 1:))
+         if (columns%further(potential)) more(potential) = potential_energy(simulation)
+         if (columns%further(runout)) more(runout) = reach(simulation)
+         if (any(columns%further(stretch:))) then
+            call look_at_shapes(simulation, look)
+            more(stretch:) = [look%longest, look%share, look%overlap, look%difference]
+         end if
+         if (any(columns%further(height:tail + 2))) call find_ends(simulation, more(height), &
+            more(front:front + 2), more(tail:tail + 2))
+      end associate
+      row = values(columns%chosen)
+   end subroutine history_row
+
+   !> Energy of all particles in the field of gravity, 0 in the origin. Collective. [J]
+   function potential_energy(simulation) result(energy)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      real(wp) :: energy
+      type(exact_sum_t) :: total
+      integer :: index, p, tile
+
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  call total%add(-store%matter%mass(p) &
+                     *dot_product(simulation%gravity, store%position(p, :)))
+               end do
+            end do
+         end associate
+      end do
+      call total%over_ranks(simulation%communicator)
+      energy = total%value()
+   end function potential_energy
+
+   !> Place along x behind which 99 % of the mass lie, found in columns of cells and between the
+   !! ends of one as if mass were even there. Collective. [m]
+   function reach(simulation) result(place)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp) :: place
+      type(profile_t) :: columns
+      real(wp), allocatable :: rows(:, :)
+      real(wp) :: mass, width, wanted
+      integer :: n
+
+      associate (grid => simulation%grid)
+         columns%axis = 1
+         columns%lower = grid%lower(1)
+         columns%upper = grid%upper(1)
+         columns%bins = nint((columns%upper - columns%lower)/grid%spacing)
+         width = (columns%upper - columns%lower)/real(columns%bins, wp)
+         allocate (columns%means(0))
+         call profile_rows(simulation%communicator, grid, simulation%stores, columns, rows)
+      end associate
+      wanted = share*sum(rows(4, :))
+      mass = 0.0_wp
+      place = columns%lower
+      do n = 1, columns%bins
+         if (rows(4, n) <= 0.0_wp) cycle
+         place = columns%lower + width*(real(n - 1, wp) + min((wanted - mass)/rows(4, n), 1.0_wp))
+         mass = mass + rows(4, n)
+         if (mass >= wanted) exit
+      end do
+   end function reach
+
+   !> Highest place of matter, with half the size of its particle, and the greatest and least
+   !! places of particles. Without any a greatest one is the lower end of
+   !! the box, a least one its upper end. Collective.
+   subroutine find_ends(simulation, top, greatest, least)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(out) :: top                   !! Along z [m]
+      real(wp), intent(out) :: greatest(3)           !! Along x, y, z [m]
+      real(wp), intent(out) :: least(3)              !! Along x, y, z [m]
+      real(wp) :: ends(7)
+      integer :: index, p, tile
+
+      associate (grid => simulation%grid)
+         ends = [grid%lower(3), grid%lower, -grid%upper]
+         do index = 1, size(simulation%stores)
+            associate (store => simulation%stores(index))
+               do tile = 1, size(store%count)
+                  do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                     call widen(grid, store, p, ends)
+                  end do
+               end do
+            end associate
+         end do
+         call simulation%communicator%maxima(ends)
+      end associate
+      top = ends(1)
+      greatest = ends(2:4)
+      least = -ends(5:7)
+   end subroutine find_ends
+
+   !> Let the ends reach as far as a particle.
+   pure subroutine widen(grid, store, p, ends)
+      type(grid_t), intent(in) :: grid               !! The box and its directions
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: p                       !! Which one
+      real(wp), intent(inout) :: ends(7)             !! Top, greatest places, least ones negative
+
+      ends(1) = max(ends(1), store%position(p, 3) + half_height(grid, store, p))
+      ends(2:4) = max(ends(2:4), store%position(p, :))
+      ends(5:7) = max(ends(5:7), -store%position(p, :))
+   end subroutine widen
+end module output_history

@@ -1,0 +1,450 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What a run leaves behind about itself: tables in the log and CASE.summary.json.
+module output_summary
+   use base_error, only: error_t
+   use base_kinds, only: int64, wp
+   use base_log, only: log_t
+   use base_version, only: git_commit, version_text
+   use io_digest, only: state_digest
+   use io_state, only: state_t
+   use io_summary, only: json_t
+   use material_effect_timers, only: share_out
+   use omp_lib, only: omp_get_max_threads
+   use output_checkpoint, only: describe_state
+   use output_streams, only: outputs_t
+   use output_summary_steps, only: add_rules, steps_text
+   use step_advance, only: count_particles
+   use step_exact_error, only: take_errors
+   use step_ledger, only: balance_t, entries, entry_names, removed_mass, removed_particles
+   use step_simulation, only: nodes_t, simulation_t
+   use step_trust, only: final_trust, warn_of_balance
+   use step_trust_record, only: add_trust, trust_t, trust_text
+   implicit none
+   private
+
+   public :: summarise
+
+   integer, parameter :: extremes = 5                !! Number of extremes
+   character(len=12), parameter :: extreme_names(extremes) = [character(len=12) :: "speed_max", &
+      "pressure_min", "pressure_max", "density_min", "density_max"]
+   real(wp), parameter :: nano = 1.0e-9_wp           !! Times are added up in whole [ns]
+   integer, parameter :: kinds = 5                   !! Numbers about what ranks say to each other
+   character(len=15), parameter :: kind_names(kinds) = [character(len=15) :: "patch_messages", &
+      "patch_bytes", "moving_messages", "moving_bytes", "tiles_sent"]
+
+contains
+
+   !> Write the tables and the summary. Collective.
+   subroutine summarise(simulation, outputs, log, wall, timing, code, reason, error)
+      type(simulation_t), intent(inout) :: simulation !! The run at its end
+      type(outputs_t), intent(in) :: outputs         !! For names of files
+      type(log_t), intent(inout) :: log              !! Gets the tables
+      real(wp), intent(in) :: wall                   !! Wall time of the whole run [s]
+      logical, intent(in) :: timing                  !! Table of phases?
+      integer, intent(in) :: code                    !! Exit code
+      character(len=*), intent(in) :: reason         !! Why it ended
+      type(error_t), allocatable, intent(out) :: error !! The file cannot be written
+      type(json_t) :: json
+      type(balance_t) :: now
+      type(trust_t) :: trust
+      character(len=16) :: digest
+      integer(int64) :: counts(4), traffic(kinds)
+      real(wp) :: rate, bytes, range(extremes)
+      real(wp), allocatable :: least(:), mean(:), greatest(:)
+
+      call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
+         simulation%materials, now)
+      digest = digest_of(simulation)
+      counts = [count_particles(simulation), simulation%updates, simulation%halved, &
+         nint(simulation%worked/nano, int64)]
+      call simulation%communicator%total(counts)
+      call spread_timers(simulation, wall, least, mean, greatest)
+      rate = step_rate(simulation, counts(2), greatest)
+      bytes = bytes_per_particle(simulation, counts(1))
+      if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
+      call log%info(steps_text(simulation, wall, nano*real(counts(4), wp), reason))
+      call log%info(balance_text(now, rate, real(counts(2), wp)/max(wall, nano), bytes))
+      call final_trust(simulation, code, now, trust)
+      call log%info(trust_text(trust))
+      call warn_of_balance(simulation%method, now, trust, log)
+      call count_traffic(simulation, traffic)
+      if (simulation%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
+      call find_extremes(simulation, range)
+      if (allocated(simulation%exact)) call take_errors(simulation)
+      if (simulation%communicator%rank /= 0) return
+      call json%add("version", version_text)
+      call json%add("git", git_commit)
+      call json%add("case", outputs%case)
+      call json%add("exit_code", code)
+      call json%add("reason", reason)
+      call json%add("steps", simulation%step)
+      call json%add("time", simulation%time)
+      call json%add("particles", counts(1))
+      call json%add("wall_s", wall)
+      call add_work(json, counts(2), nano*real(counts(4), wp), rate)
+      call json%add("bytes_per_particle", bytes)
+      call add_layout(json, simulation)
+      call json%add("digest", digest)
+      call add_extremes(json, range)
+      call add_rules(json, simulation%guard)
+      call json%add("particles_halved", counts(3))
+      call add_timers(json, simulation, least, mean, greatest)
+      call add_books(json, simulation, now, trust)
+      if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
+      if (allocated(simulation%exact)) call add_exact(json, simulation)
+      call add_files(json, outputs)
+      call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
+   end subroutine summarise
+
+   !> Digest of the state of a run. Collective.
+   function digest_of(simulation) result(digest)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      character(len=16) :: digest
+      type(state_t) :: state
+
+      call describe_state(simulation, state)
+      digest = state_digest(simulation%communicator, simulation%stores, state)
+   end function digest_of
+
+   !> What was done in the steps, and how fast.
+   subroutine add_work(json, updates, worked, rate)
+      type(json_t), intent(inout) :: json            !! The summary
+      integer(int64), intent(in) :: updates          !! Of particles, on all ranks
+      real(wp), intent(in) :: worked                 !! Of the processor, on all ranks [s]
+      real(wp), intent(in) :: rate                   !! Updates a second of wall time
+
+      call json%add("processor_s", worked)
+      call json%add("particle_updates", updates)
+      call json%add("particle_updates_per_s", rate)
+   end subroutine add_work
+
+   !> On what it ran.
+   subroutine add_layout(json, simulation)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      call json%add("ranks", simulation%communicator%size)
+      call json%add("threads", omp_get_max_threads())
+   end subroutine add_layout
+
+   !> Times of all phases over the ranks, those of effects among them. Collective.
+   subroutine spread_timers(simulation, wall, least, mean, greatest)
+      type(simulation_t), intent(inout) :: simulation !! The run at its end
+      real(wp), intent(in) :: wall                   !! Wall time of the whole run [s]
+      real(wp), allocatable, intent(out) :: least(:) !! (phase) [s]
+      real(wp), allocatable, intent(out) :: mean(:)  !! (phase) [s]
+      real(wp), allocatable, intent(out) :: greatest(:) !! (phase) [s]
+      integer :: phases
+
+      call share_out(simulation%scratch%laps, simulation%phase%gather, simulation%phase%effect, &
+         simulation%timer)
+      phases = simulation%timer%count()
+      allocate (least(phases), mean(phases), greatest(phases))
+      call simulation%timer%spread(simulation%communicator, wall, least, mean, greatest)
+   end subroutine spread_timers
+
+   !> Particle updates a second of wall time in the steps, without output and checkpoints.
+   pure real(wp) function step_rate(simulation, updates, seconds) result(rate)
+      type(simulation_t), intent(in) :: simulation   !! For the phases
+      integer(int64), intent(in) :: updates          !! On all ranks
+      real(wp), intent(in) :: seconds(:)             !! (phase) Of the slowest rank [s]
+      real(wp) :: total
+
+      associate (phase => simulation%phase)
+         total = seconds(phase%sort) + seconds(phase%scatter) + seconds(phase%exchange) &
+            + seconds(phase%wait) + seconds(phase%grid) + seconds(phase%gather)
+         if (phase%conduction > 0) total = total + seconds(phase%conduction)
+         if (phase%contact > 0) total = total + seconds(phase%contact)
+         total = total + sum(seconds(pack(phase%effect, phase%effect > 0)))
+      end associate
+      rate = 0.0_wp
+      if (total > 0.0_wp) rate = real(updates, wp)/total
+   end function step_rate
+
+   !> Memory of particle and node fields for each particle [byte].
+   real(wp) function bytes_per_particle(simulation, particles) result(bytes)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer(int64), intent(in) :: particles        !! On all ranks
+      integer(int64) :: total(1)
+      integer :: index
+
+      total = 0
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            total = total + 8_int64*store%words()*size(store%identity) &
+               + 4_int64*(size(store%home) + size(store%cell_start))
+         end associate
+      end do
+      total = total + node_bytes(simulation%nodes)
+      if (allocated(simulation%contact)) then
+         associate (contact => simulation%contact)
+            do index = 1, size(contact%field)
+               total = total + node_bytes(contact%field(index)%nodes)
+            end do
+            total = total + 8_int64*(length(contact%outward) + length(contact%area) &
+               + length(contact%reach))
+         end associate
+      end if
+      if (allocated(simulation%conduction)) then
+         associate (heat => simulation%conduction)
+            total = total + 8_int64*(length(heat%content) + length(heat%total) &
+               + length(heat%temperature) + length(heat%flow) + length(heat%share) &
+               + length(heat%volume) + length(heat%slope) + length(heat%push))
+            if (allocated(heat%weight)) total = total + 8_int64*size(heat%weight, kind=int64)
+         end associate
+      end if
+      call simulation%communicator%total(total)
+      bytes = 0.0_wp
+      if (particles > 0) bytes = real(total(1), wp)/real(particles, wp)
+   end function bytes_per_particle
+
+   !> Memory of node fields [byte].
+   pure integer(int64) function node_bytes(nodes) result(bytes)
+      type(nodes_t), intent(in) :: nodes             !! Those of the run, or of a velocity field
+
+      bytes = 8_int64*(length(nodes%mass) + length(nodes%velocity) + length(nodes%acceleration) &
+         + length(nodes%extra) + length(nodes%strain) + length(nodes%volume) &
+         + length(nodes%filled) + length(nodes%filtered) + length(nodes%term) &
+         + length(nodes%loss) + length(nodes%mean) + length(nodes%star) + length(nodes%unit) &
+         + length(nodes%difference) + length(nodes%push) + length(nodes%rubbed) &
+         + sum(nodes%motion%length()) + sum(nodes%seen%length()) + nodes%share%length() &
+         + nodes%force%length() + nodes%gradient%length() + nodes%middle%length() &
+         + nodes%earlier%length())
+      if (allocated(nodes%touched%box)) bytes = bytes + 28_int64*size(nodes%touched%box, 3)
+      if (allocated(nodes%weighted%box)) bytes = bytes + 28_int64*size(nodes%weighted%box, 3)
+      if (allocated(nodes%weight)) bytes = bytes + 8_int64*size(nodes%weight, kind=int64)
+   end function node_bytes
+
+   !> Numbers in an array that may not exist.
+   pure integer(int64) function length(array) result(numbers)
+      real(wp), allocatable, intent(in) :: array(:, :, :) !! Any
+
+      numbers = 0
+      if (allocated(array)) numbers = size(array, kind=int64)
+   end function length
+
+   !> The books as two lines of text.
+   function balance_text(now, rate, whole_rate, bytes) result(text)
+      type(balance_t), intent(in) :: now             !! The books
+      real(wp), intent(in) :: rate                   !! Particle updates a second of the steps
+      real(wp), intent(in) :: whole_rate             !! The same of the whole call, output included
+      real(wp), intent(in) :: bytes                  !! A particle
+      character(len=:), allocatable :: text
+      character(len=200) :: line
+
+      write (line, "(4(a,es10.2))") "balance   error of mass", now%mass_error, ", momentum", &
+         now%momentum_error, ", angular momentum", now%angular_error, ", energy", now%energy_error
+      text = trim(line)//new_line("a")
+      if (now%entry(removed_particles) > 0.0_wp) then
+         write (line, "(a,i0,a,es10.3,a)") "removed   ", &
+            nint(now%entry(removed_particles), int64), &
+            " particles that had failed or left their bounds, with", now%entry(removed_mass), " kg"
+         text = text//trim(line)//new_line("a")
+      end if
+      write (line, "(a,f8.2,a,f8.2,a,i0,a)") "speed     ", 1.0e-6_wp*rate, &
+         " million particle updates/s in the steps,", 1.0e-6_wp*whole_rate, &
+         " with start and output; ", nint(bytes, int64), " bytes/particle"
+      text = text//trim(line)
+   end function balance_text
+
+   !> What the ranks said to each other, in the order of the names, summed over them. Patches are
+   !! node fields; what moves are particles that change ranks and data that are levelled for files.
+   subroutine count_traffic(simulation, traffic)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer(int64), intent(out) :: traffic(kinds)  !! Messages, bytes, messages, bytes, tiles
+
+      associate (said => simulation%communicator%traffic, halo => simulation%halo)
+         traffic = [halo%messages, 8*halo%words, said%messages - halo%messages, &
+            8*(said%words - halo%words), simulation%load%sent]
+      end associate
+      call simulation%communicator%total(traffic)
+   end subroutine count_traffic
+
+   !> How evenly the ranks worked and what they said to each other, as lines of text.
+   function ranks_text(simulation, traffic) result(text)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer(int64), intent(in) :: traffic(kinds)   !! In the order of the names
+      character(len=:), allocatable :: text
+      character(len=160) :: line
+      real(wp) :: each
+
+      text = ""
+      associate (load => simulation%load)
+         if (load%looks > 0) then
+            write (line, "(a,f6.3,a,f6.3,a,f6.3,a,i0,a)") "work      busiest rank over mean", &
+               load%total/real(load%looks, wp), " on average,", load%last, " at last,", &
+               load%greatest, " at worst after step 100; shared out anew ", load%cuts, " times"
+            text = trim(line)//new_line("a")
+         end if
+      end associate
+      each = 1.0_wp/(real(simulation%communicator%size, wp)*real(max(simulation%step, 1_int64), wp))
+      write (line, "(a,2(f6.2,a,es9.2,a))") "messages  a step and rank:", &
+         each*real(traffic(1), wp), " of patches,", each*real(traffic(2), wp), " bytes; ", &
+         each*real(traffic(3), wp), " of particles,", each*real(traffic(4), wp), " bytes"
+      text = text//trim(line)
+   end function ranks_text
+
+   !> The same for scripts.
+   subroutine add_ranks(json, simulation, traffic)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer(int64), intent(in) :: traffic(kinds)   !! In the order of the names
+      integer :: n
+
+      associate (load => simulation%load)
+         call json%begin("work_of_ranks")
+         call json%add("looks", load%looks)
+         call json%add("shared_out_anew", load%cuts)
+         call json%add("busiest_over_mean_last", load%last)
+         if (load%looks > 0) call json%add("busiest_over_mean", &
+            load%total/real(load%looks, wp))
+         call json%add("busiest_over_mean_worst", load%greatest)
+         call json%end()
+      end associate
+      call json%begin("traffic")
+      do n = 1, kinds
+         call json%add(trim(kind_names(n)), traffic(n))
+      end do
+      call json%end()
+   end subroutine add_ranks
+
+   !> Greatest speed, and the ranges of pressure and density, over all particles and ranks; zero
+   !! without particles.
+   subroutine find_extremes(simulation, range)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      real(wp), intent(out) :: range(extremes)       !! In the order of the names
+      real(wp) :: speed, pressure, density
+      integer :: index, tile, p
+
+      range = -huge(1.0_wp)
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  speed = sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 &
+                     + store%velocity(p, 3)**2)
+                  pressure = -(store%matter%stress(p, 1) + store%matter%stress(p, 2) &
+                     + store%matter%stress(p, 3))/3.0_wp
+                  density = store%matter%mass(p)/store%matter%volume(p)
+                  range = max(range, [speed, -pressure, pressure, -density, density])
+               end do
+            end do
+         end associate
+      end do
+      do p = 1, extremes
+         range(p) = simulation%communicator%maximum(range(p))
+      end do
+      range([2, 4]) = -range([2, 4])
+      if (range(1) < 0.0_wp) range = 0.0_wp
+   end subroutine find_extremes
+
+   !> Extremes of the final state.
+   subroutine add_extremes(json, range)
+      type(json_t), intent(inout) :: json            !! The summary
+      real(wp), intent(in) :: range(extremes)        !! In the order of the names
+      integer :: n
+
+      call json%begin("extremes")
+      do n = 1, extremes
+         call json%add(trim(extreme_names(n)), range(n))
+      end do
+      call json%end()
+   end subroutine add_extremes
+
+   !> Wall time by phase.
+   subroutine add_timers(json, simulation, least, mean, greatest)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! Names
+      real(wp), intent(in) :: least(:)               !! (phase) [s]
+      real(wp), intent(in) :: mean(:)                !! (phase) [s]
+      real(wp), intent(in) :: greatest(:)            !! (phase) [s]
+      integer :: n
+
+      call json%begin("timers")
+      do n = 1, simulation%timer%count()
+         call json%begin(trim(simulation%timer%name(n)))
+         call json%add("min", least(n))
+         call json%add("avg", mean(n))
+         call json%add("max", greatest(n))
+         call json%add("calls", simulation%timer%calls(n))
+         call json%end()
+      end do
+      call json%end()
+   end subroutine add_timers
+
+   !> The ledger, and what it cannot show.
+   subroutine add_books(json, simulation, now, trust)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! With the start
+      type(balance_t), intent(in) :: now             !! The end
+      type(trust_t), intent(in) :: trust             !! The values at the end
+
+      call add_ledger(json, simulation, now)
+      call add_trust(json, trust)
+   end subroutine add_books
+
+   !> Every entry at the start and the end, and the errors.
+   subroutine add_ledger(json, simulation, now)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! With the start
+      type(balance_t), intent(in) :: now             !! The end
+      integer :: n
+
+      call json%begin("ledger")
+      call json%add("mass_error", now%mass_error)
+      call json%add("momentum_error", now%momentum_error)
+      call json%add("angular_momentum_error", now%angular_error)
+      call json%add("energy_error", now%energy_error)
+      call json%begin("start")
+      do n = 1, entries
+         call json%add(trim(entry_names(n)), simulation%ledger%start%entry(n))
+      end do
+      call json%add("total", simulation%ledger%start%total)
+      call json%end()
+      call json%begin("end")
+      do n = 1, entries
+         call json%add(trim(entry_names(n)), now%entry(n))
+      end do
+      call json%add("total", now%total)
+      call json%end()
+      call json%end()
+   end subroutine add_ledger
+
+   !> Errors against the exact solution: now, and the greatest of displacement in the histories,
+   !! also over the greatest displacement of the solution.
+   subroutine add_exact(json, simulation)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(simulation_t), intent(in) :: simulation   !! With the errors
+
+      associate (case => simulation%exact)
+         call json%begin("exact")
+         call json%add("displacement_error", case%error(1))
+         call json%add("velocity_error", case%error(2))
+         call json%add("stress_error", case%error(3))
+         call json%add("greatest_displacement_error", case%greatest_error)
+         call json%add("greatest_displacement", case%greatest_motion)
+         if (case%greatest_motion > 0.0_wp) call json%add("relative_displacement_error", &
+            case%greatest_error/case%greatest_motion)
+         call json%end()
+      end associate
+   end subroutine add_exact
+
+   !> Names of what was written.
+   subroutine add_files(json, outputs)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(outputs_t), intent(in) :: outputs         !! The streams
+      integer :: n
+      character(len=12) :: number
+
+      call json%begin("files")
+      do n = 1, size(outputs%snapshots)
+         write (number, "(i0)") n
+         call json%add("particles_"//trim(number), outputs%snapshots(n)%prefix//".hdf.series")
+      end do
+      do n = 1, size(outputs%tables)
+         write (number, "(i0)") n
+         call json%add("history_"//trim(number), outputs%tables(n)%name)
+      end do
+      call json%end()
+   end subroutine add_files
+end module output_summary

@@ -1,0 +1,182 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Brings all tiles of a store into order at once, in new arrays without gaps.
+!!
+!! Where tiles hold few particles almost each of them gets or loses some in a step. Then one way
+!! through each field costs less than one through all fields for each tile, and no tile needs room
+!! to grow.
+module particle_sort_store
+   use base_field_worker, only: field_worker_t
+   use base_kinds, only: int64, wp
+   use particle_sort_tile, only: many, order_tile, settler_t
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: arrange_store
+
+   !> Makes new arrays of fields from the places where their values are.
+   type, extends(field_worker_t) :: arranger_t
+      integer, allocatable :: source(:)               !! (place) Particle > 0, row < 0, 0 = nobody
+      integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers
+      integer :: word = 0                             !! Words of the rows used so far
+   contains
+      procedure :: scalar => arranger_scalar          !! Arranges numbers
+      procedure :: vector => arranger_vector          !! Arranges vectors
+      procedure :: whole => arranger_whole            !! Arranges whole numbers
+   end type arranger_t
+
+contains
+
+   !> Arrange all tiles of a store: particles that stay and newcomers, by cell and then by identity.
+   subroutine arrange_store(store, wish, rows, before, row, home)
+      type(store_t), intent(inout) :: store           !! The particles
+      integer, intent(in) :: wish(:)                  !! (tile) Coming counts
+      integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
+      integer, intent(in) :: before(:)                !! (tile + 1) Rows of the tiles before
+      integer, intent(in) :: row(:)                   !! Rows grouped by tile
+      integer, intent(in) :: home(:)                  !! (row) Their cells
+      type(arranger_t) :: arranger
+      integer, allocatable :: first(:), cells(:)
+      integer :: length
+
+      call store%line_up(wish, first, length)
+      allocate (arranger%source(length), cells(length))
+      arranger%source = 0
+      cells = 0
+      arranger%rows => rows
+      call find_sources(store, first, rows, before, row, home, arranger%source, cells)
+      call store%walk(arranger)
+      call move_alloc(cells, store%home)
+      call move_alloc(first, store%first)
+      store%count = wish
+      store%restless = .false.
+      store%leaving = 0
+   end subroutine arrange_store
+
+   !> Where the particle of each place comes from, and its cell.
+   ! gate: long kernel because newcomers are told by their rows, groups and cells
+   subroutine find_sources(store, first, rows, before, row, home, source, cells)
+      type(store_t), intent(inout) :: store           !! The particles; get the ranges of cells
+      integer, intent(in) :: first(:)                 !! (tile) First places
+      integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
+      integer, intent(in) :: before(:)                !! (tile + 1) Rows of the tiles before
+      integer, intent(in) :: row(:)                   !! Rows grouped by tile
+      integer, intent(in) :: home(:)                  !! (row) Their cells
+      integer, intent(inout) :: source(:)             !! (place) Particle > 0, row < 0
+      integer, intent(inout) :: cells(:)              !! (place) Cells
+      type(settler_t) :: settler
+      integer :: tile, at, p
+
+      !$omp parallel default(none) shared(store, first, rows, before, row, home, source, cells) &
+      !$omp private(tile, at, p, settler)
+      settler%rows => rows
+      !$omp do schedule(dynamic, 64)
+      do tile = 1, size(first)
+         at = first(tile) - 1
+         if (.not. store%restless(tile) .and. before(tile + 1) == before(tile)) then
+            do p = 1, store%count(tile)
+               source(at + p) = store%first(tile) + p - 1
+               cells(at + p) = store%home(store%first(tile) + p - 1)
+            end do
+            cycle
+         end if
+         call order_tile(store, settler, tile, store%first(tile), &
+            row(before(tile) + 1:before(tile + 1)), home)
+         do p = 1, settler%count
+            source(at + p) = settler%source(p)
+         end do
+         call list_cells(store%cell_start(:, tile), cells(at + 1:at + settler%count))
+      end do
+      !$omp end do
+      !$omp end parallel
+   end subroutine find_sources
+
+   !> Cells of the particles of a tile from the ranges of the cells.
+   pure subroutine list_cells(start, cells)
+      integer, contiguous, intent(in) :: start(0:)    !! (0:cells) Particles before each cell
+      integer, intent(inout) :: cells(0:)             !! (particle, from 0)
+      integer :: cell
+
+      do cell = 0, ubound(start, 1) - 1
+         cells(start(cell):start(cell + 1) - 1) = cell
+      end do
+   end subroutine list_cells
+
+   !> Arrange a field of numbers.
+   subroutine arranger_scalar(self, name, unit, values)
+      class(arranger_t), intent(inout) :: self        !! Where values come from
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:) !! (particle)
+      real(wp), allocatable :: arranged(:)
+
+      self%word = self%word + 1
+      allocate (arranged(size(self%source)))
+      call take_reals(self%source, self%rows, self%word, values, arranged)
+      call move_alloc(arranged, values)
+   end subroutine arranger_scalar
+
+   !> Arrange a field of vectors or tensors.
+   subroutine arranger_vector(self, name, unit, values)
+      class(arranger_t), intent(inout) :: self        !! Where values come from
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
+      real(wp), allocatable :: arranged(:, :)
+      integer :: component
+
+      allocate (arranged(size(self%source), size(values, 2)))
+      do component = 1, size(values, 2)
+         call take_reals(self%source, self%rows, self%word + component, values(:, component), &
+            arranged(:, component))
+      end do
+      self%word = self%word + size(values, 2)
+      call move_alloc(arranged, values)
+   end subroutine arranger_vector
+
+   !> Arrange a field of whole numbers.
+   subroutine arranger_whole(self, name, unit, values)
+      class(arranger_t), intent(inout) :: self        !! Where values come from
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
+      integer(int64), allocatable :: arranged(:)
+      integer :: p
+
+      self%word = self%word + 1
+      allocate (arranged(size(self%source)))
+      do p = 1, size(self%source)
+         if (self%source(p) > 0) then
+            arranged(p) = values(self%source(p))
+         else if (self%source(p) < 0) then
+            arranged(p) = self%rows(self%word, -self%source(p))
+         else
+            arranged(p) = 0
+         end if
+      end do
+      call move_alloc(arranged, values)
+   end subroutine arranger_whole
+
+   !> Numbers from where they are.
+   subroutine take_reals(source, rows, word, values, arranged)
+      integer, intent(in) :: source(:)                !! (place) Particle > 0, row < 0, 0 = nobody
+      integer(int64), contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
+      integer, intent(in) :: word                     !! Word of the rows
+      real(wp), contiguous, intent(in) :: values(:)   !! (particle)
+      real(wp), contiguous, intent(inout) :: arranged(:) !! (place)
+      integer :: p
+
+      !$omp parallel do default(none) shared(source, rows, word, values, arranged) private(p) &
+      !$omp schedule(static) if(size(source) > many)
+      do p = 1, size(source)
+         if (source(p) > 0) then
+            arranged(p) = values(source(p))
+         else if (source(p) < 0) then
+            arranged(p) = transfer(rows(word, -source(p)), 0.0_wp)
+         else
+            arranged(p) = 0.0_wp
+         end if
+      end do
+      !$omp end parallel do
+   end subroutine take_reals
+end module particle_sort_store

@@ -1,0 +1,291 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Puts the particles of a tile in the order of cells and identities, newcomers among them.
+module particle_sort_tile
+   use base_field_worker, only: field_worker_t
+   use base_kinds, only: int64, wp
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: order_tile, settle_tile, settler_t, row_packer_t
+
+   integer, parameter, public :: many = 1000          !! Particles that are worth several threads
+
+   !> Packs listed particles into rows of whole numbers, reals bit by bit.
+   type, extends(field_worker_t) :: row_packer_t
+      integer, allocatable :: particle(:)             !! (row) Index in the store
+      integer(int64), allocatable :: rows(:, :)       !! (word, row)
+      integer :: word = 0                             !! Words filled so far
+   contains
+      procedure :: scalar => packer_scalar            !! Packs numbers
+      procedure :: vector => packer_vector            !! Packs vectors
+      procedure :: whole => packer_whole              !! Packs whole numbers
+   end type row_packer_t
+
+   !> Brings the particles of one tile into their new order; scratch of one thread.
+   type, extends(field_worker_t) :: settler_t
+      integer :: first = 0                            !! First particle of the new range
+      integer :: count = 0                            !! Particles of the new range
+      integer :: word = 0                             !! Words of the rows used so far
+      integer, allocatable :: source(:)               !! Particle > 0 or row < 0 for each new place
+      integer, allocatable :: cell(:)                 !! Cell of each source
+      integer, allocatable :: order(:)                !! Scratch
+      integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers
+      real(wp), allocatable :: buffer(:)              !! Scratch
+      integer(int64), allocatable :: whole_buffer(:)  !! Scratch
+   contains
+      procedure :: scalar => settler_scalar           !! Reorders numbers
+      procedure :: vector => settler_vector           !! Reorders vectors
+      procedure :: whole => settler_whole             !! Reorders whole numbers
+      procedure :: make_room => settler_make_room     !! Sizes the scratch
+   end type settler_t
+
+contains
+
+   !> Reorder one tile: particles that stay and newcomers, by cell and then by identity.
+   subroutine settle_tile(store, settler, tile, now, newcomer, home)
+      type(store_t), intent(inout) :: store           !! The particles; count becomes the new one
+      class(settler_t), intent(inout) :: settler      !! Scratch, with the rows
+      integer, intent(in) :: tile                     !! Which tile
+      integer, intent(in) :: now                      !! First particle as they lie now
+      integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
+      integer, intent(in) :: home(:)                  !! (row) Cells of all rows
+      integer :: p, cell
+
+      call order_tile(store, settler, tile, now, newcomer, home)
+      settler%first = store%first(tile)
+      settler%word = 0
+      call store%walk(settler)
+      do cell = 0, ubound(store%cell_start, 1) - 1
+         do p = store%cell_start(cell, tile), store%cell_start(cell + 1, tile) - 1
+            store%home(store%first(tile) + p) = cell
+         end do
+      end do
+      store%count(tile) = settler%count
+      store%restless(tile) = .false.
+      store%leaving(tile) = 0
+   end subroutine settle_tile
+
+   !> Find where each particle of the new range of a tile comes from, and the range of each cell.
+   subroutine order_tile(store, settler, tile, now, newcomer, home)
+      type(store_t), intent(inout) :: store           !! The particles; gets the ranges of cells
+      class(settler_t), intent(inout) :: settler      !! Scratch, with the rows; gets the sources
+      integer, intent(in) :: tile                     !! Which tile
+      integer, intent(in) :: now                      !! First particle as they lie now
+      integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
+      integer, intent(in) :: home(:)                  !! (row) Cells of all rows
+      integer, parameter :: identity_word = 1
+      integer :: p, n, cell, row
+
+      call settler%make_room(store%count(tile) + size(newcomer))
+      n = 0
+      do p = now, now + store%count(tile) - 1
+         if (store%home(p) < 0) cycle
+         n = n + 1
+         settler%order(n) = p
+         settler%cell(n) = store%home(p)
+      end do
+      do row = 1, size(newcomer)
+         n = n + 1
+         settler%order(n) = -newcomer(row)
+         settler%cell(n) = home(newcomer(row))
+      end do
+      settler%count = n
+      call order_by_cell(settler, n, store%cell_start(:, tile))
+      do cell = 0, ubound(store%cell_start, 1) - 1
+         if (store%cell_start(cell + 1, tile) - store%cell_start(cell, tile) < 2) cycle
+         call order_by_identity(store, settler, store%cell_start(cell, tile) + 1, &
+            store%cell_start(cell + 1, tile), identity_word)
+      end do
+   end subroutine order_tile
+
+   !> Group the sources of a tile by cell, each cell in the order in which they are listed.
+   pure subroutine order_by_cell(settler, number, start)
+      class(settler_t), intent(inout) :: settler      !! Holds the list and gets the sources
+      integer, intent(in) :: number                   !! Particles on the list
+      integer, contiguous, intent(inout) :: start(0:) !! (0:cells) Particles before each cell
+      integer :: p, cell, place
+
+      start = 0
+      do p = 1, number
+         cell = settler%cell(p) + 1
+         start(cell) = start(cell) + 1
+      end do
+      do cell = 1, ubound(start, 1)
+         start(cell) = start(cell) + start(cell - 1)
+      end do
+      do p = number, 1, -1
+         ! filled from behind, so that start can serve as the cursor of each cell
+         cell = settler%cell(p)
+         place = start(cell + 1)
+         settler%source(place) = settler%order(p)
+         start(cell + 1) = place - 1
+      end do
+      do cell = 0, ubound(start, 1) - 1
+         start(cell) = start(cell + 1)
+      end do
+      start(ubound(start, 1)) = number
+   end subroutine order_by_cell
+
+   !> Sort the sources of one cell by identity; they are few and nearly in order.
+   pure subroutine order_by_identity(store, settler, first, last, identity_word)
+      type(store_t), intent(in) :: store              !! The particles
+      class(settler_t), intent(inout) :: settler      !! Holds the sources
+      integer, intent(in) :: first                    !! First source of the cell
+      integer, intent(in) :: last                     !! Last source of the cell
+      integer, intent(in) :: identity_word            !! Word of the rows that holds the identity
+      integer :: at, hole, held
+      integer(int64) :: key
+
+      do at = first + 1, last
+         held = settler%source(at)
+         key = identity_of(held)
+         hole = at
+         do while (hole > first)
+            if (identity_of(settler%source(hole - 1)) <= key) exit
+            settler%source(hole) = settler%source(hole - 1)
+            hole = hole - 1
+         end do
+         settler%source(hole) = held
+      end do
+
+   contains
+
+      !> Identity of a source.
+      pure integer(int64) function identity_of(source) result(number)
+         integer, intent(in) :: source                !! Particle > 0 or row < 0
+
+         if (source > 0) then
+            number = store%identity(source)
+         else
+            number = settler%rows(identity_word, -source)
+         end if
+      end function identity_of
+   end subroutine order_by_identity
+
+   !> Size the scratch for a number of particles.
+   pure subroutine settler_make_room(self, number)
+      class(settler_t), intent(inout) :: self         !! The scratch
+      integer, intent(in) :: number                   !! Particles
+      integer :: room
+
+      if (allocated(self%source)) then
+         if (size(self%source) >= number) return
+         deallocate (self%source, self%cell, self%order, self%buffer, self%whole_buffer)
+      end if
+      room = number + number/4 + 16
+      allocate (self%source(room), self%cell(room), self%order(room), self%buffer(room), &
+         self%whole_buffer(room))
+   end subroutine settler_make_room
+
+   !> Bring a field of numbers into the new order.
+   subroutine settler_scalar(self, name, unit, values)
+      class(settler_t), intent(inout) :: self         !! Sources and scratch
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:) !! (particle)
+
+      self%word = self%word + 1
+      call reorder_reals(self, values)
+   end subroutine settler_scalar
+
+   !> Bring a field of vectors or tensors into the new order.
+   subroutine settler_vector(self, name, unit, values)
+      class(settler_t), intent(inout) :: self         !! Sources and scratch
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
+      integer :: component
+
+      do component = 1, size(values, 2)
+         self%word = self%word + 1
+         call reorder_reals(self, values(:, component))
+      end do
+   end subroutine settler_vector
+
+   !> Bring a field of whole numbers into the new order.
+   subroutine settler_whole(self, name, unit, values)
+      class(settler_t), intent(inout) :: self         !! Sources and scratch
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
+      integer :: p
+
+      self%word = self%word + 1
+      do p = 1, self%count
+         if (self%source(p) > 0) then
+            self%whole_buffer(p) = values(self%source(p))
+         else
+            self%whole_buffer(p) = self%rows(self%word, -self%source(p))
+         end if
+      end do
+      values(self%first:self%first + self%count - 1) = self%whole_buffer(:self%count)
+   end subroutine settler_whole
+
+   !> Bring one component into the new order.
+   pure subroutine reorder_reals(self, values)
+      class(settler_t), intent(inout) :: self         !! Sources and scratch
+      real(wp), contiguous, intent(inout) :: values(:) !! (particle)
+      integer :: p
+
+      do p = 1, self%count
+         if (self%source(p) > 0) then
+            self%buffer(p) = values(self%source(p))
+         else
+            self%buffer(p) = transfer(self%rows(self%word, -self%source(p)), 0.0_wp)
+         end if
+      end do
+      values(self%first:self%first + self%count - 1) = self%buffer(:self%count)
+   end subroutine reorder_reals
+
+   !> Pack a field of numbers, one word a row.
+   subroutine packer_scalar(self, name, unit, values)
+      class(row_packer_t), intent(inout) :: self      !! Rows and particles
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:) !! (particle)
+      integer :: row
+
+      self%word = self%word + 1
+      !$omp parallel do default(none) shared(self, values) private(row) &
+      !$omp if(size(self%particle) > many)
+      do row = 1, size(self%particle)
+         self%rows(self%word, row) = transfer(values(self%particle(row)), 0_int64)
+      end do
+      !$omp end parallel do
+   end subroutine packer_scalar
+
+   !> Pack a field of vectors or tensors, one word a component.
+   subroutine packer_vector(self, name, unit, values)
+      class(row_packer_t), intent(inout) :: self      !! Rows and particles
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
+      integer :: row, component
+
+      !$omp parallel do default(none) shared(self, values) private(row, component) &
+      !$omp if(size(self%particle) > many)
+      do row = 1, size(self%particle)
+         do component = 1, size(values, 2)
+            self%rows(self%word + component, row) = &
+               transfer(values(self%particle(row), component), 0_int64)
+         end do
+      end do
+      !$omp end parallel do
+      self%word = self%word + size(values, 2)
+   end subroutine packer_vector
+
+   !> Pack a field of whole numbers, one word a row.
+   subroutine packer_whole(self, name, unit, values)
+      class(row_packer_t), intent(inout) :: self      !! Rows and particles
+      character(len=*), intent(in) :: name            !! Name in files
+      character(len=*), intent(in) :: unit            !! SI unit
+      integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
+      integer :: row
+
+      self%word = self%word + 1
+      do row = 1, size(self%particle)
+         self%rows(self%word, row) = values(self%particle(row))
+      end do
+   end subroutine packer_whole
+end module particle_sort_tile

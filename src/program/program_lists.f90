@@ -1,0 +1,105 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What the program can list of itself: materials, fields, shapes, former names of decks.
+module program_lists
+   use base_former, only: former_line
+   use base_schema, only: schema_t
+   use base_text, only: join, number
+   use base_unit_words, only: unit_list
+   use exact_catalogue, only: exact_names
+   use io_fields, only: field_names
+   use io_means, only: profile_names
+   use material_catalogue, only: damage_names, eos_names, law_names
+   use output_history, only: history_names
+   use scene_deck_schema, only: deck_version
+   implicit none
+   private
+
+   public :: list_text
+
+contains
+
+   !> The list of a name that the command line allows.
+   function list_text(name, schema) result(text)
+      character(len=*), intent(in) :: name           !! One of them, or empty for all names
+      type(schema_t), intent(in) :: schema           !! All keys of a deck
+      character(len=:), allocatable :: text
+
+      select case (name)
+      case ("")
+         text = lists_text()
+      case ("fields")
+         text = joined(field_names)//new_line("a")//"profile: "//joined(profile_names) &
+            //new_line("a")//"history: "//join(history_names(), " ")
+      case ("shapes")
+         associate (region => schema%groups(schema%find("region")))
+            text = join(region%keys(region%find("shape"))%words, " ")
+         end associate
+      case ("units")
+         text = unit_list()
+      case ("former")
+         text = former_lines(schema)
+      case default
+         text = "strength_model: "//joined(law_names)//new_line("a")//"eos_model: " &
+            //joined(eos_names)//new_line("a")//"damage_model: "//joined(damage_names) &
+            //new_line("a")//"solution: "//joined(exact_names)//new_line("a")// &
+            "preset:"//preset_lines(schema)
+      end select
+   end function list_text
+
+   !> What can be listed.
+   pure function lists_text() result(text)
+      character(len=:), allocatable :: text
+      character(len=*), parameter :: newline = new_line("a")
+
+      text = "scree --list WHAT, where WHAT is one of"//newline// &
+         "   materials   models of materials, exact solutions and presets"//newline// &
+         "   fields      fields of outputs, columns of histories"//newline// &
+         "   shapes      shapes of regions"//newline// &
+         "   units       units and systems of units"//newline// &
+         "   examples    scenes that scree --new copies"//newline// &
+         "   former      keys and words of old decks, and what they are called now"
+   end function lists_text
+
+   !> One line a preset.
+   pure function preset_lines(schema) result(text)
+      type(schema_t), intent(in) :: schema           !! All keys of a deck
+      character(len=:), allocatable :: text
+      integer :: n
+
+      text = ""
+      do n = 1, size(schema%presets)
+         text = text//new_line("a")//"   "//schema%presets(n)%name// &
+            repeat(" ", max(20 - len(schema%presets(n)%name), 1))//schema%presets(n)%title
+      end do
+   end function preset_lines
+
+   !> The format of decks, and a line a name that they are not written with any more. What
+   !! scree-deck migrate does follows from it.
+   function former_lines(schema) result(text)
+      type(schema_t), intent(in) :: schema           !! All keys of a deck
+      character(len=:), allocatable :: text
+      integer :: group, n
+
+      text = "deck_version "//number(deck_version)
+      do group = 1, size(schema%groups)
+         associate (rule => schema%groups(group))
+            do n = 1, size(rule%formers)
+               text = text//new_line("a")//former_line(rule%name, rule%formers(n))
+            end do
+         end associate
+      end do
+   end function former_lines
+
+   !> Words with blanks between them.
+   pure function joined(words) result(text)
+      character(len=*), intent(in) :: words(:)       !! The words
+      character(len=:), allocatable :: text
+      integer :: n
+
+      text = ""
+      do n = 1, size(words)
+         if (n > 1) text = text//" "
+         text = text//trim(words(n))
+      end do
+   end function joined
+end module program_lists

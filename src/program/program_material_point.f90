@@ -1,0 +1,148 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> scree --point: drives one material of a deck along a path and writes what its state was.
+module program_material_point
+   use base_deck, only: deck_t, group_t
+   use base_error, only: error_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use base_text, only: buffer_t
+   use io_file, only: make_folder, write_file
+   use material_point, only: point_t
+   use material_type, only: material_t
+   implicit none
+   private
+
+   public :: declare_point, drive_point, relieve
+
+contains
+
+   !> Declare the keys of &point.
+   subroutine declare_point(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%group("point", "path of one material point, for scree --point; a run of the "// &
+         "scene does not look at it")
+      call schema%text("point", "material", "name of the material; default: the first one")
+      call schema%text("point", "path", "uniaxial_strain along x, shear of x along y, "// &
+         "triaxial with a pressure from the sides, hydrostatic, hugoniot: states behind "// &
+         "shocks, free: the velocity gradient", default="uniaxial_strain", &
+            words="uniaxial_strain "// &
+         "shear triaxial hydrostatic hugoniot free")
+      call schema%real("point", "rate", "rate of strain", unit="1/s", default="1", range="> 0", &
+         owner="path = uniaxial_strain shear triaxial hydrostatic free")
+      call schema%real("point", "strain", "strain at the end: logarithmic, of the volume or "// &
+         "of shear; negative in compression", default="-0.1", &
+         owner="path = uniaxial_strain shear triaxial hydrostatic free")
+      call schema%logical("point", "returns", "back again, in as many steps", default=".false.", &
+         owner="path = uniaxial_strain shear triaxial hydrostatic free")
+      call schema%integer("point", "steps", "steps from the start to the end", default="1000", &
+         range="> 0 <= 100000000")
+      call schema%real("point", "confinement", "pressure from the sides", unit="Pa", &
+         default="0", range=">= 0", owner="path = triaxial")
+      call schema%real("point", "velocity_gradient(9)", "du_x/dx du_y/dx du_z/dx du_x/dy ... "// &
+         "over the rate", owner="path = free")
+      call schema%real("point", "speed", "greatest particle speed", unit="m/s", range="> 0", &
+         owner="path = hugoniot")
+      call schema%real("point", "temperature", "at the start", unit="K", default="293", &
+         range="> 0")
+      call schema%real("point", "volume", "at the start, which flaws ask for", unit="m3", &
+         default="1.0e-9", range="> 0")
+      call schema%require("point", "velocity_gradient speed")
+   end subroutine declare_point
+
+   !> A deck for a point needs no scene: nothing of it is required.
+   subroutine relieve(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      integer :: i
+
+      do i = 1, size(schema%groups)
+         select case (schema%groups(i)%name)
+         case ("material", "point")
+            cycle
+         case default
+            schema%groups(i)%keys%required = .false.
+         end select
+      end do
+   end subroutine relieve
+
+   !> Drive the point and write CASE_point.csv.
+   subroutine drive_point(deck, folder, note, error)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      character(len=:), allocatable, intent(in) :: folder !! Wish of the user, if any
+      character(len=:), allocatable, intent(out) :: note  !! What was done
+      type(error_t), allocatable, intent(out) :: error    !! The deck is wrong or a file fails
+      type(material_t) :: material
+      type(point_t) :: point
+      type(group_t) :: group
+      character(len=:), allocatable :: place, name
+      real(wp), allocatable :: table(:, :)
+      integer :: index
+
+      group = deck%group("point")
+      call group%get("material", name)
+      index = 1
+      if (group%given("material")) index = deck%named("material", name)
+      if (deck%count("material") == 0) then
+         call deck%complain(group, "there is no &material")
+      else if (index == 0) then
+         call deck%complain(group, "no material '"//name//"'", "material")
+      else
+         call material%read(deck, index)
+      end if
+      call deck%verdict(error)
+      if (allocated(error)) return
+      ! A point has no neighbours that a shock could run into.
+      if (allocated(material%viscosity)) deallocate (material%viscosity)
+      ! Nor any that smooth gradients would drag along.
+      if (allocated(material%softening)) material%softening%width = 1.0_wp
+      call read_point(group, point)
+      call point%run(material, table)
+      group = deck%group("run")
+      call group%get("case", name)
+      place = "out/"//name
+      if (allocated(folder)) place = folder
+      call make_folder(place, error)
+      if (allocated(error)) return
+      name = place//"/"//name//"_point.csv"
+      call write_file(name, csv(point%header(), table), error)
+      note = "point     "//material%name//"  "//point%path//"  "//name
+   end subroutine drive_point
+
+   !> What is to be done.
+   subroutine read_point(group, point)
+      type(group_t), intent(in) :: group             !! &point
+      type(point_t), intent(inout) :: point          !! Gets it
+
+      call group%get("path", point%path)
+      call group%get("rate", point%rate)
+      call group%get("strain", point%strain)
+      call group%get("returns", point%returns)
+      call group%get("steps", point%steps)
+      call group%get("confinement", point%confinement)
+      if (group%given("velocity_gradient")) call group%get("velocity_gradient", point%direction)
+      if (group%given("speed")) call group%get("speed", point%speed)
+      call group%get("temperature", point%temperature)
+      call group%get("volume", point%volume)
+   end subroutine read_point
+
+   !> A table as text, all digits.
+   function csv(header, table) result(text)
+      character(len=*), intent(in) :: header         !! Names of the columns
+      real(wp), intent(in) :: table(:, :)            !! (column, row)
+      character(len=:), allocatable :: text
+      type(buffer_t) :: buffer
+      character(len=25) :: number
+      integer :: row, column
+
+      call buffer%line(header)
+      do row = 1, size(table, 2)
+         do column = 1, size(table, 1)
+            write (number, "(es24.16)") table(column, row)
+            if (column > 1) call buffer%add(",")
+            call buffer%add(trim(adjustl(number)))
+         end do
+         call buffer%line("")
+      end do
+      text = buffer%content()
+   end function csv
+end module program_material_point

@@ -1,0 +1,94 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What `--check` says of bodies whose volume is known: that of their shape against that of the
+!! lattice sites which fill it.
+module program_solid_volumes
+   use base_kinds, only: int64, wp
+   use base_text, only: brief, number
+   use mesh_grid, only: grid_t
+   use particle_disks, only: disks_t
+   use particle_facets, only: facets_t
+   use particle_fill, only: body_t
+   use particle_points, only: points_t
+   use particle_prism, only: prism_t
+   use particle_voxels, only: voxels_t
+   implicit none
+   private
+
+   public :: solid_volumes_text
+
+contains
+
+   !> A line a body of facets, voxels or a prism. Rings around an axis are left out: the volume of
+   !! their shape is not that of a plane.
+   function solid_volumes_text(grid, bodies, particles) result(text)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      integer(int64), intent(in) :: particles(:)     !! (body) Their particles
+      character(len=:), allocatable :: text
+      character(len=:), allocatable :: what
+      real(wp) :: volume, filled
+      integer :: n
+
+      text = ""
+      do n = 1, size(bodies)
+         if (.not. bodies(n)%on_lattice()) then
+            text = text//given_text(grid, bodies(n), particles(n))
+            cycle
+         end if
+         if (grid%axisymmetric) cycle
+         call enclosed(grid, bodies(n), what, volume)
+         if (what == "") cycle
+         filled = real(particles(n), wp)*grid%depth*grid%spacing**grid%dimensions &
+            /real(product(bodies(n)%per_cell), wp)
+         text = text//what//" "//brief(volume)//" m3, its particles hold "//brief(filled)//" m3"
+         if (volume > 0.0_wp) text = text//" ("//brief(100.0_wp*(filled/volume - 1.0_wp))//" %)"
+         text = text//new_line("a")
+      end do
+   end function solid_volumes_text
+
+   !> A line for a body whose particles do not stand for lattice sites.
+   function given_text(grid, body, particles) result(text)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(body_t), intent(in) :: body               !! The body
+      integer(int64), intent(in) :: particles        !! Its particles
+      character(len=:), allocatable :: text
+
+      text = ""
+      select type (given => body%given)
+      type is (disks_t)
+         text = "disks      "//body%name//": "//number(particles)//" points at least "// &
+            brief(given%distance*grid%spacing)//" m apart"
+         if (.not. grid%axisymmetric) text = text//", "//brief(body%share)//" m3 each"
+         text = text//new_line("a")
+      type is (points_t)
+         text = "list       "//body%name//": "//number(particles)//" of "//number(given%rows)// &
+            " points of the file, which hold "//brief(given%whole_volume())//" m3"//new_line("a")
+      end select
+   end function given_text
+
+   !> Volume of a shape.
+   subroutine enclosed(grid, body, what, volume)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(body_t), intent(in) :: body               !! The body
+      character(len=:), allocatable, intent(out) :: what !! Begin of its line, or empty
+      real(wp), intent(out) :: volume                !! [m3]
+      real(wp) :: edge(3)
+
+      what = ""
+      volume = 0.0_wp
+      if (.not. allocated(body%shape%shape)) return
+      select type (shape => body%shape%shape)
+      type is (facets_t)
+         if (grid%dimensions < 3) return
+         volume = abs(shape%volume())
+         what = "facets     "//body%name//": "//number(size(shape%corner, 3))//" enclose"
+      type is (voxels_t)
+         edge = shape%edges()
+         volume = real(shape%filled, wp)*grid%depth*product(merge(edge, 1.0_wp, grid%active))
+         what = "voxels     "//body%name//": "//number(shape%filled)//" have"
+      type is (prism_t)
+         volume = shape%area()*merge(shape%height(), grid%depth, grid%dimensions == 3)
+         what = "prism      "//body%name//": it has"
+      end select
+   end subroutine enclosed
+end module program_solid_volumes

@@ -1,0 +1,385 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> How many steps a run takes, from what is known before it starts: the first step, and the impacts
+!! that the velocities of bodies lead to. Section "Number of steps" of doc/theory/time_step.md.
+module program_step_count
+   use base_kinds, only: int64, wp
+   use constitutive_state, only: matter_t
+   use material_type, only: material_t
+   use mesh_boundary, only: face_friction, face_slip, face_stick, face_symmetry
+   use particle_fill, only: body_t
+   use program_time_loop, only: limits_t
+   use step_conduction, only: conduction_step
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: expected_steps, first_step
+
+   integer, parameter :: spans = 600                 !! Equal parts of the time of a run
+   real(wp), parameter :: slope = 1.5_wp             !! Of shock speed over jump, common to metals
+
+   !> Boxes of bodies on their way, and what each one meets first.
+   type :: flight_t
+      real(wp), allocatable :: low(:, :), high(:, :) !! (3, body) Corners of the boxes [m]
+      real(wp), allocatable :: extent(:, :)          !! (3, body) With what mirrors add [m]
+      real(wp), allocatable :: met(:)                !! (body) When it meets something first [s]
+      logical, allocatable :: passes(:)              !! (body) Does it fly on as debris?
+   end type flight_t
+
+   !> Two bodies that meet.
+   type :: meeting_t
+      real(wp) :: time = huge(1.0_wp)                !! When their boxes touch, huge = never [s]
+      real(wp) :: speed = 0.0_wp                     !! At which they come nearer [m/s]
+      real(wp) :: path(2) = 0.0_wp                   !! Through each along the way [m]
+      real(wp) :: fresh = 0.0_wp                     !! For how long surfaces meet [s]
+      real(wp) :: lasts = 0.0_wp                     !! For how long the shock runs [s]
+      integer :: striker = 1                         !! The smaller one: 1 or 2
+   end type meeting_t
+
+contains
+
+   !> Steps of the whole run.
+   pure real(wp) function expected_steps(simulation, bodies, limits) result(steps)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(limits_t), intent(in) :: limits           !! End of the run
+      real(wp), parameter :: countless = 1.0e18_wp   ! still a long integer
+      character(len=:), allocatable :: cause
+      real(wp) :: dt, signal(spans)
+
+      call first_step(simulation, bodies, limits, dt, cause)
+      steps = 0.0_wp
+      if (dt > 0.0_wp .and. dt < huge(dt)) then
+         signal = 0.0_wp
+         if (.not. limits%dt_fixed > 0.0_wp) call find_impacts(simulation, bodies, &
+            limits%time_end, signal)
+         steps = sum(max(1.0_wp/dt, signal/(simulation%method%cfl*simulation%grid%spacing))) &
+            *limits%time_end/real(spans, wp)
+         steps = min(steps, countless)
+      end if
+      if (limits%max_steps < huge(1_int64)) steps = min(steps, real(limits%max_steps, wp))
+   end function expected_steps
+
+   !> Fastest signal of impacts in each part of the time of a run, 0 without one [m/s].
+   pure subroutine find_impacts(simulation, bodies, time_end, signal)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      real(wp), intent(in) :: time_end               !! [s]
+      real(wp), intent(inout) :: signal(:)           !! (part) Raised [m/s]
+      type(flight_t) :: flight
+      type(meeting_t) :: meeting
+      integer :: one, other
+
+      call prepare(simulation, bodies, flight)
+      do other = 2, size(bodies)
+         do one = 1, other - 1
+            meeting = meeting_of(simulation, bodies, flight, one, other)
+            if (meeting%time < time_end) call note_first(simulation, bodies, flight, meeting, &
+               one, other)
+         end do
+      end do
+      do other = 2, size(bodies)
+         do one = 1, other - 1
+            meeting = meeting_of(simulation, bodies, flight, one, other)
+            if (meeting%time < time_end) call strike(simulation, bodies, flight, meeting, one, &
+               other, time_end, signal)
+         end do
+      end do
+      do one = 1, size(bodies)
+         call strike_walls(simulation, bodies(one), flight%low(:, one), flight%high(:, one), &
+            flight%extent(:, one), time_end, signal)
+      end do
+   end subroutine find_impacts
+
+   !> Boxes of the bodies within the grid.
+   pure subroutine prepare(simulation, bodies, flight)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(flight_t), intent(out) :: flight          !! Their boxes
+      logical :: mirrors(6)
+      integer :: n, k
+
+      mirrors = simulation%boundary%kind == face_symmetry
+      mirrors(1) = mirrors(1) .or. simulation%grid%axisymmetric
+      allocate (flight%low(3, size(bodies)), flight%high(3, size(bodies)))
+      allocate (flight%met(size(bodies)), source=huge(1.0_wp))
+      allocate (flight%passes(size(bodies)), source=.false.)
+      do n = 1, size(bodies)
+         call bodies(n)%shape%bounds(flight%low(:, n), flight%high(:, n))
+         flight%low(:, n) = max(flight%low(:, n), simulation%grid%lower)
+         flight%high(:, n) = min(flight%high(:, n), simulation%grid%upper)
+      end do
+      flight%extent = flight%high - flight%low
+      do k = 1, 3
+         where (flight%low(k, :) <= simulation%grid%lower(k) .and. mirrors(2*k - 1)) &
+            flight%extent(k, :) = 2.0_wp*flight%extent(k, :)
+         where (flight%high(k, :) >= simulation%grid%upper(k) .and. mirrors(2*k)) &
+            flight%extent(k, :) = 2.0_wp*flight%extent(k, :)
+      end do
+   end subroutine prepare
+
+   !> When and how the boxes of two bodies meet.
+   pure type(meeting_t) function meeting_of(simulation, bodies, flight, one, other) &
+      result(meeting)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(flight_t), intent(in) :: flight           !! Their boxes
+      integer, intent(in) :: one                     !! Body
+      integer, intent(in) :: other                   !! Body
+      real(wp) :: coming(3), begin, end, gap(2), volume(2), size_of(2), width, slide
+      integer :: k, axis, striker
+
+      coming = bodies(one)%velocity - bodies(other)%velocity
+      where (.not. simulation%grid%active) coming = 0.0_wp
+      meeting%speed = norm2(coming)
+      if (.not. meeting%speed > 0.0_wp) return
+      begin = 0.0_wp
+      end = huge(end)
+      volume = 1.0_wp
+      meeting%path = huge(1.0_wp)
+      axis = maxloc(abs(coming), dim=1)
+      do k = 1, 3
+         if (.not. simulation%grid%active(k)) cycle
+         size_of = [flight%extent(k, one), flight%extent(k, other)]
+         volume = volume*size_of
+         ! lower side of the other from the upper one of this body, and the reverse
+         gap = [flight%low(k, other) - flight%high(k, one), &
+            flight%high(k, other) - flight%low(k, one)]
+         if (abs(coming(k)) > 1.0e-12_wp*meeting%speed) then
+            gap = gap/coming(k)
+            ! the boxes meet at the faces across the axis that is the last to bring them together
+            if (minval(gap) > begin) axis = k
+            begin = max(begin, minval(gap))
+            end = min(end, maxval(gap))
+            meeting%path = min(meeting%path, size_of*meeting%speed/abs(coming(k)))
+         else if (gap(1) >= 0.0_wp .or. gap(2) <= 0.0_wp) then
+            return
+         end if
+      end do
+      if (.not. end > begin) return
+      ! boxes that overlap already are of bodies that touch, and may be on their way apart
+      if (.not. begin > 0.0_wp .and. .not. dot_product(coming, flight%low(:, other) &
+         + flight%high(:, other) - flight%low(:, one) - flight%high(:, one)) > 0.0_wp) return
+      meeting%time = begin
+      meeting%striker = merge(2, 1, volume(2) < volume(1))
+      striker = merge(other, one, meeting%striker == 2)
+      width = minval(flight%extent(:, striker), mask=simulation%grid%active)
+      ! what slides along as it comes meets fresh surface with its whole length
+      slide = sqrt(max(1.0_wp - (coming(axis)/meeting%speed)**2, 0.0_wp)) &
+         *flight%extent(axis, striker)
+      meeting%fresh = 0.5_wp*(width + slide)/abs(coming(axis))
+      meeting%lasts = (min(width, 0.5_wp*width + flight%extent(axis, one + other - striker)) &
+         + slide)/abs(coming(axis))
+   end function meeting_of
+
+   !> Note the first meeting of the striker, and whether it goes through: if it has more mass along
+   !! its way than what it meets.
+   pure subroutine note_first(simulation, bodies, flight, meeting, one, other)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(flight_t), intent(inout) :: flight        !! Changed
+      type(meeting_t), intent(in) :: meeting         !! Of the two
+      integer, intent(in) :: one                     !! Body
+      integer, intent(in) :: other                   !! Body
+      real(wp) :: mass(2)
+      integer :: striker
+
+      striker = merge(one, other, meeting%striker == 1)
+      if (meeting%time >= flight%met(striker)) return
+      flight%met(striker) = meeting%time
+      mass = meeting%path*[simulation%materials(bodies(one)%store)%density, &
+         simulation%materials(bodies(other)%store)%density]
+      flight%passes(striker) = mass(meeting%striker) > mass(3 - meeting%striker)
+   end subroutine note_first
+
+   !> Raise the signal while two bodies run into each other. Equation (S.5).
+   pure subroutine strike(simulation, bodies, flight, meeting, one, other, time_end, signal)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(flight_t), intent(in) :: flight           !! First meetings
+      type(meeting_t), intent(in) :: meeting         !! Of the two
+      integer, intent(in) :: one                     !! Body
+      integer, intent(in) :: other                   !! Body
+      real(wp), intent(in) :: time_end               !! [s]
+      real(wp), intent(inout) :: signal(:)           !! (part) Raised [m/s]
+      real(wp), parameter :: stretch = 2.0_wp/3.0_wp ! length of a cloud over its way
+      real(wp) :: coming(3), impedance(2), share(2), moving(3), later, contact, shock
+      integer :: body(2), k, striker
+
+      body = [one, other]
+      striker = body(meeting%striker)
+      later = 0.0_wp
+      if (meeting%time > flight%met(striker)) then
+         if (.not. flight%passes(striker)) return
+         later = stretch*(meeting%time - flight%met(striker))
+      end if
+      do k = 1, 2
+         associate (material => simulation%materials(bodies(body(k))%store))
+            impedance(k) = material%density*material%reference_speed()
+         end associate
+      end do
+      share = impedance(2:1:-1)/max(sum(impedance), tiny(1.0_wp))
+      coming = bodies(one)%velocity - bodies(other)%velocity
+      contact = 0.0_wp
+      shock = 0.0_wp
+      do k = 1, 2
+         ! halfway through the jump
+         moving = bodies(body(k))%velocity - merge(0.5_wp, -0.5_wp, k == 1)*share(k)*coming
+         associate (material => simulation%materials(bodies(body(k))%store), &
+            jump => share(k)*meeting%speed)
+            contact = max(contact, norm2(moving) + contact_signal(material, meeting%speed, jump))
+            shock = max(shock, norm2(moving) + shock_signal(material, jump))
+         end associate
+      end do
+      call raise(meeting%time, meeting%fresh + later, contact, time_end, signal)
+      call raise(meeting%time, meeting%lasts + later, shock, time_end, signal)
+   end subroutine strike
+
+   !> Raise the signal while a body runs into closed faces or a rigid region.
+   pure subroutine strike_walls(simulation, body, low, high, extent, time_end, signal)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: body               !! The body
+      real(wp), intent(in) :: low(3)                 !! Corner of its box [m]
+      real(wp), intent(in) :: high(3)                !! The opposite corner [m]
+      real(wp), intent(in) :: extent(3)              !! With what mirrors add [m]
+      real(wp), intent(in) :: time_end               !! [s]
+      real(wp), intent(inout) :: signal(:)           !! (part) Raised [m/s]
+      real(wp) :: speed, gap, moving
+      integer :: k, face
+
+      associate (material => simulation%materials(body%store))
+         if (allocated(simulation%rigid)) then
+            speed = norm2(body%velocity)
+            if (speed > 0.0_wp) call raise(0.0_wp, time_end, &
+               0.5_wp*speed + shock_signal(material, speed), time_end, signal)
+         end if
+         do k = 1, 3
+            if (.not. simulation%grid%active(k)) cycle
+            speed = abs(body%velocity(k))
+            if (.not. speed > 0.0_wp) cycle
+            face = merge(2*k - 1, 2*k, body%velocity(k) < 0.0_wp)
+            if (.not. closed(simulation%boundary%kind(face))) cycle
+            gap = merge(low(k) - simulation%grid%lower(k), simulation%grid%upper(k) - high(k), &
+               body%velocity(k) < 0.0_wp)
+            moving = norm2(body%velocity) - 0.5_wp*speed
+            call raise(gap/speed, 0.5_wp*minval(extent, mask=simulation%grid%active)/speed, &
+               moving + contact_signal(material, speed, speed), time_end, signal)
+            call raise(gap/speed, (high(k) - low(k))/speed, &
+               moving + shock_signal(material, speed), time_end, signal)
+         end do
+      end associate
+   end subroutine strike_walls
+
+   !> Raise the signal for a time.
+   pure subroutine raise(begin, lasts, fastest, time_end, signal)
+      real(wp), intent(in) :: begin                  !! [s]
+      real(wp), intent(in) :: lasts                  !! [s]
+      real(wp), intent(in) :: fastest                !! Signal in this time [m/s]
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      real(wp), intent(inout) :: signal(:)           !! (part) [m/s]
+      integer :: first, last
+
+      if (.not. begin < time_end) return
+      first = int(max(begin, 0.0_wp)/time_end*real(size(signal), wp)) + 1
+      last = nint(min(begin + lasts, time_end)/time_end*real(size(signal), wp))
+      last = min(max(last, first), size(signal))
+      signal(first:last) = max(signal(first:last), fastest)
+   end subroutine raise
+
+   !> Do nodes of a face stop what comes?
+   elemental function closed(kind) result(stops)
+      integer, intent(in) :: kind                    !! Of the face
+      logical :: stops
+
+      stops = kind == face_symmetry .or. kind == face_slip .or. kind == face_stick &
+         .or. kind == face_friction
+   end function closed
+
+   !> Wave speed with artificial viscosity where surfaces meet [m/s]. Equation (S.5).
+   pure real(wp) function contact_signal(material, closing, jump) result(speed)
+      type(material_t), intent(in) :: material       !! Its material
+      real(wp), intent(in) :: closing                !! Speed at which the surfaces meet [m/s]
+      real(wp), intent(in) :: jump                   !! Of the velocity of this material [m/s]
+      real(wp), parameter :: width = 3.0_wp          ! over which velocity falls [cells]
+      real(wp) :: damping, sound
+
+      sound = shocked_sound(material, jump)
+      speed = sound
+      if (.not. allocated(material%viscosity)) return
+      associate (q1 => material%viscosity%linear, q2 => material%viscosity%quadratic)
+         if (.not. q1 + q2 > 0.0_wp) return
+         damping = q1*sound + 2.0_wp*q2*closing/width
+      end associate
+      speed = damping + sqrt(damping**2 + sound**2)
+   end function contact_signal
+
+   !> Wave speed with artificial viscosity in the middle of a steady shock [m/s]. Equation (S.4).
+   pure real(wp) function shock_signal(material, jump) result(speed)
+      type(material_t), intent(in) :: material       !! Its material
+      real(wp), intent(in) :: jump                   !! Of the velocity of matter [m/s]
+      real(wp) :: damping, sound
+
+      sound = shocked_sound(material, jump)
+      speed = sound
+      if (.not. allocated(material%viscosity)) return
+      associate (q1 => material%viscosity%linear, q2 => material%viscosity%quadratic)
+         if (.not. q1 + q2 > 0.0_wp) return
+         ! 2 q2 h D of the steady profile, whose q has its maximum slope jump^2/4 in the middle
+         damping = sqrt((q1*sound)**2 + q2*slope*jump**2)
+      end associate
+      speed = damping + sqrt(damping**2 + sound**2)
+   end function shock_signal
+
+   !> Wave speed halfway up a shock [m/s].
+   pure real(wp) function shocked_sound(material, jump) result(sound)
+      type(material_t), intent(in) :: material       !! Its material
+      real(wp), intent(in) :: jump                   !! Of the velocity of matter [m/s]
+
+      sound = material%reference_speed() + (slope - 0.5_wp)*jump
+   end function shocked_sound
+
+   !> The first time step.
+   pure subroutine first_step(simulation, bodies, limits, dt, cause)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(limits_t), intent(in) :: limits           !! Bounds of the step
+      real(wp), intent(out) :: dt                    !! [s]
+      character(len=:), allocatable, intent(out) :: cause !! If not the fastest signal
+
+      call least_step(simulation, bodies, dt, cause)
+      if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
+      dt = min(dt, limits%dt_max)
+   end subroutine first_step
+
+   !> Stable time step for bodies as they begin.
+   pure subroutine least_step(simulation, bodies, dt, cause)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      real(wp), intent(out) :: dt                    !! [s]
+      character(len=:), allocatable, intent(out) :: cause !! If not the fastest signal
+      type(matter_t) :: matter
+      real(wp) :: fastest, diffusivity, longest
+      integer :: n
+
+      fastest = 0.0_wp
+      diffusivity = 0.0_wp
+      do n = 1, size(bodies)
+         associate (material => simulation%materials(bodies(n)%store))
+            call material%request(matter, 1)
+            matter%mass = material%density
+            matter%volume = 1.0_wp
+            call material%start(matter, 1, 1, bodies(n)%temperature)
+            if (allocated(matter%energy)) matter%energy = bodies(n)%energy
+            fastest = max(fastest, material%signal_speed(matter, 1, 1) + norm2(bodies(n)%velocity))
+            if (allocated(material%heat)) diffusivity = max(diffusivity, &
+               material%heat%conductivity/(material%density*material%heat%specific_heat))
+         end associate
+      end do
+      dt = huge(dt)
+      if (fastest > 0.0_wp) dt = simulation%method%cfl*simulation%grid%spacing/fastest
+      longest = conduction_step(simulation%grid%spacing, simulation%grid%dimensions, diffusivity)
+      cause = ""
+      if (longest < dt) cause = " (heat conduction)"
+      dt = min(dt, longest)
+   end subroutine least_step
+end module program_step_count

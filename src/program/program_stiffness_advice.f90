@@ -1,0 +1,200 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Advice where the bulk modulus alone makes a slow flow take many steps. Section "Stiffness of slow
+!! flows" of doc/theory/time_step.md.
+module program_stiffness_advice
+   use base_kinds, only: int64, wp
+   use base_text, only: number
+   use law_drucker_prager, only: law_drucker_prager_t
+   use law_mohr_coulomb, only: law_mohr_coulomb_t
+   use law_mu_i, only: law_mu_i_t
+   use law_newtonian, only: law_newtonian_t
+   use material_type, only: material_t
+   use mesh_boundary, only: face_periodic
+   use mesh_motion, only: motion_t
+   use particle_fill, only: body_t
+   use program_step_count, only: expected_steps
+   use program_time_loop, only: limits_t
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: stiffness_text
+
+   real(wp), parameter :: compression = 0.01_wp      !! Change of volume that is proposed [1]
+   real(wp), parameter :: many_steps = 10000.0_wp    !! Fewer need no advice
+   real(wp), parameter :: worthwhile = 0.25_wp       !! Greatest share of the steps that is left
+
+contains
+
+   !> A line of advice, empty if there is none to give.
+   function stiffness_text(simulation, bodies, limits) result(text)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(limits_t), intent(in) :: limits           !! End of the run
+      character(len=:), allocatable :: text
+      character(len=12) :: now, then
+      real(wp) :: steps, fewer, bulk
+      integer :: stiffest
+
+      text = ""
+      if (limits%dt_fixed > 0.0_wp) return
+      if (waves_matter(simulation, bodies)) return
+      stiffest = fastest_body(simulation, bodies)
+      if (stiffest == 0) return
+      steps = expected_steps(simulation, bodies, limits)
+      if (steps < many_steps) return
+      associate (material => simulation%materials(bodies(stiffest)%store))
+         if (.not. flows(material)) return
+         bulk = load(simulation, bodies, material)/compression
+         ! at rest without a load nothing tells what the modulus must bear
+         if (.not. bulk > 0.0_wp) return
+         fewer = steps*share_of_steps(simulation, bodies, stiffest, bulk/material%bulk)
+         if (.not. fewer < worthwhile*steps) return
+         write (now, "(es8.1)") material%bulk
+         write (then, "(es8.1)") bulk
+         text = "stiffness  the bulk modulus of '"//material%name//"',"//trim(now)// &
+            " Pa, sets the number of steps;"//trim(then)//" Pa"
+         if (material%shear > 0.0_wp) text = text//", with the shear modulus in proportion,"
+         text = text//" would take about "//number(nint(fewer, int64))//" steps, and loads "// &
+            "would change volumes by about 1 % (doc/guide/running.md)"//new_line("a")
+      end associate
+   end function stiffness_text
+
+   !> May waves or given stresses be what the scene is about? Then its loads are not known here.
+   pure logical function waves_matter(simulation, bodies) result(matter)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      integer :: n
+
+      matter = allocated(simulation%shaking) .or. allocated(simulation%absorbing) .or. &
+         allocated(simulation%exact)
+      do n = 1, size(bodies)
+         matter = matter .or. allocated(bodies(n)%formula) .or. allocated(bodies(n)%given)
+      end do
+   end function waves_matter
+
+   !> The body with the fastest signal, 0 without bodies.
+   pure integer function fastest_body(simulation, bodies) result(fastest)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      real(wp) :: signal, greatest
+      integer :: n
+
+      fastest = 0
+      greatest = 0.0_wp
+      do n = 1, size(bodies)
+         signal = simulation%materials(bodies(n)%store)%reference_speed() &
+            + norm2(bodies(n)%velocity)
+         if (signal <= greatest) cycle
+         greatest = signal
+         fastest = n
+      end do
+   end function fastest_body
+
+   !> Does a material flow, so that its stiffness only keeps its volume? Elastic bodies and gases do
+   !! not: there the modulus decides on the result.
+   pure logical function flows(material) result(does)
+      type(material_t), intent(in) :: material       !! The material
+
+      does = .false.
+      if (material%carries_energy()) return
+      if (allocated(material%eos)) then
+         if (material%eos%sets_bulk()) return
+      end if
+      if (.not. allocated(material%law)) then
+         does = .true.
+         return
+      end if
+      select type (law => material%law)
+      type is (law_drucker_prager_t)
+         does = .true.
+      type is (law_mohr_coulomb_t)
+         does = .true.
+      type is (law_mu_i_t)
+         does = .true.
+      type is (law_newtonian_t)
+         does = .true.
+      end select
+   end function flows
+
+   !> Pressure of the weight and of the speeds of a scene, and strength [Pa]. Equation (S.6).
+   pure real(wp) function load(simulation, bodies, material) result(pressure)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(material_t), intent(in) :: material       !! Its density counts
+      real(wp) :: speed, head, low(3), high(3), reach(3)
+      integer :: n, k
+
+      speed = maxval(norm2(simulation%boundary%velocity, dim=1))
+      if (allocated(simulation%boundary%wall)) then
+         do n = 1, size(simulation%boundary%wall)
+            speed = max(speed, wall_speed(simulation%boundary%wall(n)%motion))
+         end do
+      end if
+      if (allocated(simulation%rigid)) then
+         do n = 1, size(simulation%rigid%wall)
+            speed = max(speed, wall_speed(simulation%rigid%wall(n)%motion))
+         end do
+      end if
+      head = 0.0_wp
+      do n = 1, size(bodies)
+         call bodies(n)%shape%bounds(low, high)
+         low = max(low, simulation%grid%lower)
+         high = min(high, simulation%grid%upper)
+         speed = max(speed, norm2(bodies(n)%velocity) + norm2(bodies(n)%spin)*norm2(high - low))
+         if (.not. allocated(simulation%gravity)) cycle
+         do k = 1, 3
+            reach(k) = merge(high(k) - simulation%grid%lower(k), &
+               simulation%grid%upper(k) - low(k), simulation%gravity(k) < 0.0_wp)
+            if (simulation%boundary%kind(2*k) == face_periodic) reach(k) = 0.0_wp
+         end do
+         head = max(head, dot_product(abs(simulation%gravity), reach))
+      end do
+      pressure = material%density*(0.5_wp*speed**2 + head) + cohesion(material)
+   end function load
+
+   !> Strength of a material without pressure [Pa].
+   pure real(wp) function cohesion(material) result(strength)
+      type(material_t), intent(in) :: material       !! The material
+
+      strength = 0.0_wp
+      if (.not. allocated(material%law)) return
+      select type (law => material%law)
+      type is (law_drucker_prager_t)
+         strength = law%strength
+      type is (law_mohr_coulomb_t)
+         strength = law%strength
+      type is (law_mu_i_t)
+         strength = law%cohesion
+      end select
+   end function cohesion
+
+   !> Greatest speed of a wall [m/s].
+   pure real(wp) function wall_speed(motion) result(speed)
+      type(motion_t), intent(in) :: motion           !! How it moves
+
+      speed = norm2(motion%steady)
+      if (allocated(motion%speed)) speed = speed + maxval(norm2(motion%speed, dim=1))
+   end function wall_speed
+
+   !> Steps that are left if one material is softer, as a share.
+   pure real(wp) function share_of_steps(simulation, bodies, stiffest, factor) result(share)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      integer, intent(in) :: stiffest                !! A body of this material
+      real(wp), intent(in) :: factor                 !! Of its moduli
+      real(wp) :: sound, before, after
+      integer :: n
+
+      before = 0.0_wp
+      after = 0.0_wp
+      do n = 1, size(bodies)
+         sound = simulation%materials(bodies(n)%store)%reference_speed()
+         before = max(before, sound + norm2(bodies(n)%velocity))
+         if (simulation%materials(bodies(n)%store)%name == &
+            simulation%materials(bodies(stiffest)%store)%name) sound = sound*sqrt(factor)
+         after = max(after, sound + norm2(bodies(n)%velocity))
+      end do
+      share = after/before
+   end function share_of_steps
+end module program_stiffness_advice

@@ -1,0 +1,96 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Does a part of a run, forgets it, and tells what it cost.
+module program_trial_run
+   use base_error, only: error_t
+   use base_kinds, only: int64, wp
+   use base_timer, only: process_seconds, wall_seconds
+   use program_time_loop, only: choose_step, limits_t
+   use step_advance, only: advance
+   use step_exact_error, only: take_errors
+   use step_ledger, only: balance_t
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: row_seconds, trial_t, try_steps
+
+   integer, parameter, public :: warm_steps = 3      !! Before anything counts: memory is fetched
+   real(wp), parameter :: timeable = 0.1_wp          !! Processor time that is no accident [s]
+
+   !> A point of a run.
+   type :: mark_t
+      real(wp) :: time = 0.0_wp                      !! [s]
+      real(wp) :: processor = 0.0_wp                 !! Of all threads since the start [s]
+      real(wp) :: wall = 0.0_wp                      !! Wall time since then [s]
+      integer :: steps = 0                           !! Steps done
+   end type mark_t
+
+   !> What a trial cost.
+   type :: trial_t
+      type(mark_t) :: first                          !! After the warm steps, or at a given time
+      type(mark_t) :: middle                         !! At a given time
+      type(mark_t) :: clocked                        !! Then, or when there is enough to time
+      type(mark_t) :: last                           !! At the end of the trial
+      logical :: whole = .false.                     !! Was that the end of the run?
+   end type trial_t
+
+contains
+
+   !> Do steps until the run ends or patience does. Processor time hardly changes with other work on
+   !! the machine; wall time does. The state of the run is spoilt by it.
+   subroutine try_steps(simulation, limits, patience, trial, from, to)
+      type(simulation_t), intent(inout) :: simulation !! The run in its first state
+      type(limits_t), intent(in) :: limits           !! End of the run
+      real(wp), intent(in) :: patience               !! Wall time [s]
+      type(trial_t), intent(out) :: trial            !! What they cost
+      real(wp), intent(in), optional :: from         !! Time of the first mark [s]
+      real(wp), intent(in), optional :: to           !! Time of the middle one [s]
+      type(error_t), allocatable :: error
+      real(wp) :: begin, start, spent, dt
+      logical :: marked(2), timed
+
+      begin = wall_seconds()
+      start = process_seconds()
+      marked = .false.
+      timed = .false.
+      do
+         if (simulation%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp)) .or. &
+            simulation%step >= limits%max_steps) then
+            trial%whole = .true.
+            exit
+         end if
+         spent = wall_seconds() - begin
+         if (trial%last%steps > warm_steps .and. spent > patience) exit
+         call choose_step(simulation, limits, dt, error)
+         if (allocated(error)) exit
+         call advance(simulation, dt, error)
+         if (allocated(error)) exit
+         trial%last = mark_t(simulation%time, process_seconds() - start, wall_seconds() - begin, &
+            trial%last%steps + 1)
+         if (present(from)) then
+            if (simulation%time >= from .and. .not. marked(1)) trial%first = trial%last
+            if (simulation%time >= to .and. .not. marked(2)) trial%middle = trial%last
+            marked = marked .or. simulation%time >= [from, to]
+            if (.not. timed .and. marked(2)) then
+               trial%clocked = trial%last
+               timed = trial%last%processor - trial%first%processor >= timeable
+            end if
+         else if (trial%last%steps == warm_steps) then
+            trial%first = trial%last
+         end if
+      end do
+   end subroutine try_steps
+
+   !> Time that a row of a history takes [s].
+   real(wp) function row_seconds(simulation) result(seconds)
+      type(simulation_t), intent(inout) :: simulation !! The run with particles
+      type(balance_t) :: now
+      real(wp) :: begin
+
+      begin = process_seconds()
+      call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
+         simulation%materials, now)
+      if (allocated(simulation%exact)) call take_errors(simulation)
+      seconds = process_seconds() - begin
+   end function row_seconds
+end module program_trial_run

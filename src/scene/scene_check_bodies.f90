@@ -1,0 +1,272 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Checks of bodies against the grid and each other: how many points, where, and how thick.
+module scene_check_bodies
+   use base_deck, only: deck_t
+   use base_kinds, only: int64, wp
+   use base_text, only: brief, number
+   use material_kinds, only: supports_any_shear
+   use mesh_boundary, only: face_outflow, face_periodic, face_symmetry
+   use mesh_grid, only: grid_t
+   use particle_fill, only: body_t
+   use scene_deck_check_grid, only: axis_names
+   use scene_particles, only: survey_t
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: check_elastic, check_places, check_size
+
+   real(wp), parameter, public :: default_most_points = 1.0e10_wp !! About 2 TB of memory
+   real(wp), parameter :: most_tiles = 2.0e8_wp      !! Tiles that bodies may reach; 1.6 GB of keys
+   real(wp), parameter :: most_identities = 4.0e18_wp !! Long whole numbers end at 9e18
+   !> Of the speed of waves, from which on bodies that meet are strained by a quarter and more [1]
+   real(wp), parameter :: fast = 0.5_wp
+   real(wp), parameter :: thinnest = 2.0_wp          !! Cells across a body
+   real(wp), parameter :: round_off = 1.0e-9_wp      !! Of lengths, in cells
+
+contains
+
+   !> Refuse what cannot be counted, and what is hardly meant. Needs no survey, whose work grows
+   !! with the number of points.
+   subroutine check_size(deck, grid, bodies, most_points, force)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      real(wp), intent(in) :: most_points            !! More in one body need the user's word
+      logical, intent(in) :: force                   !! The user gave it
+      real(wp) :: identities, points, reach(3), low(3), high(3), tiles
+      integer :: n
+
+      identities = 0.0_wp
+      do n = 1, size(bodies)
+         identities = identities + product(real(bodies(n)%sites(grid), wp))
+         call cut_bounds(grid, bodies(n), low, high)
+         reach = max(high - low, 0.0_wp)/grid%spacing
+         points = product(merge(reach*real(bodies(n)%per_cell, wp), 1.0_wp, grid%active))
+         tiles = product(merge(reach/real(grid%width, wp) + 1.0_wp, 1.0_wp, grid%active))
+         if (identities > most_identities) then
+            call deck%complain("body", n, "the grid has "//brief(identities)// &
+               " places for points, more than identities can count; take larger cells or "// &
+               "fewer ppc", "ppc")
+            return
+         else if (tiles > most_tiles) then
+            call deck%complain("body", n, "its region reaches "//brief(tiles)// &
+               " tiles, more than "//brief(most_tiles)//"; take larger cells", "region")
+         else if (points > most_points .and. .not. force) then
+            call deck%complain("body", n, "would hold up to "//brief(points)// &
+               " points, more than "//brief(most_points)//"; take larger cells or fewer ppc, "// &
+               "or continue with --force", "ppc")
+         end if
+      end do
+   end subroutine check_size
+
+   !> The box around a body, cut at the faces of the grid [m].
+   subroutine cut_bounds(grid, body, low, high)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(body_t), intent(in) :: body               !! The body
+      real(wp), intent(out) :: low(3), high(3)       !! Corners [m]
+
+      call body%shape%bounds(low, high)
+      where (grid%active)
+         low = max(low, grid%lower)
+         high = min(high, grid%upper)
+      end where
+   end subroutine cut_bounds
+
+   !> Bodies without points are errors; those that are cut, thin or on top of each other may be
+   !! meant.
+   subroutine check_places(deck, simulation, bodies, survey)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! Grid and faces
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(survey_t), intent(in) :: survey           !! Their points
+      integer :: n, other, pairs
+
+      do n = 1, size(bodies)
+         if (survey%body(n) == 0 .or. .not. bodies(n)%share > 0.0_wp) then
+            call refuse_empty(deck, simulation%grid, bodies(n), n)
+            cycle
+         end if
+         call check_outside(deck, simulation, bodies(n), n)
+         call check_thickness(deck, simulation, bodies(n), n)
+      end do
+      pairs = size(bodies)*(size(bodies) - 1)/2
+      do n = 1, size(bodies) - 1
+         do other = n + 1, size(bodies)
+            call check_overlap(deck, simulation%grid, bodies, [n, other], pairs)
+         end do
+      end do
+   end subroutine check_places
+
+   !> Warn of bodies that meet so fast that a material without yield strength or failure is strained
+   !! beyond what a law of small elastic strains can mean.
+   subroutine check_elastic(deck, simulation, bodies)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects warnings
+      type(simulation_t), intent(in) :: simulation   !! Materials, walls
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      real(wp) :: fastest, speed
+      integer :: n, other
+      logical :: walls
+
+      walls = allocated(simulation%rigid) .or. any(simulation%boundary%kind /= face_outflow .and. &
+         simulation%boundary%kind /= face_periodic)
+      do n = 1, size(bodies)
+         associate (material => simulation%materials(bodies(n)%store))
+            if (.not. supports_any_shear(material)) cycle
+            fastest = 0.0_wp
+            if (walls) fastest = norm2(bodies(n)%velocity)
+            do other = 1, size(bodies)
+               fastest = max(fastest, norm2(bodies(n)%velocity - bodies(other)%velocity))
+            end do
+            speed = material%reference_speed()
+            if (fastest <= fast*speed) cycle
+            call deck%warn("body", n, "may meet others at "//brief(fastest)//" m/s, "// &
+               brief(fastest/speed)//" of the speed of its waves, and its material is elastic "// &
+               "at any stress; give it a strength_model, or elastic = 'neo_hookean'", "velocity")
+         end associate
+      end do
+   end subroutine check_elastic
+
+   !> Say why a body holds no point.
+   subroutine refuse_empty(deck, grid, body, place)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(body_t), intent(in) :: body               !! The body
+      integer, intent(in) :: place                   !! Its number in the deck
+      real(wp) :: low(3), high(3)
+
+      call body%shape%bounds(low, high)
+      if (any(grid%active .and. (high <= grid%lower .or. low >= grid%upper))) then
+         call deck%complain("body", place, "lies outside of the grid; "// &
+            "move its region or widen &grid", "region")
+      else
+         call deck%complain("body", place, "holds no particle: its region "// &
+            "is thinner than the lattice of dx/ppc, empty, or covered by later bodies", "region")
+      end if
+   end subroutine refuse_empty
+
+   !> Warn if a part of a body lies outside the grid. What lies behind a mirror plane is the image
+   !! of what is computed and is not counted.
+   subroutine check_outside(deck, simulation, body, place)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! Grid and faces
+      type(body_t), intent(in) :: body               !! The body
+      integer, intent(in) :: place                   !! Its number in the deck
+      integer, parameter :: samples(3) = [4096, 128, 24] ! along an edge, by dimensions
+      real(wp) :: low(3), high(3), point(3)
+      integer :: number_of(3), x, y, z, inside, outside, k
+
+      associate (grid => simulation%grid, kind => simulation%boundary%kind)
+         call body%shape%bounds(low, high)
+         do k = 1, 3
+            if (kind(2*k - 1) == face_symmetry) low(k) = max(low(k), grid%lower(k))
+            if (kind(2*k) == face_symmetry) high(k) = min(high(k), grid%upper(k))
+         end do
+         if (.not. any(grid%active .and. (low < grid%lower - round_off*grid%spacing .or. &
+            high > grid%upper + round_off*grid%spacing))) return
+         number_of = merge(samples(grid%dimensions), 1, grid%active)
+         inside = 0
+         outside = 0
+         point = resting_place(grid)
+         do z = 1, number_of(3)
+            do y = 1, number_of(2)
+               do x = 1, number_of(1)
+                  where (grid%active) point = low + (high - low)*(real([x, y, z], wp) - 0.5_wp) &
+                     /real(number_of, wp)
+                  if (.not. body%shape%contains(point)) cycle
+                  if (any(grid%active .and. (point < grid%lower .or. point >= grid%upper))) then
+                     outside = outside + 1
+                  else
+                     inside = inside + 1
+                  end if
+               end do
+            end do
+         end do
+      end associate
+      if (outside == 0 .or. 100*outside < inside + outside) return
+      call deck%warn("body", place, "its region lies "//number(nint(100.0_wp*real(outside, wp) &
+         /real(inside + outside, wp)))//" % outside the grid and is cut there", "region")
+   end subroutine check_outside
+
+   !> Where points lie along directions that the scene lacks [m].
+   pure function resting_place(grid) result(point)
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp) :: point(3)
+
+      point = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), grid%axisymmetric)
+   end function resting_place
+
+   !> Warn if a body is thinner than two cells. Along a direction in which it reaches from one
+   !! closed face to the other it has no thickness; at a mirror plane it has half of it.
+   subroutine check_thickness(deck, simulation, body, place)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! Grid and faces
+      type(body_t), intent(in) :: body               !! The body
+      integer, intent(in) :: place                   !! Its number in the deck
+      real(wp) :: low(3), high(3), cells
+      logical :: first, last
+      integer :: k
+
+      associate (grid => simulation%grid, kind => simulation%boundary%kind)
+         call cut_bounds(grid, body, low, high)
+         do k = 1, 3
+            if (.not. grid%active(k)) cycle
+            first = low(k) <= grid%lower(k) + round_off*grid%spacing
+            last = high(k) >= grid%upper(k) - round_off*grid%spacing
+            if (first .and. last .and. (grid%periodic(k) .or. &
+               (grid%wall(2*k - 1) .and. grid%wall(2*k)))) cycle
+            cells = (high(k) - low(k))/grid%spacing
+            if (first .and. kind(2*k - 1) == face_symmetry) cells = 2.0_wp*cells
+            if (last .and. kind(2*k) == face_symmetry) cells = 2.0_wp*cells
+            if (cells >= thinnest - round_off) cycle
+            call deck%warn("body", place, "is "//brief(cells)//" cells thick in "//axis_names(k)// &
+               "; at least 2, better 6", "region")
+            return
+         end do
+      end associate
+   end subroutine check_thickness
+
+   !> Warn of two bodies that overlap, with the number of points that the earlier one loses.
+   subroutine check_overlap(deck, grid, bodies, pair, pairs)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      integer, intent(in) :: pair(2)                 !! Earlier and later body
+      integer, intent(in) :: pairs                   !! Number of pairs that share the work
+      real(wp), parameter :: work = 2.0e6_wp         ! sites looked at, all pairs together
+      real(wp) :: low(3), high(3), other_low(3), other_high(3), point(3), edge(3), sites
+      integer :: first(3), last(3), stride(3), x, y, z
+      integer(int64) :: points
+      character(len=:), allocatable :: about
+
+      call cut_bounds(grid, bodies(pair(1)), low, high)
+      call cut_bounds(grid, bodies(pair(2)), other_low, other_high)
+      low = max(low, other_low)
+      high = min(high, other_high)
+      if (any(grid%active .and. low >= high)) return
+      edge = merge(grid%spacing/real(bodies(pair(1))%per_cell, wp), 1.0_wp, grid%active)
+      first = merge(floor((low - grid%lower)/edge), 0, grid%active)
+      last = merge(ceiling((high - grid%lower)/edge) - 1, 0, grid%active)
+      stride = 1
+      sites = product(real(last - first + 1, wp))*real(pairs, wp)
+      if (sites > work) stride = merge(ceiling((sites/work)**(1.0_wp/real(grid%dimensions, wp))), &
+         1, grid%active)
+      points = 0
+      point = resting_place(grid)
+      do z = first(3), last(3), stride(3)
+         do y = first(2), last(2), stride(2)
+            do x = first(1), last(1), stride(1)
+               where (grid%active) point = grid%lower + (real([x, y, z], wp) + 0.5_wp)*edge
+               if (bodies(pair(1))%shape%contains(point) .and. &
+                  bodies(pair(2))%shape%contains(point)) &
+                  points = points + product(int(stride, int64))
+            end do
+         end do
+      end do
+      if (points == 0) return
+      about = ""
+      if (any(stride > 1)) about = "about "
+      call deck%warn("body", pair(2), "overlaps '"//bodies(pair(1))%name//"' in "//about// &
+         number(points)//" points; the later body wins, or use shape = 'difference'", "region")
+   end subroutine check_overlap
+end module scene_check_bodies

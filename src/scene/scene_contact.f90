@@ -1,0 +1,327 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Contact as a deck asks for it: which bodies share a velocity field, and what holds between them.
+module scene_contact
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
+   use base_text, only: brief, number, text_t
+   use material_type, only: material_t
+   use particle_fill, only: body_t
+   use particle_store, only: store_t
+   use step_method, only: position_of
+   use step_simulation, only: contact_t, guesses, simulation_t
+   use transfer_contact, only: contact_bonded, contact_friction, contact_names, pair_law_t
+   implicit none
+   private
+
+   public :: bond_stores, contact_columns, contact_text, read_contact, store_name
+
+   integer, parameter, public :: most_fields = 8     !! Their pairs grow as the square
+   character(len=1), parameter :: any_body = "*"     !! Stands for every body
+
+contains
+
+   !> Give the bodies their velocity fields and these their stores, if the deck asks for contact.
+   subroutine read_contact(deck, simulation, bodies)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(inout) :: simulation !! Materials are known
+      type(body_t), intent(inout) :: bodies(:)       !! Get their stores
+      type(contact_t), allocatable :: contact
+      type(group_t) :: group
+      logical :: acts
+
+      group = deck%group("effects", 1)
+      call group%get("contact", acts)
+      if (.not. acts) return
+      allocate (contact)
+      call number_fields(deck, contact%field_of_body)
+      associate (fields => maxval(contact%field_of_body))
+         if (fields > most_fields) then
+            call deck%complain(group, "contact = .true. knows at most "//number(most_fields)// &
+               " velocity fields, and the bodies have "//number(fields)// &
+               "; give bodies that need no contact with each other the same field in &body", &
+               "contact")
+            return
+         end if
+         call refuse_others(deck, group, simulation)
+         allocate (contact%field(fields), contact%law(fields, fields))
+      end associate
+      call share_out(contact, simulation%materials, bodies)
+      call read_pairs(deck, bodies, contact)
+      call move_alloc(contact, simulation%contact)
+   end subroutine read_contact
+
+   !> Number the velocity fields in the order of the bodies.
+   subroutine number_fields(deck, field)
+      type(deck_t), intent(in) :: deck               !! The deck
+      integer, allocatable, intent(out) :: field(:)  !! (body) From 1
+      type(group_t) :: group
+      integer :: wish(deck%count("body")), body, earlier, fields
+
+      allocate (field(size(wish)))
+      fields = 0
+      do body = 1, size(wish)
+         group = deck%group("body", body)
+         call group%get("field", wish(body))
+         field(body) = 0
+         do earlier = 1, body - 1
+            if (wish(body) > 0 .and. wish(earlier) == wish(body)) field(body) = field(earlier)
+         end do
+         if (field(body) > 0) cycle
+         fields = fields + 1
+         field(body) = fields
+      end do
+   end subroutine number_fields
+
+   !> What does not go together with contact.
+   subroutine refuse_others(deck, group, simulation)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(group_t), intent(in) :: group             !! &effects
+      type(simulation_t), intent(in) :: simulation   !! Materials are known
+      type(group_t) :: exact
+      character(len=:), allocatable :: solution
+      integer :: n
+
+      exact = deck%group("exact")
+      call exact%get("solution", solution)
+      if (solution /= "none") call deck%complain(group, &
+         "contact = .true. does not go with &exact, whose solutions know one body; remove one", &
+         "contact")
+      do n = 1, size(simulation%materials)
+         if (.not. allocated(simulation%materials(n)%heat)) cycle
+         if (.not. simulation%materials(n)%heat%conductivity > 0.0_wp) cycle
+         call deck%complain(group, "contact = .true. does not go with the conductivity of "// &
+            "material '"//simulation%materials(n)%name//"', whose heat would cross gaps; "// &
+            "remove one", "contact")
+         return
+      end do
+   end subroutine refuse_others
+
+   !> Each pair of velocity field and material gets a store of its own, those of a field in a row.
+   subroutine share_out(contact, materials, bodies)
+      type(contact_t), intent(inout) :: contact      !! Gets the stores of its fields
+      type(material_t), allocatable, intent(inout) :: materials(:) !! One a store, in the end
+      type(body_t), intent(inout) :: bodies(:)       !! Get their stores
+      integer :: kind(size(bodies)), owner(size(bodies)), field, material, body, stores
+
+      owner = bodies%store
+      stores = 0
+      do field = 1, size(contact%field)
+         contact%field(field)%first = stores + 1
+         do material = 1, size(materials)
+            if (.not. any(contact%field_of_body == field .and. owner == material)) cycle
+            stores = stores + 1
+            kind(stores) = material
+            do body = 1, size(bodies)
+               if (contact%field_of_body(body) == field .and. owner(body) == material) &
+                  bodies(body)%store = stores
+            end do
+         end do
+         contact%field(field)%last = stores
+      end do
+      materials = materials(kind(:stores))
+      contact%material = kind(:stores)
+   end subroutine share_out
+
+   !> Laws between bodies; what is said of named ones wins over '*'.
+   subroutine read_pairs(deck, bodies, contact)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(contact_t), intent(inout) :: contact      !! Gets the laws
+      type(text_t), allocatable :: names(:)
+      type(pair_law_t) :: law
+      type(group_t) :: group
+      integer :: owner(size(contact%field), size(contact%field)), wild, index, one, other, i, j
+
+      owner = 0
+      ! pairs of '*' give way to those of one, and these to those of none
+      do wild = 2, 0, -1
+         do index = 1, deck%count("contact")
+            group = deck%group("contact", index)
+            call names_of(group, names)
+            if (wild_cards(names) /= wild) cycle
+            call read_law(group, law)
+            one = place_of(names(1)%text, bodies)
+            other = place_of(names(2)%text, bodies)
+            if (wild == 0) call check_pair(deck, group, contact%field_of_body, one, other)
+            do i = 1, size(bodies)
+               do j = 1, size(bodies)
+                  if (one > 0 .and. one /= i .or. other > 0 .and. other /= j) cycle
+                  call set_law(contact%field_of_body(i), contact%field_of_body(j), index)
+               end do
+            end do
+         end do
+      end do
+      contact%bonded = any(contact%law%kind == contact_bonded)
+
+   contains
+
+      !> Set the law of two fields, either way round, unless another group of the same kind did.
+      subroutine set_law(a, b, index)
+         integer, intent(in) :: a, b                 !! The fields
+         integer, intent(in) :: index                !! Of the group
+         type(group_t) :: earlier
+         type(text_t), allocatable :: before(:)
+
+         if (a == b .or. owner(a, b) == index) return
+         if (owner(a, b) > 0) then
+            earlier = deck%group("contact", owner(a, b))
+            call names_of(earlier, before)
+            if (wild_cards(before) == wild) then
+               call deck%complain(group, "bodies of velocity fields "//number(min(a, b))// &
+                  " and "//number(max(a, b))//" have a law already, in line "// &
+                  number(earlier%line("bodies"))//"; remove one of the two", "bodies")
+               return
+            end if
+         end if
+         owner(a, b) = index
+         owner(b, a) = index
+         contact%law(a, b) = law
+         contact%law(b, a) = law
+      end subroutine set_law
+   end subroutine read_pairs
+
+   !> The two names of a group; one that is missing is any body.
+   subroutine names_of(group, names)
+      type(group_t), intent(in) :: group             !! &contact
+      type(text_t), allocatable, intent(out) :: names(:) !! Two
+      type(text_t), allocatable :: given(:)
+      integer :: n
+
+      call group%list("bodies", given)
+      allocate (names(2))
+      do n = 1, 2
+         names(n)%text = any_body
+         if (n <= size(given)) names(n)%text = given(n)%text
+      end do
+   end subroutine names_of
+
+   !> How many of two names stand for any body.
+   pure integer function wild_cards(names) result(wild)
+      type(text_t), intent(in) :: names(2)           !! The names
+
+      wild = merge(1, 0, names(1)%text == any_body) + merge(1, 0, names(2)%text == any_body)
+   end function wild_cards
+
+   !> Place of a body, 0 = any.
+   pure integer function place_of(name, bodies) result(place)
+      character(len=*), intent(in) :: name           !! Or '*'
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+
+      do place = size(bodies), 1, -1
+         if (bodies(place)%name == name) return
+      end do
+   end function place_of
+
+   !> The law of a group.
+   subroutine read_law(group, law)
+      type(group_t), intent(in) :: group             !! &contact
+      type(pair_law_t), intent(out) :: law           !! What it says
+      character(len=:), allocatable :: word
+
+      call group%get("law", word)
+      law%kind = max(position_of(word, contact_names), contact_friction)
+      if (law%kind == contact_friction .or. law%kind == contact_bonded) &
+         call group%get("friction", law%friction)
+      if (law%kind == contact_bonded .and. group%given("bond_strength")) &
+         call group%get("bond_strength", law%strength)
+   end subroutine read_law
+
+   !> A body does not touch itself, nor one that shares its velocity field.
+   subroutine check_pair(deck, group, field_of_body, one, other)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(group_t), intent(in) :: group             !! &contact
+      integer, intent(in) :: field_of_body(:)        !! (body)
+      integer, intent(in) :: one, other              !! The bodies
+
+      if (one == other) then
+         call deck%complain(group, "a body has no contact with itself; name two bodies", "bodies")
+      else if (field_of_body(one) == field_of_body(other)) then
+         call deck%complain(group, "the two bodies share a velocity field, so they move as "// &
+            "one; give them different values of field in &body", "bodies")
+      end if
+   end subroutine check_pair
+
+   !> Let the particles of fields with a bond carry it.
+   subroutine bond_stores(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run with contact; empty stores
+      integer :: field, index
+
+      do field = 1, size(simulation%contact%field)
+         if (.not. any(simulation%contact%law(field, :)%kind == contact_bonded)) cycle
+         do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+            allocate (simulation%stores(index)%bond(0))
+         end do
+      end do
+   end subroutine bond_stores
+
+   !> Name of a store: that of its material, and where several have it, a number behind.
+   pure function store_name(materials, index) result(name)
+      type(material_t), intent(in) :: materials(:)   !! One a store
+      integer, intent(in) :: index                   !! Which store
+      character(len=:), allocatable :: name
+      integer :: earlier, same
+
+      same = 1
+      do earlier = 1, index - 1
+         if (materials(earlier)%name == materials(index)%name) same = same + 1
+      end do
+      name = materials(index)%name
+      if (same > 1) name = name//"@"//number(same)
+   end function store_name
+
+   !> Columns of node fields that contact needs beside those of each velocity field.
+   pure integer function contact_columns(contact) result(columns)
+      type(contact_t), intent(in) :: contact         !! The fields
+
+      associate (fields => size(contact%field))
+         columns = fields*(3 + 1 + 2*merge(4, 3, contact%bonded) + guesses*fields)
+      end associate
+   end function contact_columns
+
+   !> Lines of `--check`: the velocity fields, the pairs and what they cost.
+   function contact_text(simulation, bodies) result(text)
+      type(simulation_t), intent(in) :: simulation   !! The run with contact
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      character(len=:), allocatable :: text
+      integer :: a, b
+
+      associate (contact => simulation%contact)
+         text = "contact    "//number(size(contact%field))//" velocity fields, each with node "// &
+            "fields and an exchange of its own, and "//number(contact_columns(contact))// &
+            " numbers a node"//new_line("a")
+         do b = 2, size(contact%field)
+            do a = 1, b - 1
+               text = text//"           "//members(contact, bodies, a)//" - "// &
+                  members(contact, bodies, b)//": "//law_text(contact%law(a, b))//new_line("a")
+            end do
+         end do
+      end associate
+   end function contact_text
+
+   !> Names of the bodies of a field.
+   pure function members(contact, bodies, field) result(text)
+      type(contact_t), intent(in) :: contact         !! The fields
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      integer, intent(in) :: field                   !! Which field
+      character(len=:), allocatable :: text
+      integer :: body
+
+      text = ""
+      do body = 1, size(bodies)
+         if (contact%field_of_body(body) /= field) cycle
+         if (text /= "") text = text//" + "
+         text = text//bodies(body)%name
+      end do
+   end function members
+
+   !> A law in words.
+   function law_text(law) result(text)
+      type(pair_law_t), intent(in) :: law            !! Between two fields
+      character(len=:), allocatable :: text
+
+      text = trim(contact_names(law%kind))
+      if (law%kind == contact_friction) text = text//" "//brief(law%friction)
+      if (law%kind == contact_bonded .and. law%strength < huge(1.0_wp)) &
+         text = text//" up to "//brief(law%strength)//" Pa"
+   end function law_text
+end module scene_contact

@@ -1,0 +1,175 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Numbers that only forgotten or mistaken units explain. They are allowed, so this only warns.
+module scene_deck_check_units
+   use base_constants, only: pi
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
+   use base_text, only: brief
+   implicit none
+   private
+
+   public :: check_angles, check_kelvin, check_material_units
+
+   !> What is hardly meant: a key, what it lies between in nature, and a question.
+   type :: usual_t
+      character(len=14) :: key                           !! Of &material
+      real(wp) :: least                                  !! [SI]
+      real(wp) :: most                                   !! [SI]
+      character(len=46) :: light                         !! What is said of less
+      character(len=46) :: heavy                         !! What is said of more
+   end type usual_t
+
+   !> Foam and osmium; a sound wave in rubber foam and in diamond; from lead to hydrogen; a yield
+   !! stress of gel and the strength of whiskers; the shear modulus of metals gains a few per cent a
+   !! gigapascal (D. J. Steinberg, S. G. Cochran, M. W. Guinan, J. Appl. Phys. 51 (1980) 1498).
+   type(usual_t), parameter :: usual(5) = [ &
+      usual_t("density       ", 15.0_wp, 2.5e4_wp, "is lighter than polystyrene", &
+      "is heavier than osmium"), &
+      usual_t("mg_c0         ", 20.0_wp, 5.0e4_wp, "is slower than a wave in soft foam", &
+      "is faster than any wave in matter"), &
+      usual_t("specific_heat ", 20.0_wp, 2.0e4_wp, "is less than that of any material", &
+      "is more than that of hydrogen"), &
+      usual_t("jc_a          ", 1.0e2_wp, 1.0e11_wp, "is softer than a gel", &
+      "is stronger than any matter"), &
+      usual_t("scg_gp        ", 0.0_wp, 1.0e-7_wp, "", &
+      "is that of a table per Mbar (6.52 is 6.52e-11)")]
+   real(wp), parameter :: slowest = 0.3_wp, fastest = 5.0e4_wp !! Waves in matter [m/s]
+
+contains
+
+   !> Numbers of a material against what matter has.
+   subroutine check_material_units(deck, material)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      type(group_t), intent(in) :: material              !! One material
+      type(group_t) :: units
+      type(usual_t) :: it
+      real(wp) :: value
+      character(len=:), allocatable :: what
+      integer :: i
+
+      units = deck%group("units")
+      if (.not. units%valid(["system"])) return
+      do i = 1, size(usual)
+         it = usual(i)
+         if (.not. (material%given(trim(it%key)) .and. material%known(trim(it%key)))) cycle
+         call material%get(trim(it%key), value)
+         what = ""
+         if (value < it%least) what = trim(it%light)
+         if (value < it%least .and. it%key == "density" .and. is_gas(material)) what = ""
+         if (value > it%most) what = trim(it%heavy)
+         if (what == "") cycle
+         call deck%warn(material, trim(it%key)//" = "//brief(value)//" "//unit_of_key(it%key)// &
+            what//question(deck), trim(it%key))
+         if (it%key == "density") return
+      end do
+      call check_wave(deck, material)
+   end subroutine check_material_units
+
+   !> True for a gas, which may be as thin as it likes: by its equation of state, or as a fluid with
+   !! the wave speed of one.
+   logical function is_gas(material) result(yes)
+      type(group_t), intent(in) :: material              !! One material
+      real(wp), parameter :: slow = 80.0_wp, fast = 1.5e3_wp !! Waves in gases: SF6, hydrogen [m/s]
+      character(len=:), allocatable :: elastic, word
+      real(wp) :: bulk, density, speed
+
+      call material%get("eos_model", word)
+      yes = word == "ideal_gas"
+      call material%get("elastic", elastic)
+      call material%get("strength_model", word)
+      if (yes .or. .not. (elastic == "none" .or. word == "newtonian")) return
+      speed = 0.0_wp
+      if (material%given("bulk") .and. material%known("bulk")) then
+         call material%get("bulk", bulk)
+         call material%get("density", density)
+         speed = sqrt(bulk/density)
+      end if
+      yes = speed > slow .and. speed < fast
+   end function is_gas
+
+   !> Unit of a key with a blank behind it, for messages.
+   pure function unit_of_key(key) result(unit)
+      character(len=*), intent(in) :: key                !! One of `usual`
+      character(len=:), allocatable :: unit
+
+      select case (key)
+      case ("density")
+         unit = "kg/m3 "
+      case ("mg_c0")
+         unit = "m/s "
+      case ("specific_heat")
+         unit = "J/(kg K) "
+      case ("jc_a")
+         unit = "Pa "
+      case default
+         unit = "1/Pa "
+      end select
+   end function unit_of_key
+
+   !> A question about units, which depends on whether the deck names some.
+   function question(deck) result(text)
+      type(deck_t), intent(in) :: deck                   !! The deck
+      character(len=:), allocatable :: text, system
+      type(group_t) :: units
+
+      units = deck%group("units")
+      text = "; is &units missing?"
+      if (.not. units%given("system")) return
+      call units%get("system", system)
+      text = "; is &units system = '"//system//"' right?"
+   end function question
+
+   !> The wave that stiffness and density give: a modulus in GPa, kbar or Mbar shows here.
+   subroutine check_wave(deck, material)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      type(group_t), intent(in) :: material              !! One material
+      character(len=5), parameter :: moduli(2) = ["young", "bulk "]
+      real(wp) :: density, speed, stiffness
+      integer :: i
+
+      if (.not. material%known("density")) return
+      call material%get("density", density)
+      do i = 1, size(moduli)
+         if (.not. (material%given(trim(moduli(i))) .and. material%known(trim(moduli(i))))) cycle
+         call material%get(trim(moduli(i)), stiffness)
+         speed = sqrt(stiffness/density)
+         if (speed >= slowest .and. speed <= fastest) cycle
+         call deck%warn(material, trim(moduli(i))//" = "//brief(stiffness)// &
+            " Pa with density = "//brief(density)//" kg/m3 makes waves of "//brief(speed)// &
+            " m/s"//question(deck), trim(moduli(i)))
+      end do
+   end subroutine check_wave
+
+   !> A temperature that is one in degrees Celsius.
+   subroutine check_kelvin(deck, body)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      type(group_t), intent(in) :: body                  !! One body
+      real(wp) :: temperature
+
+      if (.not. (body%given("temperature") .and. body%known("temperature"))) return
+      call body%get("temperature", temperature)
+      if (temperature > 0.0_wp .and. temperature < 50.0_wp) call deck%warn(body, &
+         "temperature = "//brief(temperature)//" K: did you mean degrees Celsius ("// &
+         brief(temperature + 273.15_wp)//" K)?", "temperature")
+   end subroutine check_kelvin
+
+   !> Angles that are whole parts of a turn in radians.
+   subroutine check_angles(deck, region)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      type(group_t), intent(in) :: region                !! One region
+      real(wp), parameter :: near = 1.0e-4_wp
+      real(wp) :: parts, rotate(3)
+      integer :: k
+
+      if (.not. (region%given("rotate") .and. region%known("rotate"))) return
+      call region%get("rotate", rotate)
+      do k = 1, 3
+         if (abs(rotate(k)) <= 0.0_wp .or. abs(rotate(k)) > 7.0_wp) cycle
+         parts = rotate(k)*12.0_wp/pi
+         if (abs(parts - anint(parts)) > near) cycle
+         call deck%warn(region, "rotate = "//brief(rotate(k))//" deg: did you mean radians ("// &
+            brief(anint(parts)*15.0_wp)//" deg)?", "rotate")
+         return
+      end do
+   end subroutine check_angles
+end module scene_deck_check_units

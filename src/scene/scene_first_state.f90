@@ -1,0 +1,47 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Brings a run that is laid out to its first state.
+module scene_first_state
+   use base_error, only: error_t
+   use particle_fill, only: body_t
+   use scene_exact_start, only: place_exact, strain_exact
+   use scene_lithostatic, only: weigh_down
+   use scene_particles, only: fill_simulation, first_step, spin_bodies, survey_t
+   use scene_points_clock, only: take_clock
+   use scene_points_fields, only: take_fields
+   use scene_shapes, only: named_shape_t
+   use scene_velocity_formula, only: add_formula_velocities
+   use step_gravity, only: note_gravity
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: begin_run
+
+contains
+
+   !> Particles of the bodies in their first state, the first time step, the books opened.
+   subroutine begin_run(simulation, bodies, survey, shapes, error)
+      type(simulation_t), intent(inout) :: simulation !! The run, gets particles
+      type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
+      type(survey_t), intent(in) :: survey           !! Counts of them
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      !> Bodies and exact solution do not agree, or a file cannot be read any more
+      type(error_t), allocatable, intent(out) :: error
+
+      call fill_simulation(simulation, bodies, survey)
+      call take_fields(simulation, bodies, shapes, error)
+      if (allocated(error)) return
+      call spin_bodies(simulation, bodies)
+      call add_formula_velocities(simulation, bodies, error)
+      if (allocated(error)) return
+      call weigh_down(simulation, bodies)
+      call place_exact(simulation, error)
+      if (allocated(error)) return
+      call strain_exact(simulation)
+      call first_step(simulation)
+      call take_clock(simulation, bodies, shapes)
+      call note_gravity(simulation)
+      call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+         simulation%stores, simulation%materials, simulation%ledger%start)
+   end subroutine begin_run
+end module scene_first_state

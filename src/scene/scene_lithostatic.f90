@@ -1,0 +1,225 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Stress of bodies that have borne their weight for long (`initial_stress = 'lithostatic'`).
+!!
+!! Along gravity the stress is the weight of what lies above without a gap, across it a share of
+!! that. Matter whose pressure follows from its density is as dense as its pressure asks: its
+!! particles keep their places and volumes and become heavier.
+module scene_lithostatic
+   use base_constants, only: xx, xy, xz, yy, yz, zz
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
+   use constitutive_state, only: matter_t
+   use material_type, only: material_t
+   use mesh_grid, only: grid_t
+   use particle_body, only: body_t
+   use particle_store, only: store_t
+   use scene_particles, only: body_of
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: read_lithostatic, weigh_down
+
+contains
+
+   !> Read whether a body begins with the stress of its weight, and refuse what cannot.
+   subroutine read_lithostatic(deck, simulation, group, body)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(simulation_t), intent(in) :: simulation   !! Materials and gravity
+      type(group_t), intent(in) :: group             !! The &body
+      type(body_t), intent(inout) :: body            !! Its particles are known; gets the ratio
+      character(len=:), allocatable :: word
+      logical :: whole
+
+      call group%get("initial_stress", word)
+      if (word /= "lithostatic") return
+      call group%get("k0", body%lateral)
+      if (.not. allocated(simulation%gravity)) then
+         call deck%complain(group, "lithostatic is the stress of its weight; write "// &
+            "&effects gravity = .true. /", "initial_stress")
+      else if (.not. any(abs(simulation%gravity) > 0.0_wp)) then
+         call deck%complain(group, "lithostatic is the stress of its weight, but gravity "// &
+            "has no direction that the scene has", "initial_stress")
+      end if
+      associate (material => simulation%materials(body%store))
+         whole = .not. allocated(material%eos)
+         if (whole) whole = .not. material%bulk_in_rate_form()
+         if (whole) call deck%complain(group, "material '"//material%name//"' has its stress "// &
+            "from its deformation alone, which begins as none; write initial_stress = 'zero'", &
+            "initial_stress")
+      end associate
+      if (body%on_lattice()) return
+      if (.not. body%given%clipped) call deck%complain(group, "above points of a list nothing "// &
+         "is known to lie; write initial_stress = 'file' or 'zero'", "initial_stress")
+   end subroutine read_lithostatic
+
+   !> Give the particles of bodies the stress of their weight. All shapes are still there.
+   subroutine weigh_down(simulation, bodies)
+      type(simulation_t), intent(inout) :: simulation !! The run with particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      integer :: index
+
+      if (.not. any(bodies%lateral >= 0.0_wp)) return
+      do index = 1, size(simulation%stores)
+         if (.not. any(bodies%lateral >= 0.0_wp .and. bodies%store == index)) cycle
+         call weigh_store(simulation%grid, simulation%gravity, bodies, &
+            simulation%materials(index), simulation%stores(index))
+      end do
+   end subroutine weigh_down
+
+   !> Particles of a material.
+   subroutine weigh_store(grid, gravity, bodies, material, store)
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), intent(in) :: gravity(3)             !! [m/s2]
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(material_t), intent(in) :: material       !! That of the particles
+      type(store_t), intent(inout) :: store          !! The particles
+      integer :: tile
+
+      !$omp parallel do default(none) shared(grid, gravity, bodies, material, store) &
+      !$omp private(tile) schedule(dynamic, 4)
+      do tile = 1, size(store%count)
+         call weigh_tile(grid, gravity, bodies, material, tile, store)
+      end do
+      !$omp end parallel do
+   end subroutine weigh_store
+
+   !> Particles of a tile.
+   subroutine weigh_tile(grid, gravity, bodies, material, tile, store)
+      type(grid_t), intent(in) :: grid               !! The grid
+      real(wp), intent(in) :: gravity(3)             !! [m/s2]
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(material_t), intent(in) :: material       !! That of the particles
+      integer, intent(in) :: tile                    !! Which tile
+      type(store_t), intent(inout) :: store          !! The particles
+      real(wp) :: down(3), place(3), weight, across
+      real(wp) :: pressure(store%count(tile))
+      integer :: first, p, body
+
+      down = gravity/norm2(gravity)
+      first = store%first(tile)
+      pressure = 0.0_wp
+      do p = first, first + store%count(tile) - 1
+         body = body_of(bodies, store%identity(p))
+         if (bodies(body)%lateral < 0.0_wp) cycle
+         place = store%position(p, :)
+         weight = norm2(gravity)*mass_above(grid, bodies, body, place, -down)
+         across = bodies(body)%lateral*weight
+         associate (stress => store%matter%stress)
+            stress(p, xx) = -across - (weight - across)*down(1)**2
+            stress(p, yy) = -across - (weight - across)*down(2)**2
+            stress(p, zz) = -across - (weight - across)*down(3)**2
+            stress(p, xy) = -(weight - across)*down(1)*down(2)
+            stress(p, yz) = -(weight - across)*down(2)*down(3)
+            stress(p, xz) = -(weight - across)*down(1)*down(3)
+         end associate
+         pressure(p - first + 1) = (weight + 2.0_wp*across)/3.0_wp
+      end do
+      if (allocated(material%eos)) call press(bodies, material, pressure, first, store)
+   end subroutine weigh_tile
+
+   !> Mass of the column above a place, a square metre wide, up to the first gap [kg/m2]. Bodies
+   !! that begin without stress weigh nothing: they are not yet at rest. Where one body follows on
+   !! another the place is found by halving.
+   pure real(wp) function mass_above(grid, bodies, own, place, up) result(mass)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      integer, intent(in) :: own                     !! Body at the place
+      real(wp), intent(in) :: place(3)               !! [m]
+      real(wp), intent(in) :: up(3)                  !! Direction of length one
+      integer, parameter :: halvings = 40, parts = 4
+      real(wp) :: step, height, low, high, middle
+      integer :: body, next, n
+
+      step = grid%spacing/real(parts*maxval(bodies(own)%per_cell), wp)
+      mass = 0.0_wp
+      height = 0.0_wp
+      body = own
+      do while (body > 0)
+         next = body_at(grid, bodies, place + (height + step)*up)
+         low = height + step
+         if (next /= body) then
+            low = height
+            high = height + step
+            do n = 1, halvings
+               middle = 0.5_wp*(low + high)
+               if (body_at(grid, bodies, place + middle*up) == body) then
+                  low = middle
+               else
+                  high = middle
+               end if
+            end do
+         end if
+         mass = mass + (low - height)*bodies(body)%density
+         if (next > 0 .and. next /= body) mass = mass + (height + step - low)*bodies(next)%density
+         height = height + step
+         body = next
+      end do
+   end function mass_above
+
+   !> Body that bears its weight and holds a place; 0 if there is none.
+   pure integer function body_at(grid, bodies, place) result(body)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      real(wp), intent(in) :: place(3)               !! [m]
+
+      body = 0
+      if (any(grid%active .and. (place < grid%lower .or. place >= grid%upper))) return
+      do body = size(bodies), 1, -1
+         if (bodies(body)%shape%contains(place)) exit
+      end do
+      if (body == 0) return
+      if (bodies(body)%lateral < 0.0_wp) body = 0
+   end function body_at
+
+   !> Make particles as dense as their pressure asks, by secants. Others of the tile stay.
+   subroutine press(bodies, material, pressure, first, store)
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(material_t), intent(in) :: material       !! That of the particles
+      real(wp), intent(in) :: pressure(:)            !! (particle of the tile) 0: it stays [Pa]
+      integer, intent(in) :: first                   !! First particle of the tile
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, parameter :: rounds = 12
+      type(matter_t) :: trial
+      real(wp), dimension(size(pressure)) :: factor, before, found, earlier, step
+      integer :: n, round
+
+      n = size(pressure)
+      if (n == 0) return
+      call material%request(trial, n)
+      before = 1.0_wp
+      factor = 1.0_wp + pressure/material%bulk
+      call find(before, earlier)
+      do round = 1, rounds
+         call find(factor, found)
+         step = 0.0_wp
+         where (abs(found - earlier) > 0.0_wp) step = (pressure - found)*(factor - before) &
+            /(found - earlier)
+         before = factor
+         earlier = found
+         where (pressure > 0.0_wp) factor = factor + step
+         if (all(abs(step) <= epsilon(1.0_wp))) exit
+      end do
+      where (pressure > 0.0_wp) store%matter%mass(first:first + n - 1) = factor &
+         *store%matter%mass(first:first + n - 1)
+
+   contains
+
+      !> Pressure of fresh matter of some density.
+      subroutine find(share, value)
+         real(wp), intent(in) :: share(:)            !! Of the density without stress [1]
+         real(wp), intent(out) :: value(:)           !! [Pa]
+         integer :: p, body
+
+         trial%volume = store%matter%volume(first:first + n - 1)
+         trial%mass = share*store%matter%mass(first:first + n - 1)
+         do p = 1, n
+            body = body_of(bodies, store%identity(first + p - 1))
+            call material%start(trial, p, p, bodies(body)%temperature)
+            if (allocated(trial%energy)) trial%energy(p) = bodies(body)%energy
+         end do
+         call material%settle(trial, 1, n)
+         value = -(trial%stress(:, xx) + trial%stress(:, yy) + trial%stress(:, zz))/3.0_wp
+      end subroutine find
+   end subroutine press
+end module scene_lithostatic

@@ -1,0 +1,200 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The group &method: its keys and what they choose.
+module scene_method
+   use base_deck, only: deck_t, group_t
+   use base_schema, only: schema_t
+   use ddmp_alpha, only: alpha_names
+   use ddmp_catalogue, only: quadrature_names
+   use ddmp_dual, only: surface_names
+   use scene_method_defaults, only: settle_method
+   use step_method, only: method_t, position_of, stress_names
+   use transfer_catalogue, only: basis_names, choose_velocity, velocity_names
+   use transfer_velocity, only: velocity_t
+   implicit none
+   private
+
+   public :: declare_method, read_method
+
+contains
+
+   !> Declare the keys of &method that are not those of materials.
+   subroutine declare_method(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(velocity_t), allocatable :: transfer
+      integer :: n
+
+      call schema%group("method", "numerical method")
+      call schema%text("method", "basis", "node functions; ddmp needs linear", default="linear")
+      call schema%words("method", "basis", basis_names)
+      call schema%text("method", "transfer", "how velocities go between particles and nodes; "// &
+         "default rflip with ddmp, flip with mpm", default="rflip")
+      call schema%words("method", "transfer", velocity_names)
+      do n = 1, size(velocity_names)
+         call choose_velocity(velocity_names(n), transfer)
+         call transfer%declare(schema)
+      end do
+      call schema%logical("method", "paper", "the exact scheme of the seed of the method; it "// &
+         "fixes the other keys of the scheme", default=".false.", owner="run.method = ddmp")
+      call schema%text("method", "alpha", "share of the own cell in the gradient: one bubble a "// &
+         "direction, their product, or its square", default="split", owner="run.method = ddmp")
+      call schema%words("method", "alpha", alpha_names)
+      call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
+         range=">= 0 <= 1", owner="run.method = ddmp")
+      call schema%text("method", "blend", "how the node gradient is interpolated: smooth has "// &
+         "no kinks; default smooth with alpha = 'split', linear with others and round an axis", &
+         words="smooth linear", owner="run.method = ddmp")
+      call schema%text("method", "free_surface", &
+         "cell weights of the dual gradient: least fill "// &
+         "of the nodes; 1 in cells without an empty node; 1 everywhere", default="fill", &
+         owner="run.method = ddmp")
+      call schema%words("method", "free_surface", surface_names)
+      call schema%text("method", "quadrature", "where the dual gradient is taken", &
+         default="point", owner="run.method = ddmp")
+      call schema%words("method", "quadrature", quadrature_names)
+      call schema%text("method", "normalise", "whose sums over particles are divided by the "// &
+         "sums of their weights, so that uniform pressure makes no force: matter without "// &
+         "strength that carries an internal energy, all without strength, none, all; default "// &
+         "none where the rule of the dual gradient forbids it", &
+         words="gases fluids none all", default="gases", owner="run.method = ddmp")
+      call declare_strain(schema)
+      call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
+         "material in a cell share their mean dilatation and pressure", default="none", &
+         words="none bbar")
+      call declare_shocks(schema)
+      call schema%logical("method", "split", "particles that have become long are halved, so "// &
+         "that stretched matter stays in one piece; default .true. where all matter is "// &
+         "gas with normalised sums", default=".false.")
+      call schema%real("method", "split_at", "edge of a particle in cells at which it is halved", &
+         default="0.55", range="> 0 <= 2", owner="split")
+      call schema%integer("method", "split_max", "times that a particle and its parts are "// &
+         "halved", default="10", range="> 0 <= 20", owner="split")
+   end subroutine declare_method
+
+   !> Declare what strains the particles, and whose rotation they carry.
+   subroutine declare_strain(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%text("method", "stress_update", &
+         "after the step, before it, or after mapping the "// &
+         "new velocities; or with the average of both maps, which keeps energy; default usl "// &
+         "with ddmp, musl with mpm", words="usl usf musl usavg")
+      call schema%real("method", "unseen_strain", "share of what nodes gain and particles do "// &
+         "not take that strains with stress_update = 'usavg': damps differences of pressure "// &
+         "between particles; default 0 where all matter is elastic", default="0.2", &
+         range=">= 0 <= 1")
+      call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
+         "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
+         "energy of thin bodies", default="point", words="point tiles", &
+         owner="transfer = rflip")
+   end subroutine declare_strain
+
+   !> Declare the keys of artificial viscosity and heat flux that concern nodes.
+   subroutine declare_shocks(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%text("method", "viscosity_limiter", "what artificial viscosity resists: "// &
+         "smooth, compression less what the node gradients around predict, so that flow which "// &
+         "converges evenly is not heated; none, all compression", default="none", &
+         words="none smooth", owner="effects.artificial_viscosity & run.method = ddmp")
+      call schema%real("method", "heat_flux", "coefficient of an artificial heat flux in "// &
+         "shocks, against walls that are too hot; about 2", default="0", range=">= 0 <= 100", &
+         owner="effects.artificial_viscosity")
+   end subroutine declare_shocks
+
+   !> Make the method from the deck.
+   subroutine read_method(method, deck, stored, gases)
+      type(method_t), intent(inout) :: method        !! The method
+      type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
+      logical, intent(in) :: stored                  !! Does all matter give back all work?
+      logical, intent(in) :: gases                   !! Is all matter a gas?
+      type(group_t) :: group
+      character(len=:), allocatable :: word, basis, quadrature
+
+      call settle_method(deck, stored, gases)
+      group = deck%group("run", 1)
+      call group%get("method", word)
+      group = deck%group("method", 1)
+      call group%get("basis", basis)
+      call group%get("quadrature", quadrature)
+      call method%choose(word == "ddmp", basis, quadrature)
+      if (method%dual .and. basis /= "linear" .and. group%valid(["basis"])) &
+         call deck%complain(group, &
+         "basis = '"//basis//"' needs method = 'mpm' in &run; ddmp has linear functions", "basis")
+      if (method%dual) call read_dual(method, deck, group)
+      if (method%controlled() .or. method%differing()) call refuse_axis(deck, group, quadrature)
+      call group%get("stress_update", word)
+      method%stress = max(position_of(word, stress_names), 1)
+      if (method%averages()) call group%get("unseen_strain", method%unseen)
+      call group%get("transfer", word)
+      call choose_velocity(word, method%transfer)
+      if (.not. allocated(method%transfer)) call choose_velocity("flip", method%transfer)
+      call method%transfer%read(deck, group)
+      if (method%transfer%affine() .and. .not. (method%transfer%turning() .or. method%dual) .and. &
+         basis == "linear") call deck%warn(group, "linear functions with transfer = '"//word// &
+         "' gain energy without bound; write basis = 'quadratic'", "transfer")
+      if (method%transfer%turning()) then
+         call group%get("turn_from", word)
+         method%smooth_turn = word == "tiles"
+      end if
+      call group%get("antilock", word)
+      method%even = word == "bbar"
+      call group%get("heat_flux", method%heat_flux)
+      call group%get("viscosity_limiter", word)
+      method%limited = method%dual .and. word == "smooth"
+      call read_splitting(method, group)
+      group = deck%group("time", 1)
+      call group%get("cfl", method%cfl)
+   end subroutine read_method
+
+   !> When long particles are halved.
+   subroutine read_splitting(method, group)
+      type(method_t), intent(inout) :: method        !! The method
+      type(group_t), intent(in) :: group             !! &method
+      logical :: split
+
+      call group%get("split", split)
+      if (.not. split) return
+      allocate (method%splitting)
+      call group%get("split_at", method%splitting%longest)
+      call group%get("split_max", method%splitting%generations)
+   end subroutine read_splitting
+
+   !> What belongs to the dual domain gradient.
+   subroutine read_dual(method, deck, group)
+      type(method_t), intent(inout) :: method        !! The method with its rule chosen
+      type(deck_t), intent(inout) :: deck            !! Collects complaints
+      type(group_t), intent(in) :: group             !! &method
+      character(len=:), allocatable :: word, quadrature
+      logical :: paper
+
+      call group%get("alpha", word)
+      method%quadrature%alpha = max(position_of(word, alpha_names), 1)
+      call group%get("quadrature", quadrature)
+      if (quadrature == "sub_points" .and. word /= "split") call deck%complain(group, &
+         "quadrature = 'sub_points' needs alpha = 'split', whose means are products", "alpha")
+      call group%get("blend", word)
+      method%quadrature%smooth = word == "smooth"
+      call group%get("alpha_0", method%quadrature%alpha_centre)
+      call group%get("normalise", method%normalise)
+      call group%get("free_surface", word)
+      method%surface = max(position_of(word, surface_names), 1)
+      call group%get("paper", paper)
+      method%leapfrog = .not. paper
+   end subroutine read_dual
+
+   !> Refuse rules that know nothing of the hoop stress: what they take out of the particles they
+   !! give back without it.
+   subroutine refuse_axis(deck, group, quadrature)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      type(group_t), intent(in) :: group             !! &method
+      character(len=*), intent(in) :: quadrature     !! Word of the rule
+      character(len=:), allocatable :: dimension
+      type(group_t) :: run
+
+      run = deck%group("run", 1)
+      call run%get("dimension", dimension)
+      if (dimension == "axisymmetric") call deck%complain(group, "quadrature = '"//quadrature// &
+         "' does not know the hoop stress of dimension = 'axisymmetric'; write 'point'", &
+         "quadrature")
+   end subroutine refuse_axis
+end module scene_method

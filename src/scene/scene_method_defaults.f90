@@ -1,0 +1,199 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Defaults of &method that depend on other keys and on the matter, and keys that do not go
+!! together. All are by measurement: see doc/theory/choice_of_defaults.md.
+module scene_method_defaults
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
+   use step_method, only: stress_after, stress_average, stress_names, stress_remapped
+   implicit none
+   private
+
+   public :: settle_method
+
+   !> Share of unseen node velocities in the strain where not all matter is elastic [1]
+   real(wp), parameter, public :: unseen_usual = 0.2_wp
+
+contains
+
+   !> Settle the defaults of &method that depend on other keys and on the matter, and refuse keys
+   !! that do not go together.
+   subroutine settle_method(deck, stored, gases)
+      type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
+      logical, intent(in) :: stored                  !! Does all matter give back all work?
+      logical, intent(in) :: gases                   !! Is all matter a gas?
+
+      call settle_defaults(deck)
+      if (stored) call settle_elastic(deck)
+      call settle_turn(deck)
+      call check_unseen(deck)
+      call check_normalise(deck)
+      if (gases) call settle_split(deck)
+   end subroutine settle_method
+
+   !> Settle the defaults that depend on other keys.
+   subroutine settle_defaults(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      character(len=:), allocatable :: method, dimension, alpha
+      logical :: paper, may
+      type(group_t) :: run, group
+
+      run = deck%group("run", 1)
+      call run%get("method", method)
+      call run%get("dimension", dimension)
+      group = deck%group("method", 1)
+      call group%get("paper", paper)
+      if (method /= "ddmp") then
+         if (.not. group%given("transfer")) call deck%settle("method", 1, "transfer", "flip")
+         if (.not. group%given("stress_update")) &
+            call deck%settle("method", 1, "stress_update", trim(stress_names(stress_remapped)))
+         return
+      end if
+      may = may_normalise(deck)
+      if (.not. (group%given("normalise") .or. may)) &
+         call deck%settle("method", 1, "normalise", "none")
+      if (paper) then
+         call settle_paper(deck, group)
+         return
+      end if
+      call group%get("alpha", alpha)
+      if (.not. group%given("blend")) call deck%settle("method", 1, "blend", &
+         trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
+      if (.not. group%given("stress_update")) &
+         call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
+   end subroutine settle_defaults
+
+   !> With two velocities elastic matter keeps all of its energy unless the deck says otherwise.
+   subroutine settle_elastic(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      character(len=:), allocatable :: update
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("stress_update", update)
+      if (update /= stress_names(stress_average)) return
+      if (.not. group%given("flip")) call deck%settle("method", 1, "flip", 1.0_wp)
+      if (.not. group%given("unseen_strain")) call deck%settle("method", 1, "unseen_strain", 0.0_wp)
+   end subroutine settle_elastic
+
+   !> With two velocities the rotation is that of the surroundings: that of single particles makes
+   !! energy there.
+   subroutine settle_turn(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      character(len=:), allocatable :: transfer, update, turn
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("transfer", transfer)
+      call group%get("stress_update", update)
+      if (transfer /= "rflip" .or. update /= stress_names(stress_average)) return
+      if (.not. group%given("turn_from")) then
+         call deck%settle("method", 1, "turn_from", "tiles")
+         return
+      end if
+      call group%get("turn_from", turn)
+      if (turn /= "tiles") call deck%complain(group, "stress_update = 'usavg' makes energy "// &
+         "with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
+   end subroutine settle_turn
+
+   !> Gas expands without bound, and cells from which all particles have gone hold no volume. An
+   !! exact solution needs whole particles.
+   subroutine settle_split(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck, gets the default
+      character(len=:), allocatable :: normalise, solution
+      type(group_t) :: group, exact
+
+      group = deck%group("method", 1)
+      if (group%given("split")) return
+      call group%get("normalise", normalise)
+      exact = deck%group("exact")
+      call exact%get("solution", solution)
+      if (normalise /= "none" .and. solution == "none") &
+         call deck%settle("method", 1, "split", .true.)
+   end subroutine settle_split
+
+   !> Refuse a share of unseen velocities where no strain takes it.
+   subroutine check_unseen(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      character(len=:), allocatable :: update
+      real(wp) :: share
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      if (.not. group%given("unseen_strain")) return
+      call group%get("stress_update", update)
+      call group%get("unseen_strain", share)
+      if (update == stress_names(stress_average)) return
+      ! a deck that the program has written has its default
+      if (.not. abs(share - unseen_usual) > 0.0_wp) return
+      call deck%complain(group, "unseen_strain needs stress_update = 'usavg', not '"//update// &
+         "'; remove one of the two", "unseen_strain")
+   end subroutine check_unseen
+
+   !> Refuse normalised sums where the rule of the dual gradient does not allow them.
+   subroutine check_normalise(deck)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      character(len=:), allocatable :: method, word
+      logical :: may
+      type(group_t) :: run, group
+
+      run = deck%group("run", 1)
+      call run%get("method", method)
+      if (method /= "ddmp") return
+      group = deck%group("method", 1)
+      call group%get("normalise", word)
+      may = may_normalise(deck)
+      if (word /= "none" .and. .not. may) call deck%complain(group, &
+         "normalise = '"//word//"' needs quadrature = 'point' and free_surface = 'fill', and "// &
+         "no viscosity_limiter = 'smooth' or paper = .true.; write 'none'", "normalise")
+   end subroutine check_normalise
+
+   !> Does the rule of the dual gradient allow normalised sums?
+   logical function may_normalise(deck) result(may)
+      type(deck_t), intent(in) :: deck               !! The deck
+      character(len=:), allocatable :: limiter, quadrature, surface
+      logical :: paper
+      type(group_t) :: group
+
+      group = deck%group("method", 1)
+      call group%get("quadrature", quadrature)
+      call group%get("free_surface", surface)
+      call group%get("viscosity_limiter", limiter)
+      call group%get("paper", paper)
+      may = .not. paper .and. quadrature == "point" .and. surface == "fill" .and. &
+         limiter == "none"
+   end function may_normalise
+
+   !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.
+   subroutine settle_paper(deck, group)
+      type(deck_t), intent(inout) :: deck            !! The deck
+      type(group_t), intent(in) :: group             !! &method
+      character(len=13), parameter :: keys(6) = [character(len=13) :: "transfer", "alpha", &
+         "blend", "free_surface", "quadrature", "stress_update"]
+      character(len=7), parameter :: fixed(6) = [character(len=7) :: "flip", "product", "linear", &
+         "none", "point", "usf"]
+      character(len=:), allocatable :: word
+      real(wp) :: number
+      integer :: n
+
+      do n = 1, size(keys)
+         if (group%given(trim(keys(n)))) then
+            call group%get(trim(keys(n)), word)
+            if (word /= fixed(n)) call deck%complain(group, "paper = .true. needs "// &
+               trim(keys(n))//" = '"//trim(fixed(n))//"'; remove one of the two", trim(keys(n)))
+         else
+            call deck%settle("method", 1, trim(keys(n)), trim(fixed(n)))
+         end if
+      end do
+      do n = 1, 2
+         associate (key => merge("flip   ", "alpha_0", n == 1))
+            if (.not. group%given(trim(key))) then
+               call deck%settle("method", 1, trim(key), 1.0_wp)
+               cycle
+            end if
+            call group%get(trim(key), number)
+            if (abs(number - 1.0_wp) > 0.0_wp) call deck%complain(group, &
+               "paper = .true. needs "//trim(key)//" = 1; remove one of the two", trim(key))
+         end associate
+      end do
+   end subroutine settle_paper
+end module scene_method_defaults

@@ -1,0 +1,330 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Brings a run whose parts are chosen to its first state: tiles, ranks, particles, time step.
+module scene_particles
+   use base_exact_sum, only: exact_sum_t
+   use base_kinds, only: int64, wp
+   use base_sort, only: sort_order
+   use material_models, only: chain_effects, effect_names
+   use mesh_hilbert, only: curve_key
+   use mesh_tiles, only: partition_keys
+   use omp_lib, only: omp_get_max_threads
+   use particle_even, only: even_volumes
+   use particle_fill, only: body_t, fill_bodies, survey_bodies
+   use particle_place, only: find_place
+   use particle_store, only: traits_t
+   use scene_contact, only: bond_stores, store_name
+   use step_advance, only: count_particles, limit_step, sort_particles
+   use step_conduction, only: greatest_diffusivity
+   use step_ledger, only: cross
+   use step_normalised_sums, only: choose_normalised
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: body_of, distribute, fill_simulation, first_step, make_stores, prepare, spin_bodies, &
+      survey_t, take_survey
+
+   !> What the bodies will fill, known before there are particles.
+   type :: survey_t
+      integer(int64) :: particles = 0                !! In all bodies
+      integer(int64), allocatable :: body(:)         !! (body) Particles
+      integer(int64), allocatable :: key(:)          !! (tile) Tiles that hold some, ascending
+      integer(int64), allocatable :: tile(:)         !! (tile) Their particles
+   end type survey_t
+
+contains
+
+   !> Scratch, timers, the dual gradient: everything that does not depend on particles. Grid,
+   !! boundary, materials and method are set.
+   subroutine prepare(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer(int64) :: none(0)
+      integer(int64), allocatable :: border(:)
+      integer :: material
+
+      allocate (simulation%scratch(0:omp_get_max_threads() - 1))
+      if (simulation%method%dual) then
+         simulation%dual%surface = simulation%method%surface
+         call simulation%dual%start(simulation%grid)
+      end if
+      call partition_keys(none, none, simulation%communicator%size, border)
+      call simulation%tiles%cut(border)
+      call simulation%tiles%set(simulation%grid, none, none)
+      do material = 1, size(simulation%materials)
+         if (.not. allocated(simulation%materials(material)%heat)) cycle
+         if (simulation%materials(material)%heat%conductivity > 0.0_wp .and. &
+            .not. allocated(simulation%conduction)) allocate (simulation%conduction)
+      end do
+      simulation%repacks = any(simulation%materials%repacks)
+      call choose_normalised(simulation)
+      call name_phases(simulation)
+   end subroutine prepare
+
+   !> Names of the timed phases, in the order of the table.
+   subroutine name_phases(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: effect, n
+
+      associate (timer => simulation%timer, phase => simulation%phase)
+         phase%sort = timer%phase("sort, move tiles")
+         phase%scatter = timer%phase("points to nodes")
+         phase%exchange = timer%phase("exchange")
+         phase%wait = timer%phase("waiting for ranks")
+         phase%grid = timer%phase("grid")
+         phase%gather = timer%phase("nodes to points")
+         do effect = 1, chain_effects
+            if (any([(simulation%materials(n)%has(effect), n=1, size(simulation%materials))])) &
+               phase%effect(effect) = timer%phase(trim(effect_names(effect)))
+         end do
+         if (allocated(simulation%conduction)) phase%conduction = timer%phase("heat conduction")
+         if (allocated(simulation%contact)) phase%contact = timer%phase("contact")
+         phase%ledger = timer%phase("ledger, history")
+         phase%output = timer%phase("output")
+         phase%checkpoint = timer%phase("checkpoint")
+      end associate
+   end subroutine name_phases
+
+   !> Make empty stores for the materials, with the fields that they ask for.
+   subroutine make_stores(simulation, traits)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(traits_t), intent(in) :: traits           !! What particles carry besides their matter
+      integer :: index
+
+      if (allocated(simulation%stores)) deallocate (simulation%stores)
+      allocate (simulation%stores(size(simulation%materials)))
+      simulation%carries_energy = .false.
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            call simulation%materials(index)%request(store%matter)
+            call store%start(store_name(simulation%materials, index), simulation%grid%tile_cells, &
+               traits)
+            store%material = index
+            if (allocated(simulation%contact)) store%material = simulation%contact%material(index)
+            if (allocated(simulation%exact)) then
+               if (allocated(simulation%exact%material(index)%solution)) &
+                  allocate (store%reference(0, 3))
+            end if
+            simulation%carries_energy = simulation%carries_energy .or. &
+               allocated(store%matter%energy)
+         end associate
+      end do
+      if (allocated(simulation%contact)) call bond_stores(simulation)
+   end subroutine make_stores
+
+   !> Count the particles of bodies and tiles, and find the volumes of those that lie at random.
+   subroutine take_survey(simulation, bodies, survey)
+      type(simulation_t), intent(in) :: simulation   !! The run without particles
+      type(body_t), intent(inout) :: bodies(:)       !! The bodies; get factors of volumes
+      type(survey_t), intent(out) :: survey          !! The counts
+
+      call even_volumes(simulation%communicator, simulation%grid, bodies)
+      allocate (survey%body(size(bodies)))
+      call survey_bodies(simulation%communicator, simulation%grid, bodies, survey%key, &
+         survey%tile, survey%body)
+      survey%particles = sum(survey%tile)
+   end subroutine take_survey
+
+   !> Fill the bodies with particles, each rank its own tiles.
+   subroutine fill_simulation(simulation, bodies, survey)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
+      type(survey_t), intent(in) :: survey           !! Counts of them
+      integer(int64), allocatable :: own(:), none(:), border(:)
+      integer(int64) :: next
+      integer :: index, body, tile, p
+
+      next = 1
+      do body = 1, size(bodies)
+         bodies(body)%first_identity = next
+         next = next + product(bodies(body)%sites(simulation%grid))
+      end do
+      call partition_keys(survey%key, survey%tile, simulation%communicator%size, border)
+      call simulation%tiles%cut(border)
+      own = pack(survey%key, &
+         survey%key >= simulation%tiles%border(simulation%communicator%rank) .and. &
+         survey%key < simulation%tiles%border(simulation%communicator%rank + 1))
+      allocate (none(0))
+      call simulation%tiles%set(simulation%grid, own, none)
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            call store%remap([(0, tile=1, size(own))], simulation%grid%tile_cells)
+            call fill_bodies(simulation%grid, bodies, simulation%tiles%coordinate, index, store)
+            do tile = 1, size(own)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  body = body_of(bodies, store%identity(p))
+                  call simulation%materials(index)%start(store%matter, p, p, &
+                     bodies(body)%temperature)
+                  if (bodies(body)%energy > 0.0_wp) store%matter%energy(p) = bodies(body)%energy
+               end do
+               call simulation%materials(index)%scatter(store%matter, store%identity, &
+                  store%first(tile), store%first(tile) + store%count(tile) - 1)
+               if (any(bodies%energy > 0.0_wp .and. bodies%store == index)) &
+                  call simulation%materials(index)%settle(store%matter, store%first(tile), &
+                  store%first(tile) + store%count(tile) - 1)
+            end do
+         end associate
+      end do
+      call sort_particles(simulation)
+   end subroutine fill_simulation
+
+   !> Let bodies spin about their centres of mass, which only their particles know. Particles that
+   !! carry a linear velocity field turn like their body.
+   subroutine spin_bodies(simulation, bodies)
+      type(simulation_t), intent(inout) :: simulation !! The run with particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(exact_sum_t) :: sums(4)
+      real(wp) :: centre(3), arm(3)
+      integer(int64) :: last
+      integer :: body, tile, p, k
+
+      do body = 1, size(bodies)
+         if (.not. any(abs(bodies(body)%spin) > 0.0_wp)) cycle
+         associate (store => simulation%stores(bodies(body)%store), spin => bodies(body)%spin)
+            last = bodies(body)%first_identity + product(bodies(body)%sites(simulation%grid)) - 1
+            do k = 1, 4
+               call sums(k)%clear()
+            end do
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  if (store%identity(p) < bodies(body)%first_identity) cycle
+                  if (store%identity(p) > last) cycle
+                  do k = 1, 3
+                     call sums(k)%add(store%matter%mass(p)*store%position(p, k))
+                  end do
+                  call sums(4)%add(store%matter%mass(p))
+               end do
+            end do
+            do k = 1, 4
+               call sums(k)%over_ranks(simulation%communicator)
+            end do
+            centre = [sums(1)%value(), sums(2)%value(), sums(3)%value()]/sums(4)%value()
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  if (store%identity(p) < bodies(body)%first_identity) cycle
+                  if (store%identity(p) > last) cycle
+                  do k = 1, 3
+                     arm(k) = store%position(p, k) - centre(k)
+                  end do
+                  arm = cross(spin, arm)
+                  do k = 1, 3
+                     store%velocity(p, k) = store%velocity(p, k) + arm(k)
+                  end do
+                  if (allocated(store%affine)) store%affine(p, :) = [0.0_wp, spin(3), -spin(2), &
+                     -spin(3), 0.0_wp, spin(1), spin(2), -spin(1), 0.0_wp]
+                  if (allocated(store%spin)) store%spin(p, :) = spin
+               end do
+            end do
+         end associate
+      end do
+   end subroutine spin_bodies
+
+   !> Index of the body that a particle belongs to.
+   pure integer function body_of(bodies, identity) result(body)
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      integer(int64), intent(in) :: identity         !! Of the particle
+
+      do body = size(bodies), 2, -1
+         if (identity >= bodies(body)%first_identity) return
+      end do
+      body = 1
+   end function body_of
+
+   !> Share the particles out among the ranks anew and bring each to its tile; what tiles there were
+   !! is forgotten. For particles that were just read, each store in one range.
+   subroutine distribute(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer(int64), allocatable :: own(:), whole(:), key(:), weight(:), border(:)
+      integer, allocatable :: order(:)
+      integer :: n, tiles
+
+      call count_tiles(simulation, own)
+      call simulation%communicator%gather(own, whole)
+      ! pairs of key and particles, a tile perhaps several times
+      order = sort_order(whole(1::2))
+      allocate (key(size(order)), weight(size(order)))
+      tiles = 0
+      do n = 1, size(order)
+         if (tiles > 0) then
+            if (key(tiles) == whole(2*order(n) - 1)) then
+               weight(tiles) = weight(tiles) + whole(2*order(n))
+               cycle
+            end if
+         end if
+         tiles = tiles + 1
+         key(tiles) = whole(2*order(n) - 1)
+         weight(tiles) = whole(2*order(n))
+      end do
+      call partition_keys(key(:tiles), weight(:tiles), simulation%communicator%size, border)
+      call simulation%tiles%cut(border)
+      do n = 1, size(simulation%stores)
+         call simulation%stores(n)%unsettle(simulation%grid%tile_cells)
+      end do
+      call sort_particles(simulation)
+   end subroutine distribute
+
+   !> Pairs of tile and number of particles on this rank.
+   subroutine count_tiles(simulation, pairs)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer(int64), allocatable, intent(out) :: pairs(:) !! Key, particles, key, particles, ...
+      integer(int64), allocatable :: key(:)
+      integer, allocatable :: order(:)
+      integer :: index, n, filled, owner(3), cells(3)
+      logical :: lost
+
+      allocate (key(count_particles(simulation)))
+      filled = 0
+      do index = 1, size(simulation%stores)
+         associate (position => simulation%stores(index)%position)
+            do n = 1, simulation%stores(index)%particles()
+               call find_place(simulation%grid, simulation%boundary, [position(n, 1), &
+                  position(n, 2), position(n, 3)], owner, cells, lost)
+               filled = filled + 1
+               key(filled) = curve_key(owner, simulation%grid%dimensions)
+            end do
+         end associate
+      end do
+      order = sort_order(key)
+      allocate (pairs(2*size(key)))
+      filled = 0
+      do n = 1, size(order)
+         if (filled > 0) then
+            if (pairs(2*filled - 1) == key(order(n))) then
+               pairs(2*filled) = pairs(2*filled) + 1
+               cycle
+            end if
+         end if
+         filled = filled + 1
+         pairs(2*filled - 1) = key(order(n))
+         pairs(2*filled) = 1
+      end do
+      pairs = pairs(:2*filled)
+   end subroutine count_tiles
+
+   !> Stable time step for the initial state [s].
+   subroutine first_step(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp) :: fastest, signal, speed
+      integer :: index, tile, p
+
+      fastest = 0.0_wp
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            do tile = 1, size(store%count)
+               signal = simulation%materials(index)%signal_speed(store%matter, &
+                  store%first(tile), store%first(tile) + store%count(tile) - 1)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  speed = sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 &
+                     + store%velocity(p, 3)**2)
+                  fastest = max(fastest, signal + speed)
+               end do
+            end do
+         end associate
+      end do
+      fastest = simulation%communicator%maximum(fastest)
+      simulation%dt_next = huge(1.0_wp)
+      if (fastest > 0.0_wp) &
+         simulation%dt_next = simulation%method%cfl*simulation%grid%spacing/fastest
+      if (allocated(simulation%conduction)) call limit_step(simulation, &
+         simulation%communicator%maximum(greatest_diffusivity(simulation)))
+   end subroutine first_step
+end module scene_particles

@@ -1,0 +1,97 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Begins the time steps of a run where those of the run that wrote its points ended.
+!!
+!! Velocities of a snapshot stand half of the last step before the places. The first forces must
+!! lead from there to the middle of the first step: half a step alone, as at the start of other
+!! runs, would leave the velocities behind by half a kick for ever.
+module scene_points_clock
+   use base_deck, only: deck_t
+   use base_kinds, only: wp
+   use base_text, only: brief
+   use particle_body, only: body_t
+   use scene_shapes, only: named_shape_t
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: check_clocks, take_clock
+
+contains
+
+   !> Does a body have its velocities from a snapshot?
+   pure logical function has_clock(body, shapes) result(has)
+      type(body_t), intent(in) :: body               !! The body
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      integer :: n
+
+      has = .false.
+      if (body%on_lattice()) return
+      if (.not. allocated(shapes(body%region)%points)) return
+      associate (points => shapes(body%region)%points)
+         if (.not. points%snapshot) return
+         do n = 1, size(points%list%fields)
+            has = has .or. points%list%fields(n)%text == "velocity"
+         end do
+      end associate
+   end function has_clock
+
+   !> Warn of velocities of a snapshot that stand at other times than the steps of the run take them
+   !! for.
+   subroutine check_clocks(deck, simulation, bodies, shapes)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects warnings
+      type(simulation_t), intent(in) :: simulation   !! Its method
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      real(wp), parameter :: little = 1.0e-9_wp
+      real(wp) :: lag, taken
+      integer :: n
+
+      taken = 0.5_wp*step_before(simulation, bodies, shapes)
+      do n = 1, size(bodies)
+         if (.not. has_clock(bodies(n), shapes)) cycle
+         lag = shapes(bodies(n)%region)%points%list%lag
+         if (abs(lag - taken) <= little*max(lag, taken)) cycle
+         call deck%warn("body", n, "the velocities of '"//shapes(bodies(n)%region)%points%path// &
+            "' stand "//brief(lag)//" s before the places, and the first step takes them for "// &
+            "those of "//brief(taken)//" s before: they will be off by what the forces do in "// &
+            "between; take snapshots of one run and time, and the same paper of &method", "region")
+      end do
+   end subroutine check_clocks
+
+   !> Step that the velocities of the bodies stand half of before their places: that of the first
+   !! snapshot; 0 if velocities stand at the times of places [s].
+   pure real(wp) function step_before(simulation, bodies, shapes) result(dt)
+      type(simulation_t), intent(in) :: simulation   !! Its method
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      integer :: n
+
+      dt = 0.0_wp
+      if (.not. simulation%method%leapfrog .or. allocated(simulation%exact)) return
+      do n = 1, size(bodies)
+         if (.not. has_clock(bodies(n), shapes)) cycle
+         dt = 2.0_wp*shapes(bodies(n)%region)%points%list%lag
+         return
+      end do
+   end function step_before
+
+   !> Length of the step before the first one, and of the first one that the other run would have
+   !! taken, unless it is longer than a step may grow beyond what the particles alone tell.
+   subroutine take_clock(simulation, bodies, shapes)
+      type(simulation_t), intent(inout) :: simulation !! The run, its first step is known
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      real(wp) :: dt
+      integer :: n
+
+      simulation%dt = step_before(simulation, bodies, shapes)
+      dt = huge(dt)
+      do n = 1, size(bodies)
+         if (.not. has_clock(bodies(n), shapes)) cycle
+         associate (next => shapes(bodies(n)%region)%points%list%dt_next)
+            if (next > 0.0_wp) dt = min(dt, next)
+         end associate
+      end do
+      if (dt <= simulation%method%step_growth*simulation%dt_next) simulation%dt_next = dt
+   end subroutine take_clock
+end module scene_points_clock

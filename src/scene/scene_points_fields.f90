@@ -1,0 +1,219 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> State of particles from the file that their places come from.
+module scene_points_fields
+   use base_agreement, only: agree
+   use base_error, only: error_t, exit_file, fail
+   use base_field_worker, only: field_worker_t
+   use base_kinds, only: int64, wp
+   use base_text, only: number
+   use io_hdf5_read, only: data_info_t, hdf5_source_t
+   use io_points, only: data_group, factor_of
+   use particle_body, only: body_t
+   use particle_store, only: store_t
+   use scene_points, only: comes_from_file, point_region_t
+   use scene_points_placing, only: components_of, placing_t
+   use scene_shapes, only: named_shape_t
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: take_fields
+
+   integer, parameter :: piece = 1048576             !! Rows that are read at once
+
+   !> Puts values of rows into the particles of a store that stand for them.
+   type, extends(field_worker_t) :: putter_t
+      character(len=:), allocatable :: name          !! The field
+      integer :: count = 0                           !! Particles of the body
+      integer, allocatable :: particle(:)            !! Which they are
+      integer(int64), allocatable :: row(:)          !! Their rows in the file, from 1
+      integer(int64) :: before = 0                   !! Rows before those below
+      real(wp), allocatable :: reals(:, :)           !! (component, row)
+      logical :: adds = .false.                      !! Add to what is there?
+   contains
+      procedure :: scalar => put_scalar              !! A field of numbers
+      procedure :: vector => put_vector              !! A field of vectors or tensors
+      procedure :: whole => put_whole                !! A field of whole numbers
+   end type putter_t
+
+contains
+
+   !> Give the particles of bodies from files what the files say of them. Collective.
+   subroutine take_fields(simulation, bodies, shapes, error)
+      type(simulation_t), intent(inout) :: simulation !! The run with particles
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(error_t), allocatable, intent(out) :: error !! A file cannot be read any more
+      type(putter_t) :: putter
+      integer :: n
+
+      do n = 1, size(bodies)
+         if (bodies(n)%on_lattice()) cycle
+         if (.not. allocated(shapes(bodies(n)%region)%points)) cycle
+         associate (store => simulation%stores(bodies(n)%store), &
+            points => shapes(bodies(n)%region)%points)
+            call find_particles(store, bodies(n), size(points%list%position, 2), putter)
+            if (allocated(points%list%velocity)) then
+               putter%name = "velocity"
+               putter%adds = .true.
+               putter%before = 0
+               putter%reals = points%list%velocity
+               call store%walk(putter)
+            end if
+            if (points%snapshot) call take_snapshot(simulation, points, bodies(n), putter, error)
+         end associate
+         if (allocated(error)) return
+      end do
+   end subroutine take_fields
+
+   !> Particles of a body and their rows.
+   subroutine find_particles(store, body, rows, putter)
+      type(store_t), intent(in) :: store             !! The particles
+      type(body_t), intent(in) :: body               !! The body
+      integer, intent(in) :: rows                    !! Rows of its file
+      type(putter_t), intent(inout) :: putter        !! Gets both
+      integer(int64) :: row
+      integer :: tile, p, found
+
+      if (allocated(putter%particle)) deallocate (putter%particle, putter%row)
+      allocate (putter%particle(store%particles()), putter%row(store%particles()))
+      found = 0
+      do tile = 1, size(store%count)
+         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+            row = store%identity(p) - body%first_identity + 1
+            if (row < 1 .or. row > rows) cycle
+            found = found + 1
+            putter%particle(found) = p
+            putter%row(found) = row
+         end do
+      end do
+      putter%count = found
+   end subroutine find_particles
+
+   !> Read the fields of a snapshot that the particles carry, a piece at a time.
+   subroutine take_snapshot(simulation, points, body, putter, error)
+      type(simulation_t), intent(inout) :: simulation !! The run with particles
+      type(point_region_t), intent(in) :: points     !! Where it is, and its fields
+      type(body_t), intent(in) :: body               !! The body
+      type(putter_t), intent(inout) :: putter        !! Knows the particles
+      type(error_t), allocatable, intent(out) :: error !! It cannot be read any more
+      type(hdf5_source_t) :: source
+      integer :: n, tile
+
+      call source%open(points%path, error)
+      associate (store => simulation%stores(body%store))
+         do n = 1, size(points%list%fields)
+            if (allocated(error)) exit
+            putter%name = points%list%fields(n)%text
+            if (.not. comes_from_file(putter%name, body%keeps_stress)) cycle
+            if (.not. points%placing%keeps(putter%name)) cycle
+            putter%adds = putter%name == "velocity"
+            call take_field(source, points%placing, store, putter, error)
+         end do
+         call source%close()
+         call agree(simulation%communicator, error)
+         if (allocated(error) .or. body%keeps_stress) return
+         do tile = 1, size(store%count)
+            call simulation%materials(body%store)%settle(store%matter, store%first(tile), &
+               store%first(tile) + store%count(tile) - 1)
+         end do
+      end associate
+   end subroutine take_snapshot
+
+   !> Read one field.
+   subroutine take_field(source, placing, store, putter, error)
+      type(hdf5_source_t), intent(in) :: source      !! The open file
+      type(placing_t), intent(in) :: placing         !! Where the points have been moved to
+      type(store_t), intent(inout) :: store          !! The particles
+      type(putter_t), intent(inout) :: putter        !! Knows which field
+      type(error_t), allocatable, intent(out) :: error !! It cannot be read
+      type(data_info_t) :: info
+      character(len=:), allocatable :: name
+      real(wp), allocatable :: numbers(:)
+      real(wp) :: factor
+      integer :: rows
+
+      name = data_group//"/"//putter%name
+      call source%info(name, info, error)
+      if (allocated(error)) return
+      if (components_of(putter%name) > 1 .and. info%components /= components_of(putter%name)) then
+         call fail(error, exit_file, "'"//source%path//"': the field "//putter%name//" has "// &
+            number(info%components)//" components instead of "// &
+            number(components_of(putter%name)))
+         return
+      end if
+      factor = factor_of(source, name)
+      putter%before = 0
+      do while (putter%before < info%rows)
+         rows = int(min(info%rows - putter%before, int(piece, int64)))
+         if (allocated(putter%reals)) deallocate (putter%reals)
+         allocate (putter%reals(info%components, rows))
+         if (info%dimensions == 1) then
+            if (allocated(numbers)) deallocate (numbers)
+            allocate (numbers(rows))
+            call source%read(name, putter%before, numbers, error)
+            putter%reals(1, :) = numbers
+         else
+            call source%read(name, putter%before, putter%reals, error)
+         end if
+         if (allocated(error)) return
+         putter%reals = factor*putter%reals
+         call placing%turn(putter%name, putter%reals)
+         call store%walk(putter)
+         putter%before = putter%before + rows
+      end do
+   end subroutine take_field
+
+   !> Put numbers.
+   subroutine put_scalar(self, name, unit, values)
+      class(putter_t), intent(inout) :: self         !! The worker
+      character(len=*), intent(in) :: name           !! Name in files
+      character(len=*), intent(in) :: unit           !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:) !! (particle)
+      integer :: n
+
+      if (name /= self%name .or. len(unit) == 0) return
+      do n = 1, self%count
+         if (self%row(n) <= self%before) cycle
+         if (self%row(n) > self%before + size(self%reals, 2)) cycle
+         values(self%particle(n)) = self%reals(1, self%row(n) - self%before)
+      end do
+   end subroutine put_scalar
+
+   !> Put vectors or tensors.
+   subroutine put_vector(self, name, unit, values)
+      class(putter_t), intent(inout) :: self         !! The worker
+      character(len=*), intent(in) :: name           !! Name in files
+      character(len=*), intent(in) :: unit           !! SI unit
+      real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
+      integer :: n, k
+
+      if (name /= self%name .or. len(unit) == 0) return
+      do n = 1, self%count
+         if (self%row(n) <= self%before) cycle
+         if (self%row(n) > self%before + size(self%reals, 2)) cycle
+         do k = 1, min(size(values, 2), size(self%reals, 1))
+            associate (value => values(self%particle(n), k), &
+               new => self%reals(k, self%row(n) - self%before))
+               value = merge(value, 0.0_wp, self%adds) + new
+            end associate
+         end do
+      end do
+   end subroutine put_vector
+
+   !> Put whole numbers.
+   subroutine put_whole(self, name, unit, values)
+      class(putter_t), intent(inout) :: self         !! The worker
+      character(len=*), intent(in) :: name           !! Name in files
+      character(len=*), intent(in) :: unit           !! SI unit
+      integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
+      integer :: n
+
+      if (name /= self%name .or. len(unit) == 0) return
+      do n = 1, self%count
+         if (self%row(n) <= self%before) cycle
+         if (self%row(n) > self%before + size(self%reals, 2)) cycle
+         values(self%particle(n)) = nint(self%reals(1, self%row(n) - self%before), int64)
+      end do
+   end subroutine put_whole
+end module scene_points_fields

@@ -1,0 +1,220 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Shapes from the regions of a deck.
+module scene_shapes
+   use base_communicator, only: communicator_t
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
+   use base_text, only: text_t
+   use mesh_grid, only: grid_t
+   use particle_shape, only: box, combine, cylinder, rotation_matrix, set_difference, &
+      set_intersection, set_union, shape_holder_t, sphere, transform_point
+   use particle_solids, only: cone, ellipsoid, half_space, torus
+   use scene_facets, only: read_facets
+   use scene_points, only: point_region_t, read_point_region
+   use scene_prism, only: build_prism
+   use scene_voxels, only: read_voxel_region
+   implicit none
+   private
+
+   public :: named_shape_t, read_shapes
+
+   !> A region.
+   type :: named_shape_t
+      character(len=:), allocatable :: name          !! Name in the deck
+      type(shape_holder_t) :: shape                  !! Where it is
+      type(point_region_t), allocatable :: points    !! Its points, if it is a list of them
+      logical :: ready = .false.                     !! Is the shape built?
+      logical :: asked = .false.                     !! Is it being built?
+   end type named_shape_t
+
+contains
+
+   !> Build all regions.
+   subroutine read_shapes(deck, communicator, grid, shapes)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
+      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
+      type(group_t) :: group
+      integer :: index
+
+      allocate (shapes(deck%count("region")))
+      do index = 1, size(shapes)
+         group = deck%group("region", index)
+         call group%get("name", shapes(index)%name)
+      end do
+      do index = 1, size(shapes)
+         call build(deck, communicator, grid, shapes, index)
+      end do
+   end subroutine read_shapes
+
+   !> Build one region and those that it is made of.
+   recursive subroutine build(deck, communicator, grid, shapes, index)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
+      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(named_shape_t), intent(inout) :: shapes(:) !! All regions
+      integer, intent(in) :: index                   !! Which one
+      type(group_t) :: group
+      character(len=:), allocatable :: about, word
+      real(wp) :: scale, rotate(3), translate(3)
+      logical :: own_centre
+
+      if (shapes(index)%ready) return
+      group = deck%group("region", index)
+      if (shapes(index)%asked) then
+         call deck%complain(group, "the region is made of itself; name other regions", key="of")
+         return
+      end if
+      shapes(index)%asked = .true.
+      call group%get("shape", word)
+      select case (word)
+      case ("union", "difference", "intersection")
+         call build_set(deck, communicator, grid, shapes, index, group, word)
+      case ("stl")
+         call read_facets(communicator, deck, group, shapes(index)%shape)
+      case ("voxel")
+         call read_voxel_region(communicator, deck, grid, group, shapes(index)%shape)
+      case ("points")
+         call read_point_region(communicator, deck, grid, group, shapes(index)%points, &
+            shapes(index)%shape)
+      case ("prism")
+         call build_prism(deck, grid, group, shapes(index)%shape)
+      case ("ellipsoid", "cone", "torus", "halfspace")
+         call build_solid(grid, group, word, shapes(index)%shape)
+      case default
+         call build_simple(grid, group, word, shapes(index)%shape)
+      end select
+      call group%get("scale", scale)
+      call group%get("rotate", rotate)
+      call group%get("translate", translate)
+      call group%get("rotate_about", about)
+      own_centre = about == "centre"
+      if (own_centre .and. (word == "halfspace" .or. word == "points")) then
+         call deck%complain(group, "a "//word//" has no centre to rotate about; use "// &
+            "rotate_about = 'origin'", key="rotate_about")
+      else if (own_centre .and. allocated(shapes(index)%shape%shape)) then
+         call keep_centre(shapes(index)%shape, scale, rotate, translate)
+      end if
+      ! points are at their places already
+      if (allocated(shapes(index)%shape%shape) .and. .not. allocated(shapes(index)%points)) &
+         call shapes(index)%shape%shape%place(scale, rotate, translate)
+      shapes(index)%ready = .true.
+   end subroutine build
+
+   !> Add to a displacement what keeps the centre of a shape in its place while it is rotated.
+   pure subroutine keep_centre(holder, scale, rotate, translate)
+      type(shape_holder_t), intent(in) :: holder     !! The shape as it was declared
+      real(wp), intent(in) :: scale                  !! Factor [1]
+      real(wp), intent(in) :: rotate(3)              !! Angles [deg]
+      real(wp), intent(inout) :: translate(3)        !! Displacement after the rotation [m]
+      real(wp) :: centre(3), high(3), low(3), turned(3)
+      real(wp), parameter :: unmoved(3) = 0.0_wp
+
+      call holder%bounds(low, high)
+      centre = scale*(0.5_wp*(low + high))
+      turned = centre
+      call transform_point(1.0_wp, rotation_matrix(rotate), unmoved, turned)
+      translate = translate + (centre - turned)
+   end subroutine keep_centre
+
+   !> A box, sphere or cylinder. In directions that the scene lacks a box reaches everywhere and a
+   !! centre lies where the particles are.
+   subroutine build_simple(grid, group, word, holder)
+      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(group_t), intent(in) :: group             !! The region
+      character(len=*), intent(in) :: word           !! Kind of shape
+      type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
+      real(wp), parameter :: far = 1.0e6_wp          ! extents of the box
+      real(wp) :: lo(3), hi(3), centre(3), axis(3), radius, height, length
+
+      select case (word)
+      case ("box")
+         call group%get("lo", lo)
+         call group%get("hi", hi)
+         length = far*maxval(grid%upper - grid%lower)
+         where (.not. grid%active)
+            lo = -length
+            hi = length
+         end where
+         call holder%set(box(lo, hi))
+      case default
+         call group%get("centre", centre)
+         call group%get("radius", radius)
+         where (.not. grid%active) centre = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), &
+            grid%axisymmetric)
+         if (word == "sphere") then
+            call holder%set(sphere(centre, radius))
+         else
+            call group%get("axis", axis)
+            call group%get("height", height)
+            call holder%set(cylinder(centre, axis, radius, height))
+         end if
+      end select
+   end subroutine build_simple
+
+   !> An ellipsoid, cone, ring or half space.
+   subroutine build_solid(grid, group, word, holder)
+      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(group_t), intent(in) :: group             !! The region
+      character(len=*), intent(in) :: word           !! Kind of shape
+      type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
+      real(wp) :: centre(3), axis(3), semi_axes(3), radius, radius2, height
+
+      call group%get("centre", centre)
+      call group%get("axis", axis)
+      call group%get("radius", radius)
+      call group%get("radius2", radius2)
+      where (.not. grid%active) centre = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), &
+         grid%axisymmetric)
+      select case (word)
+      case ("ellipsoid")
+         call group%get("semi_axes", semi_axes)
+         call holder%set(ellipsoid(centre, semi_axes))
+      case ("cone")
+         call group%get("height", height)
+         call holder%set(cone(centre, axis, radius, radius2, height))
+      case ("torus")
+         call holder%set(torus(centre, axis, radius, radius2))
+      case default
+         call group%get("normal", axis)
+         call holder%set(half_space(centre, axis))
+      end select
+   end subroutine build_solid
+
+   !> A set operation on other regions.
+   recursive subroutine build_set(deck, communicator, grid, shapes, index, group, word)
+      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
+      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(named_shape_t), intent(inout) :: shapes(:) !! All regions
+      integer, intent(in) :: index                   !! Which one
+      type(group_t), intent(in) :: group             !! Its group
+      character(len=*), intent(in) :: word           !! Which operation
+      type(text_t), allocatable :: names(:)
+      type(shape_holder_t), allocatable :: operands(:)
+      integer :: n, other, kind
+
+      call group%list("of", names)
+      allocate (operands(size(names)))
+      do n = 1, size(names)
+         do other = 1, size(shapes)
+            if (shapes(other)%name /= names(n)%text) cycle
+            call build(deck, communicator, grid, shapes, other)
+            if (allocated(shapes(other)%points)) call deck%complain(group, "'"// &
+               names(n)%text//"' is a list of points, which has no inside; name other regions", &
+               key="of")
+            operands(n) = shapes(other)%shape
+         end do
+      end do
+      select case (word)
+      case ("union")
+         kind = set_union
+      case ("difference")
+         kind = set_difference
+      case default
+         kind = set_intersection
+      end select
+      call shapes(index)%shape%set(combine(kind, operands))
+   end subroutine build_set
+end module scene_shapes

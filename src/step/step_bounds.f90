@@ -1,0 +1,249 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Bounds of what particles may do in a run, and the search for those that leave them.
+module step_bounds
+   use base_kinds, only: int64, wp
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: bounds_t, count_bad, fault_of, find_steepest, guard_t, slow_nodes, &
+      steep_enough
+
+   integer, parameter, public :: rule_signal = 1      !! A step is as long as signal and motion let
+   integer, parameter, public :: rule_growth = 2      !! ... as growth from the one before lets
+   integer, parameter, public :: rule_strain = 3      !! ... as the velocity gradient lets
+   integer, parameter, public :: rule_conduction = 4  !! ... as conduction of heat lets
+   integer, parameter, public :: rule_deck = 5        !! ... as dt_max or dt_fixed say
+   integer, parameter, public :: rule_end = 6         !! ... as t_end lets
+   integer, parameter, public :: rule_retry = 7       !! ... as nodes let that would go too far
+   integer, parameter, public :: rules = 7            !! Number of these
+   !> Their names in the summary.
+   character(len=10), parameter, public :: rule_names(rules) = [character(len=10) :: "signal", &
+      "growth", "strain", "conduction", "deck", "end", "retry"]
+
+   integer, parameter, public :: fault_none = 0       !! All is well
+   integer, parameter, public :: fault_velocity = 1   !! Velocity is not a finite number
+   integer, parameter, public :: fault_stress = 2     !! Stress is not a finite number
+   integer, parameter, public :: fault_volume = 3     !! Volume is not a finite number
+   integer, parameter, public :: fault_inverted = 4   !! Turned inside out
+   integer, parameter, public :: fault_small = 5      !! Compressed beyond the bound
+   integer, parameter, public :: fault_large = 6      !! Expanded beyond the bound
+   integer, parameter, public :: fault_fast = 7       !! Faster than the bound
+
+   !> Bounds that hold in every step.
+   type :: bounds_t
+      real(wp) :: ratio_min = 1.0e-3_wp              !! Least volume over that at rest [1]
+      real(wp) :: ratio_max = 1.0e12_wp              !! Greatest volume over that at rest [1]
+      real(wp) :: speed_max = sqrt(huge(1.0_wp))     !! Greatest speed of a particle [m/s]
+      real(wp) :: strain_max = 0.3_wp                !! Greatest dt |grad v| of a step [1]
+      real(wp) :: collapse = 1.0e-3_wp               !! Least step over the longest so far [1]
+      real(wp) :: dt_min = 0.0_wp                    !! Least step [s]
+      logical :: dt_free = .true.                    !! May a step be shorter than was chosen?
+      logical :: retire = .false.                    !! Do bad particles go, and the run on?
+      real(wp) :: retire_max = 0.0_wp                !! Greatest share of the mass that may [1]
+   end type bounds_t
+
+   !> What a run knows about the length of its steps.
+   type :: guard_t
+      type(bounds_t) :: bounds                       !! What may happen
+      real(wp) :: longest = 0.0_wp                   !! Longest stable step so far [s]
+      real(wp) :: rate = 0.0_wp                      !! Steepest velocity gradient of the step [1/s]
+      integer(int64) :: steepest = huge(1_int64)     !! Identity of that particle if on this rank
+      integer :: rule = rule_signal                  !! What limits the step that comes
+      integer(int64) :: steps(rules) = 0             !! Steps that each rule has limited
+      real(wp) :: expected = 0.0_wp                  !! Steps of the whole run, as estimated
+      integer :: counted = rule_signal               !! Rule for which the present one was counted
+   end type guard_t
+
+contains
+
+   !> Particles of a tile that are not as they should be. A number that is none fails every
+   !! comparison, so it need not be asked for.
+   pure real(wp) function count_bad(store, tile, density, bounds) result(bad)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: density                !! Of their material at rest [kg/m3]
+      type(bounds_t), intent(in) :: bounds           !! What may happen
+      integer :: first, last
+
+      first = store%first(tile)
+      last = first + store%count(tile) - 1
+      bad = count_states(first, last, store%velocity, store%matter%stress, store%matter%volume, &
+         store%matter%mass, bounds%speed_max**2, bounds%ratio_min/density, bounds%ratio_max/density)
+      if (allocated(store%matter%deformation_gradient)) &
+         bad = bad + count_inverted(first, last, store%matter%deformation_gradient)
+   end function count_bad
+
+   !> Bad velocities and volumes in a range, and one more if the sum of all stresses is no finite
+   !! number, which it is not if one of them is none. Each comparison counts for itself, which makes
+   !! vectors of it.
+   pure real(wp) function count_states(first, last, velocity, stress, volume, mass, fastest, &
+      least, most) result(bad)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(in) :: stress(:, :)   !! (particle, 6) [Pa]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
+      real(wp), intent(in) :: fastest                !! Square of the greatest speed [m2/s2]
+      real(wp), intent(in) :: least                  !! Volume of a mass [m3/kg]
+      real(wp), intent(in) :: most                   !! The same [m3/kg]
+      real(wp) :: square, load
+      integer :: p
+
+      bad = 0.0_wp
+      load = 0.0_wp
+      !$omp simd private(square) reduction(+:bad, load)
+      do p = first, last
+         square = velocity(p, 1)**2 + velocity(p, 2)**2 + velocity(p, 3)**2
+         load = load + (stress(p, 1) + stress(p, 2) + stress(p, 3) + stress(p, 4) &
+            + stress(p, 5) + stress(p, 6))
+         bad = bad + merge(0.0_wp, 1.0_wp, square <= fastest) &
+            + merge(0.0_wp, 1.0_wp, volume(p) >= mass(p)*least) &
+            + merge(0.0_wp, 1.0_wp, volume(p) <= mass(p)*most)
+      end do
+      if (.not. abs(load) <= huge(load)) bad = bad + 1.0_wp
+   end function count_states
+
+   !> Particles of a range that have turned inside out.
+   pure real(wp) function count_inverted(first, last, f) result(bad)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: f(:, :)    !! (particle, 9) Deformation gradient [1]
+      integer :: p
+
+      bad = 0.0_wp
+      !$omp simd reduction(+:bad)
+      do p = first, last
+         bad = bad + merge(0.0_wp, 1.0_wp, f(p, 1)*(f(p, 5)*f(p, 9) - f(p, 8)*f(p, 6)) &
+            - f(p, 4)*(f(p, 2)*f(p, 9) - f(p, 8)*f(p, 3)) &
+            + f(p, 7)*(f(p, 2)*f(p, 6) - f(p, 5)*f(p, 3)) > 0.0_wp)
+      end do
+   end function count_inverted
+
+   !> What is wrong with a particle, and the number that shows it.
+   pure subroutine fault_of(store, p, density, bounds, fault, value)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: p                       !! Which one
+      real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
+      type(bounds_t), intent(in) :: bounds           !! What may happen
+      integer, intent(out) :: fault                  !! One of the faults above
+      real(wp), intent(out) :: value                 !! Speed, stress or ratio of volumes
+      real(wp) :: speed, stress, ratio, determinant
+
+      determinant = 1.0_wp
+      if (allocated(store%matter%deformation_gradient)) then
+         associate (f => store%matter%deformation_gradient)
+            determinant = f(p, 1)*(f(p, 5)*f(p, 9) - f(p, 8)*f(p, 6)) - f(p, 4)*(f(p, 2)*f(p, 9) &
+               - f(p, 8)*f(p, 3)) + f(p, 7)*(f(p, 2)*f(p, 6) - f(p, 5)*f(p, 3))
+         end associate
+      end if
+      speed = sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 + store%velocity(p, 3)**2)
+      stress = sum(abs(store%matter%stress(p, :)))
+      ratio = store%matter%volume(p)*density/store%matter%mass(p)
+      fault = fault_none
+      value = speed
+      if (.not. speed <= huge(1.0_wp)) then
+         fault = fault_velocity
+      else if (.not. stress <= huge(1.0_wp)) then
+         fault = fault_stress
+         value = stress
+      else if (.not. abs(ratio) <= huge(1.0_wp)) then
+         fault = fault_volume
+         value = ratio
+      else if (.not. determinant > 0.0_wp) then
+         fault = fault_inverted
+         value = determinant
+      else if (ratio < bounds%ratio_min) then
+         fault = fault_small
+         value = ratio
+      else if (ratio > bounds%ratio_max) then
+         fault = fault_large
+         value = ratio
+      else if (speed > bounds%speed_max) then
+         fault = fault_fast
+      end if
+   end subroutine fault_of
+
+   !> Note the steepest velocity gradient of a tile if it is the steepest so far and may limit the
+   !! next step. Equal ones go to the lowest identity, so that the order of tiles does not matter.
+   !! Most tiles have none that matters, which counting in vectors tells.
+   pure subroutine find_steepest(gradient, identity, dt, matters, steepest, who)
+      real(wp), contiguous, intent(in) :: gradient(:, :)    !! (particle, 9) dt du_k/dx_l [1]
+      integer(int64), contiguous, intent(in) :: identity(:) !! (particle) Who they are
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), intent(in) :: matters                !! Smaller |grad v| do not limit steps [1/s]
+      real(wp), intent(inout) :: steepest            !! Square of |grad v| so far [1/s2]
+      integer(int64), intent(inout) :: who           !! Its particle
+      real(wp), parameter :: rounding = 1.0e-12_wp
+      real(wp) :: most, enough
+      integer :: p
+
+      enough = (1.0_wp - rounding)*max(steepest, matters**2)*dt**2
+      if (.not. count_steep(size(identity), gradient, enough) > 0.5_wp) return
+      most = 0.0_wp
+      do p = 1, size(identity)
+         most = max(most, square(gradient, p))
+      end do
+      if (.not. (most > 0.0_wp .and. most/dt**2 >= steepest)) return
+      if (most/dt**2 > steepest) who = huge(who)
+      steepest = most/dt**2
+      do p = 1, size(identity)
+         if (square(gradient, p) >= most) who = min(who, identity(p))
+      end do
+   end subroutine find_steepest
+
+   !> Particles whose gradient has at least a norm.
+   pure real(wp) function count_steep(count, gradient, enough) result(steep)
+      integer, intent(in) :: count                   !! Particles
+      real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle, 9)
+      real(wp), intent(in) :: enough                 !! Square of the norm
+      integer :: p
+
+      steep = 0.0_wp
+      !$omp simd reduction(+:steep)
+      do p = 1, count
+         steep = steep + merge(1.0_wp, 0.0_wp, gradient(p, 1)**2 + gradient(p, 2)**2 &
+            + gradient(p, 3)**2 + gradient(p, 4)**2 + gradient(p, 5)**2 + gradient(p, 6)**2 &
+            + gradient(p, 7)**2 + gradient(p, 8)**2 + gradient(p, 9)**2 >= enough)
+      end do
+   end function count_steep
+
+   !> Is every component of the velocities of nodes within a bound? Counted in vectors.
+   pure logical function slow_nodes(components, velocity, most) result(slow)
+      integer, intent(in) :: components              !! Three for each node
+      real(wp), intent(in) :: velocity(components)   !! One node after another [m/s]
+      real(wp), intent(in) :: most                   !! The bound [m/s]
+      real(wp) :: fast
+      integer :: k
+
+      fast = 0.0_wp
+      !$omp simd reduction(+:fast)
+      do k = 1, components
+         fast = fast + merge(0.0_wp, 1.0_wp, abs(velocity(k)) <= most)
+      end do
+      slow = fast < 0.5_wp
+   end function slow_nodes
+
+   !> Velocity gradient from which on it may be what limits the next step, however the others come
+   !! out: the step before has grown as far as it may [1/s].
+   pure real(wp) function steep_enough(bounds, growth, dt) result(rate)
+      type(bounds_t), intent(in) :: bounds           !! What may happen
+      real(wp), intent(in) :: growth                 !! Greatest ratio of two steps [1]
+      real(wp), intent(in) :: dt                     !! Stable step that was [s]
+      real(wp), parameter :: rounding = 1.0e-12_wp
+
+      rate = 0.0_wp
+      if (dt < huge(dt)/growth) rate = (1.0_wp - rounding)*bounds%strain_max/(growth*dt)
+   end function steep_enough
+
+   !> Square of the norm of a gradient.
+   pure real(wp) function square(gradient, p) result(norm)
+      real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle, 9)
+      integer, intent(in) :: p                       !! Which particle
+
+      norm = gradient(p, 1)**2 + gradient(p, 2)**2 + gradient(p, 3)**2 + gradient(p, 4)**2 &
+         + gradient(p, 5)**2 + gradient(p, 6)**2 + gradient(p, 7)**2 + gradient(p, 8)**2 &
+         + gradient(p, 9)**2
+   end function square
+end module step_bounds

@@ -1,0 +1,499 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Conduction of heat on the grid, for materials that have a conductivity.
+!!
+!! Temperatures go to the nodes weighted with heat capacity. The flow of heat follows the same
+!! modified gradient, and its adjoint, as strain and force do, so it only smooths, and what leaves a
+!! node arrives at others: sum m c T is kept to round-off. Particles get the changes of their nodes,
+!! which adds no diffusion of its own. What differs between particles of a cell the nodes do not
+!! see; it fades at the rate of the shortest wave that they do see, by a term without any effect on
+!! the nodes, of second order as in the filtered transfers of C. C. Hammerquist, J. A. Nairn,
+!! Comput. Methods Appl. Mech. Eng. 318 (2017) 724. Materials without a conductivity take no part.
+!! Free surfaces are insulated, and faces that have no temperature. See doc/theory/matter.md.
+module step_conduction
+   use base_constants, only: pi
+   use base_kinds, only: wp
+   use material_voids, only: expanded
+   use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
+   use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_heat_boundaries, only: hold_temperature, take_heat
+   use step_ledger, only: dissipated
+   use step_node_sums, only: divide
+   use step_particles_to_nodes, only: find_plain_places
+   use step_simulation, only: scratch_t, simulation_t
+   use step_tile_cost, only: book_cost, cost_clock
+   use transfer_scatter, only: dual_columns, motion_columns
+   use transfer_shape_data, only: places_t
+   implicit none
+   private
+
+   public :: conduct_heat, conduction_step, greatest_diffusivity
+
+   integer, parameter :: capacity = 1                !! Row of heat capacity [J/K]
+   integer, parameter :: content = 2                 !! Row of heat [J]
+   integer, parameter :: filled = 3                  !! Row of volume [m3]
+   integer, parameter :: hidden = 2                  !! Row of what nodes do not see [J]
+   integer, parameter :: fluxes = 3                  !! Row of flux times volume, by direction
+   !> Rows of a symmetric tensor that hold its first line, and of a full one
+   integer, parameter :: first_line(3) = [1, 4, 6], full_line(3) = [1, 4, 7]
+   real(wp), parameter :: fade = pi*pi !! Rate of the shortest wave, over diffusivity/spacing**2 [1]
+   real(wp), parameter :: fade_most = 0.5_wp         !! Greatest part that fades in a step [1]
+
+contains
+
+   !> Conduct heat for one step. Particles are where they were when the forces were found.
+   subroutine conduct_heat(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run, some material conducts
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: began
+      integer :: tile
+
+      call simulation%timer%start(simulation%phase%conduction)
+      call find_temperature(simulation)
+      call find_flow(simulation, dt)
+      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) &
+      !$omp schedule(dynamic, 1)
+      do tile = 1, simulation%tiles%own
+         began = cost_clock(simulation)
+         call give_heat(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
+         call book_cost(simulation, tile, began)
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%conduction)
+   end subroutine conduct_heat
+
+   !> Temperature of the nodes, and its gradient for the dual gradient.
+   subroutine find_temperature(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp) :: began
+      integer, allocatable :: tiles(:)
+      integer :: part, n, rows
+
+      rows = merge(filled, content, simulation%method%dual)
+      associate (heat => simulation%conduction, nodes => simulation%grid%tile_nodes)
+         call ensure_patch(heat%content, rows, nodes, simulation%tiles%own)
+         do part = edge_tiles, inner_tiles
+            call next_tiles(simulation, part, tiles)
+            !$omp parallel do default(none) shared(simulation, tiles) private(n, began) &
+            !$omp schedule(dynamic, 1)
+            do n = 1, size(tiles)
+               began = cost_clock(simulation)
+               call spread_content(simulation, simulation%scratch(omp_get_thread_num()), &
+                  tiles(n), simulation%conduction%content(:, :, tiles(n)))
+               call book_cost(simulation, tiles(n), began)
+            end do
+            !$omp end parallel do
+            call pass_patches(simulation, part, simulation%conduction%content)
+         end do
+         call ensure_patch(heat%total, rows, nodes, simulation%tiles%all)
+         call ensure_patch(heat%temperature, 1, nodes, simulation%tiles%all)
+      end associate
+      if (simulation%method%dual) call ensure_dual(simulation)
+      call each_tile(simulation, average_tile)
+      if (simulation%method%dual) call each_tile(simulation, slope_tile)
+   end subroutine find_temperature
+
+   !> Heat that flows to the nodes, from the cells and, with the dual gradient, between nodes.
+   subroutine find_flow(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: began
+      integer, allocatable :: tiles(:)
+      integer :: part, n
+
+      call ensure_patch(simulation%conduction%flow, merge(fluxes + 2, hidden, &
+         simulation%method%dual), simulation%grid%tile_nodes, simulation%tiles%own)
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, tiles, dt) private(n, began) &
+         !$omp schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            began = cost_clock(simulation)
+            call spread_flow(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), dt, &
+               simulation%conduction%flow(:, :, tiles(n)))
+            call book_cost(simulation, tiles(n), began)
+         end do
+         !$omp end parallel do
+         call pass_patches(simulation, part, simulation%conduction%flow)
+      end do
+      if (simulation%method%dual) call each_tile(simulation, push_tile)
+   end subroutine find_flow
+
+   !> Greatest time step that conduction bears [s]: half of the square of the spacing over the
+   !! diffusivity and the number of directions. Equation (A.16).
+   pure real(wp) function conduction_step(spacing, dimensions, diffusivity) result(dt)
+      real(wp), intent(in) :: spacing                !! Of the grid [m]
+      integer, intent(in) :: dimensions              !! Of the grid
+      real(wp), intent(in) :: diffusivity            !! Greatest of all particles [m2/s]
+
+      dt = huge(dt)
+      if (diffusivity > 0.0_wp) dt = spacing**2/(2.0_wp*real(dimensions, wp)*diffusivity)
+   end function conduction_step
+
+   !> Greatest diffusivity [m2/s] of the particles of this rank.
+   real(wp) function greatest_diffusivity(simulation) result(greatest)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      real(wp) :: conductivity, specific_heat
+      integer :: index, tile, p
+
+      greatest = 0.0_wp
+      do index = 1, size(simulation%stores)
+         if (.not. conducts(simulation, index)) cycle
+         conductivity = simulation%materials(index)%heat%conductivity
+         specific_heat = simulation%materials(index)%heat%specific_heat
+         associate (store => simulation%stores(index))
+            !$omp parallel do default(none) private(tile, p) reduction(max:greatest) &
+            !$omp shared(simulation, index, conductivity, specific_heat) schedule(static)
+            do tile = 1, size(simulation%stores(index)%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  greatest = max(greatest, conductivity*matter_volume(store, p) &
+                     /(store%matter%mass(p)*specific_heat))
+               end do
+            end do
+         end associate
+      end do
+   end function greatest_diffusivity
+
+   !> Does the material conduct heat?
+   pure logical function conducts(simulation, index) result(yes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
+
+      yes = .false.
+      if (allocated(simulation%materials(index)%heat)) &
+         yes = simulation%materials(index)%heat%conductivity > 0.0_wp
+   end function conducts
+
+   !> Volume [m3] that conducts: that of the matter, without voids.
+   pure real(wp) function matter_volume(store, particle) result(volume)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: particle                !! Which one
+
+      volume = store%matter%volume(particle)
+      if (allocated(store%matter%solid_fraction)) &
+         volume = volume*store%matter%solid_fraction(particle)
+   end function matter_volume
+
+   !> Make room for the fields of the dual gradient.
+   subroutine ensure_dual(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      associate (heat => simulation%conduction, nodes => simulation%grid%tile_nodes, &
+         all => simulation%tiles%all)
+         call ensure_weights(heat%weight, simulation%grid%tile_cells, all)
+         call ensure_patch(heat%share, 1, nodes, all)
+         call ensure_patch(heat%volume, 1, nodes, all)
+         call ensure_patch(heat%slope, 9, nodes, all)
+         call ensure_patch(heat%push, 3, nodes, all)
+      end associate
+   end subroutine ensure_dual
+
+   !> Do something with every tile, ghosts included.
+   subroutine each_tile(simulation, work)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      interface
+         subroutine work(simulation, tile)
+            import :: simulation_t
+            implicit none
+            type(simulation_t), intent(inout) :: simulation
+            integer, intent(in) :: tile
+         end subroutine work
+      end interface
+      integer :: tile
+
+      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+      do tile = 1, simulation%tiles%all
+         call work(simulation, tile)
+      end do
+      !$omp end parallel do
+   end subroutine each_tile
+
+   !> Heat capacity, heat and volume of the particles of a tile.
+   subroutine spread_content(simulation, scratch, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
+      integer :: index, p, q
+
+      call clear_patch(patch)
+      do index = 1, size(simulation%stores)
+         if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
+         associate (store => simulation%stores(index), places => scratch%places, &
+            specific_heat => simulation%materials(index)%heat%specific_heat)
+            call find_plain_places(simulation, scratch, store, tile)
+            do p = 1, store%count(tile)
+               q = store%first(tile) + p - 1
+               places%values(p, capacity) = specific_heat*store%matter%mass(q)
+               places%values(p, content) = places%values(p, capacity)*store%matter%temperature(q)
+               places%values(p, filled) = store%matter%volume(q)
+            end do
+            call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), &
+               places, size(patch, 1), places%values, 0, patch)
+         end associate
+      end do
+   end subroutine spread_content
+
+   !> Temperature of the nodes of a tile; weights of its cells, where conducting matter is.
+   subroutine average_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: around(simulation%grid%tile_nodes)
+
+      associate (grid => simulation%grid, heat => simulation%conduction, &
+         coordinate => simulation%tiles%coordinate(:, tile))
+         call assemble(grid, simulation%tiles, heat%content, tile, heat%total(:, :, tile))
+         heat%temperature(1, :, tile) = heat%total(content, :, tile)
+         call divide(heat%total(:, :, tile), capacity, heat%temperature(:, :, tile))
+         call hold_temperature(simulation, tile)
+         if (.not. simulation%method%dual) return
+         call grid%node_volume(coordinate, around)
+         call simulation%dual%cell_weights(grid, heat%total(:, :, tile), filled, around, &
+            heat%weight(:, tile))
+         call clear_patch(heat%share(:, :, tile))
+         call simulation%dual%add_volume(grid, coordinate, heat%weight(:, tile), &
+            heat%share(:, :, tile))
+      end associate
+   end subroutine average_tile
+
+   !> Share of the cells of a tile in the node gradient of temperature.
+   subroutine slope_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: values(3, simulation%grid%tile_nodes)
+
+      associate (heat => simulation%conduction)
+         call assemble(simulation%grid, simulation%tiles, heat%share, tile, heat%volume(:, :, tile))
+         call as_vector(heat%temperature(:, :, tile), values)
+         call clear_patch(heat%slope(:, :, tile))
+         call simulation%dual%add_gradient(simulation%grid, simulation%tiles%coordinate(:, tile), &
+            heat%weight(:, tile), values, heat%slope(:, :, tile))
+      end associate
+   end subroutine slope_tile
+
+   !> A scalar as the first component of a vector, which the maps of velocities know.
+   pure subroutine as_vector(scalar, vector)
+      real(wp), contiguous, intent(in) :: scalar(:, :) !! (1, node)
+      real(wp), intent(out) :: vector(:, :)          !! (3, node)
+
+      vector = 0.0_wp
+      vector(1, :) = scalar(1, :)
+   end subroutine as_vector
+
+   !> What the particles of a tile hand to the nodes: heat, heat that nodes do not see: (A.14).
+   subroutine spread_flow(simulation, scratch, tile, dt, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
+      real(wp) :: values(3, simulation%grid%tile_nodes)
+      real(wp), allocatable :: slope(:, :), wide(:, :)
+      integer :: index, p, k
+
+      call clear_patch(patch)
+      call as_vector(simulation%conduction%temperature(:, :, tile), values)
+      if (simulation%method%dual) call node_slope(simulation, tile, slope)
+      allocate (wide(merge(dual_columns, motion_columns, simulation%method%dual), &
+         simulation%grid%tile_nodes))
+      wide = 0.0_wp
+      do index = 1, size(simulation%stores)
+         if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
+         associate (store => simulation%stores(index), places => scratch%places, &
+            specific_heat => simulation%materials(index)%heat%specific_heat, &
+            method => simulation%method, start => simulation%stores(index)%cell_start(:, tile))
+            call find_plain_places(simulation, scratch, store, tile)
+            call push_particles(simulation, scratch, index, tile, values, slope, wide)
+            call find_hidden(simulation, scratch, index, tile, dt)
+            do p = 1, store%count(tile)
+               places%values(p, 1) = specific_heat*store%matter%mass(store%first(tile) + p - 1) &
+                  *places%vector(p, 1)
+            end do
+            call method%basis%spread(simulation%grid, start, places, 1, places%values, hidden - 1, &
+               patch)
+         end associate
+      end do
+      patch(1, :) = wide(5, :)
+      if (.not. simulation%method%dual) return
+      do k = 1, 3
+         patch(fluxes + k - 1, :) = wide(8 + full_line(k), :)
+      end do
+   end subroutine spread_flow
+
+   !> Flow of heat of the particles of a tile, as if it were the first line of a stress.
+   subroutine push_particles(simulation, scratch, index, tile, values, slope, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: values(:, :)    !! (3, node) Temperature in row 1 [K]
+      real(wp), allocatable, intent(in) :: slope(:, :)    !! (9, node) Of the nodes, if dual [K/m]
+      real(wp), contiguous, intent(inout) :: patch(:, :)  !! (column, node)
+      real(wp), allocatable :: volume(:), flux(:, :)
+      integer :: p, k
+
+      associate (store => simulation%stores(index), places => scratch%places, &
+         method => simulation%method, start => simulation%stores(index)%cell_start(:, tile), &
+         grid => simulation%grid)
+         call scratch%deformation%reserve(store%count(tile))
+         if (method%dual) then
+            call method%quadrature%gather_gradient(grid, start, places, values, slope, 1.0_wp, &
+               scratch%deformation%gradient)
+         else
+            call method%basis%collect_gradient(grid, start, places, values, 1.0_wp, &
+               scratch%deformation%gradient)
+         end if
+         allocate (volume(store%count(tile)), flux(store%count(tile), 6))
+         flux = 0.0_wp
+         do p = 1, store%count(tile)
+            volume(p) = matter_volume(store, store%first(tile) + p - 1)
+            do k = 1, 3
+               flux(p, first_line(k)) = simulation%materials(index)%heat%conductivity &
+                  *scratch%deformation%gradient(p, full_line(k))
+            end do
+         end do
+         if (method%dual) then
+            call method%quadrature%scatter_force(grid, start, 1, places, volume, flux, patch)
+         else
+            call method%basis%spread_stress(grid, start, 1, places, volume, flux, patch)
+         end if
+      end associate
+   end subroutine push_particles
+
+   !> What the nodes do not see of the temperature of particles, as far as it fades in this step, in
+   !! the first column of the scratch vector [K]. The second of (A.15).
+   subroutine find_hidden(simulation, scratch, index, tile, dt)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: rate
+      integer :: p, q
+
+      associate (store => simulation%stores(index), places => scratch%places, &
+         heat => simulation%materials(index)%heat)
+         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), places, &
+            simulation%conduction%temperature(:, :, tile), places%values)
+         rate = fade*dt*heat%conductivity/(heat%specific_heat*simulation%grid%spacing**2)
+         do p = 1, store%count(tile)
+            q = store%first(tile) + p - 1
+            places%vector(p, 1) = min(fade_most, rate*matter_volume(store, q) &
+               /store%matter%mass(q))*(store%matter%temperature(q) - places%values(p, 1))
+         end do
+      end associate
+   end subroutine find_hidden
+
+   !> Gradient of temperature on the nodes of a tile.
+   subroutine node_slope(simulation, tile, slope)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), allocatable, intent(out) :: slope(:, :) !! (9, node) [K/m]
+
+      allocate (slope(9, simulation%grid%tile_nodes))
+      associate (heat => simulation%conduction)
+         call assemble(simulation%grid, simulation%tiles, heat%slope, tile, slope)
+         call divide(heat%volume(:, :, tile), 1, slope)
+      end associate
+      call simulation%boundary%insulate(simulation%grid, simulation%tiles%coordinate(:, tile), &
+         slope)
+   end subroutine node_slope
+
+   !> Heat that the flux on the nodes of the cells of a tile carries.
+   subroutine push_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: total(fluxes + 2, simulation%grid%tile_nodes)
+      real(wp) :: flux(9, simulation%grid%tile_nodes)
+      integer :: k
+
+      associate (heat => simulation%conduction, coordinate => simulation%tiles%coordinate(:, tile))
+         call assemble(simulation%grid, simulation%tiles, heat%flow, tile, total)
+         flux = 0.0_wp
+         do k = 1, 3
+            flux(full_line(k), :) = total(fluxes + k - 1, :)
+         end do
+         call divide(heat%volume(:, :, tile), 1, flux)
+         call simulation%boundary%insulate(simulation%grid, coordinate, flux)
+         call clear_patch(heat%push(:, :, tile))
+         call simulation%dual%add_force(simulation%grid, coordinate, heat%weight(:, tile), &
+            flux, heat%push(:, :, tile))
+      end associate
+   end subroutine push_tile
+
+   !> New temperatures of the particles of a tile. Heat that goes into or out of matter without an
+   !! internal energy is booked, so that the energy of the run stays whole. The first of (A.15).
+   subroutine give_heat(simulation, scratch, tile, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: total(size(simulation%conduction%flow, 1), simulation%grid%tile_nodes)
+      real(wp) :: push(3, simulation%grid%tile_nodes), change(1, simulation%grid%tile_nodes)
+      real(wp) :: booked
+      integer :: index
+
+      associate (heat => simulation%conduction)
+         call assemble(simulation%grid, simulation%tiles, heat%flow, tile, total)
+         push = 0.0_wp
+         if (simulation%method%dual) &
+            call assemble(simulation%grid, simulation%tiles, heat%push, tile, push)
+         change(1, :) = dt*(total(1, :) + push(1, :)) + total(hidden, :)
+         call divide(heat%total(:, :, tile), capacity, change)
+         call take_heat(simulation, scratch%ledger, tile, capacity, change)
+      end associate
+      do index = 1, size(simulation%stores)
+         if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
+         call find_plain_places(simulation, scratch, simulation%stores(index), tile)
+         call find_hidden(simulation, scratch, index, tile, dt)
+         call simulation%method%basis%collect(simulation%grid, &
+            simulation%stores(index)%cell_start(:, tile), scratch%places, change, &
+            scratch%places%values)
+         call warm(simulation%materials(index)%heat%specific_heat, tile, scratch%places, &
+            booked, simulation%stores(index))
+         if (allocated(simulation%materials(index)%voids)) call expand( &
+            simulation%materials(index)%voids%expansion, tile, scratch%places, &
+            simulation%stores(index))
+         call scratch%ledger%sums(dissipated)%add(booked)
+      end do
+   end subroutine give_heat
+
+   !> Warm the particles of a tile.
+   pure subroutine warm(specific_heat, tile, places, booked, store)
+      real(wp), intent(in) :: specific_heat          !! [J/(kg K)]
+      integer, intent(in) :: tile                    !! Which tile
+      type(places_t), intent(in) :: places !! What nodes give, and what fades, of each particle [K]
+      real(wp), intent(out) :: booked !! Heat of particles that carry no internal energy [J]
+      type(store_t), intent(inout) :: store          !! The particles
+      real(wp) :: rise
+      integer :: p, q
+
+      booked = 0.0_wp
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         rise = places%values(p, 1) - places%vector(p, 1)
+         store%matter%temperature(q) = store%matter%temperature(q) + rise
+         if (allocated(store%matter%energy)) then
+            store%matter%energy(q) = store%matter%energy(q) + specific_heat*rise
+         else
+            booked = booked + specific_heat*store%matter%mass(q)*rise
+         end if
+      end do
+   end subroutine warm
+
+   !> Let the grains of a tile expand into their voids by what they were warmed.
+   pure subroutine expand(expansion, tile, places, store)
+      real(wp), intent(in) :: expansion              !! Thermal, of the volume [1/K]
+      integer, intent(in) :: tile                    !! Which tile
+      type(places_t), intent(in) :: places !! What nodes give, and what fades, of each particle [K]
+      type(store_t), intent(inout) :: store          !! The particles
+      integer :: p, q
+
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         store%matter%solid_fraction(q) = expanded(store%matter%solid_fraction(q), &
+            expansion*(places%values(p, 1) - places%vector(p, 1)))
+      end do
+   end subroutine expand
+end module step_conduction

@@ -1,0 +1,319 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Surfaces of bodies that have velocity fields of their own, on the nodes that several of them
+!! share. See doc/theory/contact.md.
+!!
+!! Particles give the nodes their outward areas, A_i = sum V_p grad S_i, which vanish inside of a
+!! body, and with the normals that follow how far they reach; both travel between ranks as patches.
+module step_contact_surface
+   use base_kinds, only: wp
+   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_particles_to_nodes, only: find_plain_places
+   use step_simulation, only: contact_t, empty_mass, guesses, scratch_t, simulation_t
+   use step_tile_cost, only: book_cost, cost_clock
+   use transfer_contact, only: particle_widths, spread_reach
+   use transfer_scatter, only: motion_columns
+   implicit none
+   private
+
+   public :: area_rows, direction_of, find_surfaces, guess_area, reach_row
+
+   real(wp), parameter :: faint = 1.0e-9_wp          !! Areas below this have no direction, in faces
+
+contains
+
+   !> Outward areas of the bodies on the nodes, and how far they reach there.
+   subroutine find_surfaces(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run; fields have their masses
+      integer :: fields, rows
+
+      fields = size(simulation%contact%field)
+      rows = area_rows(simulation%contact)*fields
+      call simulation%timer%start(simulation%phase%contact)
+      call find_meetings(simulation)
+      associate (contact => simulation%contact, number => simulation%grid%tile_nodes)
+         call ensure_patch(contact%outward, rows, number, simulation%tiles%own)
+         call spread(simulation, spread_area, contact%outward)
+         call ensure_patch(contact%area, rows, number, simulation%tiles%all)
+         call sum_areas(simulation)
+         call ensure_patch(contact%reach, guesses*fields**2, number, simulation%tiles%own)
+         call spread(simulation, spread_places, contact%reach)
+      end associate
+      call simulation%timer%stop(simulation%phase%contact)
+   end subroutine find_surfaces
+
+   !> Rows of the patch of areas, for one field.
+   pure integer function area_rows(contact) result(rows)
+      type(contact_t), intent(in) :: contact         !! With bonds or without
+
+      rows = merge(4, 3, contact%bonded)
+   end function area_rows
+
+   !> Own tiles with nodes that several fields share.
+   subroutine find_meetings(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: tile, field
+      integer :: here(simulation%grid%tile_nodes)
+
+      if (allocated(simulation%contact%meets)) then
+         if (size(simulation%contact%meets) < simulation%tiles%all) &
+            deallocate (simulation%contact%meets)
+      end if
+      if (.not. allocated(simulation%contact%meets)) allocate (simulation%contact%meets( &
+         simulation%tiles%all + simulation%tiles%all/16))
+      !$omp parallel do default(none) shared(simulation) private(tile, field, here) schedule(static)
+      do tile = 1, simulation%tiles%all
+         here = 0
+         do field = 1, size(simulation%contact%field)
+            where (simulation%contact%field(field)%nodes%mass(1, :, tile) > empty_mass) &
+               here = here + 1
+         end do
+         simulation%contact%meets(tile) = any(here > 1)
+      end do
+      !$omp end parallel do
+   end subroutine find_meetings
+
+   !> Something of the particles to patches, and the patches of other ranks.
+   subroutine spread(simulation, work, patch)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      interface
+         subroutine work(simulation, scratch, tile, patch)
+            import :: scratch_t, simulation_t, wp
+            implicit none
+            type(simulation_t), intent(in) :: simulation
+            type(scratch_t), intent(inout) :: scratch
+            integer, intent(in) :: tile
+            real(wp), contiguous, intent(inout) :: patch(:, :)
+         end subroutine work
+      end interface
+      real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (row, node, tile)
+      integer, allocatable :: tiles(:)
+      real(wp) :: began
+      integer :: part, n
+
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, tiles, patch) private(n, began) &
+         !$omp schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            began = cost_clock(simulation)
+            call work(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+               patch(:, :, tiles(n)))
+            call book_cost(simulation, tiles(n), began)
+         end do
+         !$omp end parallel do
+         call pass_patches(simulation, part, patch)
+      end do
+   end subroutine spread
+
+   !> Outward areas of the particles of a tile: what they would push the nodes with under unit
+   !! pressure. With bonds also the mass of those that hold. Equation (C.1).
+   subroutine spread_area(simulation, scratch, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
+      real(wp) :: wide(motion_columns, simulation%grid%tile_nodes)
+      integer :: field, index, rows, before
+
+      call clear_patch(patch)
+      if (.not. simulation%contact%meets(tile)) return
+      rows = area_rows(simulation%contact)
+      do field = 1, size(simulation%contact%field)
+         before = rows*(field - 1)
+         call clear_patch(wide)
+         do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+            if (simulation%stores(index)%count(tile) == 0) cycle
+            associate (store => simulation%stores(index), grid => simulation%grid, &
+               basis => simulation%method%basis, pushed => scratch%pushed, &
+               start => simulation%stores(index)%cell_start(:, tile))
+               call find_plain_places(simulation, scratch, store, tile)
+               call pushed%copy(store%first(tile), store%count(tile), store%position, &
+                  store%matter%volume, store%matter%stress)
+               call pushed%make_unit(store%count(tile))
+               call basis%spread_stress(grid, start, 1, scratch%places, pushed%volume, &
+                  pushed%stress, wide)
+               if (grid%axisymmetric) call basis%scatter_hoop(grid, start, 1, scratch%places, &
+                  pushed%position, pushed%volume, pushed%stress, wide)
+               if (allocated(store%bond)) then
+                  call hold(store, tile, scratch%places%values)
+                  call basis%spread(grid, start, scratch%places, 1, scratch%places%values, &
+                     before + 3, patch)
+               end if
+            end associate
+         end do
+         patch(before + 1:before + 3, :) = -wide(5:7, :)
+      end do
+   end subroutine spread_area
+
+   !> Mass of the particles of a tile whose bonds hold, in the first column.
+   pure subroutine hold(store, tile, values)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(inout) :: values(:, :)        !! (particle of the tile, column) [kg]
+      integer :: p, q
+
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         values(p, 1) = store%matter%mass(q)*store%bond(q)
+      end do
+   end subroutine hold
+
+   !> Areas of the nodes of all tiles; faces of the box are no surfaces.
+   subroutine sum_areas(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: tile
+
+      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+      do tile = 1, simulation%tiles%all
+         call sum_tile(simulation, tile)
+      end do
+      !$omp end parallel do
+   end subroutine sum_areas
+
+   !> One tile.
+   subroutine sum_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: tensor(9, simulation%grid%tile_nodes)
+      integer :: field, before, k
+
+      if (.not. simulation%contact%meets(tile)) return
+      associate (contact => simulation%contact)
+         call assemble(simulation%grid, simulation%tiles, contact%outward, tile, &
+            contact%area(:, :, tile))
+         do field = 1, size(contact%field)
+            before = area_rows(contact)*(field - 1)
+            tensor = 0.0_wp
+            do k = 1, 3
+               tensor(3*k - 2, :) = contact%area(before + k, :, tile)
+            end do
+            call simulation%boundary%insulate(simulation%grid, &
+               simulation%tiles%coordinate(:, tile), tensor)
+            do k = 1, 3
+               contact%area(before + k, :, tile) = tensor(3*k - 2, :)
+            end do
+         end do
+      end associate
+   end subroutine sum_tile
+
+   !> A guess of the common area of two fields at a node, outward from the first [m2]: the area of
+   !! one, of the other, or the mean of both. It changes its sign with the fields.
+   pure function guess_area(contact, tile, node, a, b, guess) result(area)
+      type(contact_t), intent(in) :: contact         !! The fields
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: node                    !! Which node
+      integer, intent(in) :: a, b                    !! The fields, a < b
+      integer, intent(in) :: guess                   !! 1 to 3
+      real(wp) :: area(3)
+      integer :: rows
+
+      rows = area_rows(contact)
+      associate (one => contact%area(rows*(a - 1) + 1:rows*(a - 1) + 3, node, tile), &
+         other => contact%area(rows*(b - 1) + 1:rows*(b - 1) + 3, node, tile))
+         select case (guess)
+         case (1)
+            area = one
+         case (2)
+            area = -other
+         case default
+            area = 0.5_wp*(one - other)
+         end select
+      end associate
+   end function guess_area
+
+   !> Row of the reach of field a towards b along the normal of a guess.
+   pure integer function reach_row(contact, a, b, guess) result(row)
+      type(contact_t), intent(in) :: contact         !! The fields
+      integer, intent(in) :: a, b                    !! The fields
+      integer, intent(in) :: guess                   !! 1 to 3
+
+      row = guesses*(size(contact%field)*(a - 1) + b - 1) + guess
+   end function reach_row
+
+   !> Its direction; nothing where it is too small to have one.
+   pure function direction_of(simulation, area) result(normal)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      real(wp), intent(in) :: area(3)                !! [m2]
+      real(wp) :: normal(3), length
+
+      normal = 0.0_wp
+      length = norm2(area)
+      if (length > faint*simulation%grid%depth &
+         *simulation%grid%spacing**(simulation%grid%dimensions - 1)) normal = area/length
+   end function direction_of
+
+   !> How far the particles of a tile reach towards each other field.
+   subroutine spread_places(simulation, scratch, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
+      real(wp) :: normal(3, simulation%grid%tile_nodes), reach(simulation%grid%tile_nodes)
+      integer :: a, b, guess
+
+      patch = -huge(1.0_wp)
+      if (.not. simulation%contact%meets(tile)) return
+      do b = 2, size(simulation%contact%field)
+         do a = 1, b - 1
+            do guess = 1, guesses
+               call find_normals(simulation, tile, a, b, guess, normal)
+               if (.not. any(abs(normal) > 0.0_wp)) cycle
+               reach = -huge(1.0_wp)
+               call reach_of_field(simulation, scratch, tile, a, normal, reach)
+               patch(reach_row(simulation%contact, a, b, guess), :) = reach
+               normal = -normal
+               reach = -huge(1.0_wp)
+               call reach_of_field(simulation, scratch, tile, b, normal, reach)
+               patch(reach_row(simulation%contact, b, a, guess), :) = reach
+            end do
+         end do
+      end do
+   end subroutine spread_places
+
+   !> Guessed normals from one field to another at the nodes of a tile where both have mass.
+   subroutine find_normals(simulation, tile, a, b, guess, normal)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: a, b                    !! From which field to which, a < b
+      integer, intent(in) :: guess                   !! 1 to 3
+      real(wp), intent(out) :: normal(:, :)          !! (3, node) 0 where they do not meet [1]
+      integer :: node
+
+      normal = 0.0_wp
+      associate (contact => simulation%contact)
+         do node = 1, size(normal, 2)
+            if (.not. contact%field(a)%nodes%mass(1, node, tile) > empty_mass) cycle
+            if (.not. contact%field(b)%nodes%mass(1, node, tile) > empty_mass) cycle
+            normal(:, node) = direction_of(simulation, &
+               guess_area(contact, tile, node, a, b, guess))
+         end do
+      end associate
+   end subroutine find_normals
+
+   !> How far the particles of one field in a tile reach along the normals.
+   subroutine reach_of_field(simulation, scratch, tile, field, normal, reach)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: field                   !! Which field
+      real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
+      real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
+      integer :: index
+
+      do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         associate (store => simulation%stores(index), grid => simulation%grid, &
+            start => simulation%stores(index)%cell_start(:, tile), &
+            coordinate => simulation%tiles%coordinate(:, tile))
+            call scratch%places%reserve(store%count(tile))
+            call particle_widths(grid, store%first(tile), store%count(tile), store%position, &
+               store%matter%volume, scratch%places%values(:, 1))
+            call spread_reach(grid, grid%tile_corner(coordinate), start, store%first(tile), &
+               store%position, scratch%places%values(:, 1), normal, reach)
+         end associate
+      end do
+   end subroutine reach_of_field
+end module step_contact_surface

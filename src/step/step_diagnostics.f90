@@ -1,0 +1,337 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Looks at all particles for what balances cannot show: how far neighbours are apart, whether the
+!! volumes of particles fit into the cells, whether pressures follow those of the nodes, and the
+!! greatest speed and energy. Sums are exact and sums of tiles are in the order of particles, so all
+!! numbers are the same for any ranks and threads.
+module step_diagnostics
+   use base_exact_sum, only: exact_sum_t
+   use base_kinds, only: int64, wp
+   use material_type, only: material_t
+   use particle_crowding, only: add_to_nodes, measure_claims, measure_noise, nodes_alone
+   use particle_neighbours, only: neighbour_table_t
+   use particle_store, only: store_t
+   use step_simulation, only: simulation_t
+   use step_trust_record, only: apart
+   implicit none
+   private
+
+   public :: bounds_look_t, find_greatest, look_at_bounds, look_at_shapes, shapes_look_t
+
+   integer, parameter, public :: measure_speed = 1   !! Square of the speed [m2/s2]
+   integer, parameter, public :: measure_heat = 2    !! Carried energy per mass [J/kg]
+   integer, parameter, public :: measure_cold = 3    !! The same, negative
+   integer, parameter, public :: measure_energy = 4  !! Kinetic and carried energy [J]
+   integer, parameter, public :: measure_volume = 5  !! Volume over that at rest [1]
+
+   !> Greatest and least of all particles.
+   type :: bounds_look_t
+      real(wp) :: speed = 0.0_wp                     !! Greatest speed [m/s]
+      real(wp) :: heat = -huge(1.0_wp)               !! Greatest carried energy per mass [J/kg]
+      real(wp) :: cold = huge(1.0_wp)                !! Least of these [J/kg]
+      real(wp) :: energy = 0.0_wp                    !! Greatest energy of one particle [J]
+   end type bounds_look_t
+
+   !> How particles lie to each other and in the cells.
+   type :: shapes_look_t
+      real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
+      real(wp) :: share = 0.0_wp                     !! Of the mass, with neighbours apart [1]
+      real(wp) :: overlap = 0.0_wp                   !! Volume claimed beyond that there is [1]
+      real(wp) :: pressure = 0.0_wp                  !! Root mean square of pressure [Pa]
+      real(wp) :: kinetic = 0.0_wp                   !! Kinetic energy of a volume [Pa]
+      real(wp) :: difference = 0.0_wp                !! The same, of that from the node means [Pa]
+      integer(int64) :: longest_identity = huge(1_int64)    !! Whose neighbour is farthest
+      integer(int64) :: difference_identity = huge(1_int64) !! Whose pressure differs most
+   end type shapes_look_t
+
+   !> Columns of what is found in a tile: sums, and greatest values from the ninth on.
+   integer, parameter :: far_mass = 1, seen_mass = 2, claimed = 3, occupied = 4, noise = 5, &
+      sums = 8, longest = 9, differs = 10, columns = 10
+
+contains
+
+   !> Greatest speed, energies of particles. Collective.
+   subroutine look_at_bounds(simulation, least_energy, look)
+      type(simulation_t), intent(inout) :: simulation !! The run between two steps
+      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
+      type(bounds_look_t), intent(out) :: look       !! What is found
+      real(wp) :: greatest(4, max(1, simulation%tiles%own)), all(4)
+      integer :: index, tile
+
+      greatest = -huge(1.0_wp)
+      !$omp parallel do default(none) shared(simulation, least_energy, greatest) &
+      !$omp private(tile, index) schedule(static)
+      do tile = 1, simulation%tiles%own
+         do index = 1, size(simulation%stores)
+            associate (store => simulation%stores(index))
+               if (store%count(tile) == 0) cycle
+               call find_bounds(store, store%first(tile), store%first(tile) + store%count(tile) &
+                  - 1, least_energy, greatest(:, tile))
+            end associate
+         end do
+      end do
+      !$omp end parallel do
+      all = maxval(greatest, dim=2)
+      call simulation%communicator%maxima(all)
+      look%speed = sqrt(max(0.0_wp, all(1)))
+      look%heat = all(2)
+      look%cold = -all(3)
+      look%energy = max(0.0_wp, all(4))
+   end subroutine look_at_bounds
+
+   !> The greatest values of a range of particles: square of the speed, energy per mass, the same
+   !! negative, energy.
+   pure subroutine find_bounds(store, first, last, least_energy, greatest)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
+      real(wp), intent(inout) :: greatest(4)         !! As above
+      real(wp) :: square, speed, hot, cold, energy
+      integer :: p
+
+      speed = greatest(1)
+      hot = greatest(2)
+      cold = greatest(3)
+      energy = greatest(4)
+      associate (v => store%velocity, matter => store%matter)
+         if (allocated(matter%energy)) then
+            do p = first, last
+               square = v(p, 1)**2 + v(p, 2)**2 + v(p, 3)**2
+               speed = max(speed, square)
+               hot = max(hot, matter%energy(p))
+               cold = max(cold, -matter%energy(p))
+               energy = max(energy, matter%mass(p)*(0.5_wp*square + matter%energy(p) &
+                  - least_energy))
+            end do
+         else
+            do p = first, last
+               square = v(p, 1)**2 + v(p, 2)**2 + v(p, 3)**2
+               speed = max(speed, square)
+               energy = max(energy, 0.5_wp*matter%mass(p)*square)
+            end do
+         end if
+      end associate
+      greatest = [speed, hot, cold, energy]
+   end subroutine find_bounds
+
+   !> Identity of the particle in which a measure is greatest, the lowest of several; huge if there
+   !! is none. Collective.
+   integer(int64) function find_greatest(simulation, measure, least_energy) result(identity)
+      type(simulation_t), intent(in) :: simulation   !! The run between two steps
+      integer, intent(in) :: measure                 !! One of those above
+      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
+      real(wp) :: value, greatest
+      integer :: index, tile, p
+
+      identity = huge(identity)
+      greatest = -huge(greatest)
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  value = measure_of(store, p, simulation%materials(index)%density, measure, &
+                     least_energy)
+                  if (value < greatest) cycle
+                  if (value > greatest) identity = huge(identity)
+                  greatest = value
+                  identity = min(identity, store%identity(p))
+               end do
+            end do
+         end associate
+      end do
+      identity = lowest_of(simulation, greatest, identity)
+   end function find_greatest
+
+   !> A measure of a particle; the lowest number where it has no meaning.
+   pure real(wp) function measure_of(store, p, density, measure, least_energy) result(value)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: p                       !! Which one
+      real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
+      integer, intent(in) :: measure                 !! One of those above
+      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
+
+      value = -huge(1.0_wp)
+      associate (matter => store%matter, v => store%velocity)
+         select case (measure)
+         case (measure_speed)
+            value = v(p, 1)**2 + v(p, 2)**2 + v(p, 3)**2
+         case (measure_heat)
+            if (allocated(matter%energy)) value = matter%energy(p)
+         case (measure_cold)
+            if (allocated(matter%energy)) value = -matter%energy(p)
+         case (measure_energy)
+            value = 0.5_wp*matter%mass(p)*(v(p, 1)**2 + v(p, 2)**2 + v(p, 3)**2)
+            if (allocated(matter%energy)) &
+               value = value + matter%mass(p)*(matter%energy(p) - least_energy)
+         case default
+            value = matter%volume(p)*density/matter%mass(p)
+            if (allocated(matter%failed)) then
+               if (matter%failed(p) /= 0) value = -huge(1.0_wp)
+            end if
+         end select
+      end associate
+   end function measure_of
+
+   !> The lowest identity among the ranks that have the greatest value. Collective.
+   integer(int64) function lowest_of(simulation, value, own) result(identity)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      real(wp), intent(in) :: value                  !! Greatest of this rank
+      integer(int64), intent(in) :: own              !! Its particle
+      integer(int64) :: least(1)
+
+      least = own
+      if (value < simulation%communicator%maximum(value)) least = huge(least)
+      call simulation%communicator%least(least)
+      identity = least(1)
+   end function lowest_of
+
+   !> Distances of neighbours, volumes, pressures. Collective.
+   subroutine look_at_shapes(simulation, look)
+      type(simulation_t), intent(in) :: simulation   !! The run between two steps
+      type(shapes_look_t), intent(out) :: look       !! What is found
+      real(wp), allocatable :: found(:, :)
+      integer(int64), allocatable :: who(:, :)
+      type(exact_sum_t) :: sum
+      real(wp) :: total(sums), greatest(longest:differs)
+      integer(int64) :: identity(longest:differs)
+      integer :: n, tile
+
+      allocate (found(columns, simulation%tiles%own), source=0.0_wp)
+      allocate (who(longest:differs, simulation%tiles%own), source=huge(1_int64))
+      !$omp parallel default(none) shared(simulation, found, who)
+      call look_at_some(simulation, found, who)
+      !$omp end parallel
+      do n = 1, sums
+         call sum%clear()
+         do tile = 1, simulation%tiles%own
+            call sum%add(found(n, tile))
+         end do
+         call sum%over_ranks(simulation%communicator)
+         total(n) = sum%value()
+      end do
+      do n = longest, differs
+         greatest(n) = 0.0_wp
+         identity(n) = huge(1_int64)
+         do tile = 1, simulation%tiles%own
+            if (found(n, tile) < greatest(n)) cycle
+            if (found(n, tile) > greatest(n)) identity(n) = huge(1_int64)
+            greatest(n) = found(n, tile)
+            identity(n) = min(identity(n), who(n, tile))
+         end do
+         identity(n) = lowest_of(simulation, greatest(n), identity(n))
+      end do
+      look%longest = simulation%communicator%maximum(greatest(longest))/simulation%grid%spacing
+      if (total(seen_mass) > 0.0_wp) look%share = total(far_mass)/total(seen_mass)
+      if (total(occupied) > 0.0_wp) look%overlap = (total(claimed) - total(occupied)) &
+         /total(occupied)
+      if (total(noise) > 0.0_wp) then
+         look%pressure = sqrt(total(noise + 1)/total(noise))
+         look%difference = sqrt(total(noise + 2)/total(noise))
+         look%kinetic = total(noise + 3)/total(noise)
+      end if
+      look%longest_identity = identity(longest)
+      look%difference_identity = identity(differs)
+   end subroutine look_at_shapes
+
+   !> The tiles of one thread, with scratch space of its own.
+   subroutine look_at_some(simulation, found, who)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      real(wp), intent(inout) :: found(:, :)         !! (column, tile)
+      integer(int64), intent(inout) :: who(longest:, :) !! (column, tile) Particles of the greatest
+      type(neighbour_table_t) :: table
+      real(wp), allocatable :: patch(:, :), total(:, :)
+      logical, allocatable :: alone(:)
+      integer :: tile, index
+
+      allocate (patch(2, simulation%grid%tile_nodes), total(2, simulation%grid%tile_nodes))
+      !$omp do schedule(dynamic, 1)
+      do tile = 1, simulation%tiles%own
+         associate (grid => simulation%grid, coordinate => simulation%tiles%coordinate(:, tile))
+            alone = nodes_alone(grid, coordinate)
+            total = 0.0_wp
+            do index = 1, size(simulation%stores)
+               associate (store => simulation%stores(index), &
+                  material => simulation%materials(index))
+                  if (store%count(tile) == 0) cycle
+                  patch = 0.0_wp
+                  call add_to_nodes(grid, coordinate, store, tile, material%density, &
+                     is_loose(material), patch)
+                  total = total + patch
+                  call look_at_noise(simulation, store, tile, alone, patch, found(:, tile), &
+                     who(:, tile))
+                  if (is_solid(material)) call look_at_lengths(simulation, table, store, tile, &
+                     found(:, tile), who(:, tile))
+               end associate
+            end do
+            call measure_claims(grid, coordinate, alone, total, found(claimed, tile), &
+               found(occupied, tile))
+         end associate
+      end do
+      !$omp end do
+   end subroutine look_at_some
+
+   !> Pressures of a store in a tile.
+   pure subroutine look_at_noise(simulation, store, tile, alone, patch, found, who)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
+      real(wp), intent(in) :: patch(:, :)            !! (2, node) Of this store
+      real(wp), intent(inout) :: found(:)            !! (column)
+      integer(int64), intent(inout) :: who(longest:) !! (column)
+      real(wp) :: all(5)
+      integer :: p, n
+
+      all = 0.0_wp
+      call measure_noise(simulation%grid, simulation%tiles%coordinate(:, tile), alone, store, &
+         tile, patch, all, p)
+      do n = 1, 4
+         found(noise + n - 1) = found(noise + n - 1) + all(n)
+      end do
+      if (p == 0 .or. all(5) < found(differs)) return
+      if (all(5) > found(differs)) who(differs) = huge(1_int64)
+      found(differs) = all(5)
+      who(differs) = min(who(differs), store%identity(p))
+   end subroutine look_at_noise
+
+   !> Distances of neighbours of a store in a tile.
+   pure subroutine look_at_lengths(simulation, table, store, tile, found, who)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(neighbour_table_t), intent(inout) :: table !! Scratch space
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(inout) :: found(:)            !! (column)
+      integer(int64), intent(inout) :: who(longest:) !! (column)
+      real(wp) :: length(store%count(tile)), mass
+      integer :: p
+
+      call table%lengths(simulation%grid, simulation%trust%lattices, store, tile, length)
+      do p = 1, size(length)
+         if (length(p) < 0.0_wp) cycle
+         mass = store%matter%mass(store%first(tile) + p - 1)
+         found(seen_mass) = found(seen_mass) + mass
+         if (length(p) > apart*simulation%grid%spacing) found(far_mass) = found(far_mass) + mass
+         if (length(p) < found(longest)) cycle
+         if (length(p) > found(longest)) who(longest) = huge(1_int64)
+         found(longest) = length(p)
+         who(longest) = min(who(longest), store%identity(store%first(tile) + p - 1))
+      end do
+   end subroutine look_at_lengths
+
+   !> Are particles of a material tied to their neighbours? In fluids and loose grains they are not.
+   pure logical function is_solid(material) result(solid)
+      type(material_t), intent(in) :: material       !! The material
+
+      solid = .false.
+      if (allocated(material%law)) solid = material%law%has_shear() .and. .not. is_loose(material)
+   end function is_solid
+
+   !> Does a material open without tension?
+   pure logical function is_loose(material) result(loose)
+      type(material_t), intent(in) :: material       !! The material
+
+      loose = .false.
+      if (allocated(material%law)) loose = material%law%has_grains() .or. &
+         material%law%least_pressure() >= 0.0_wp
+   end function is_loose
+end module step_diagnostics

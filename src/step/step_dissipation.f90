@@ -1,0 +1,86 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What artificial viscosity, plastic flow and the share of PIC take from motion in a step, in the
+!! books.
+module step_dissipation
+   use base_kinds, only: wp
+   use constitutive_state, only: deformation_t, matter_t
+   use material_type, only: material_t
+   use particle_store, only: store_t
+   use step_ledger, only: damped, dissipated, ledger_t, plastic, viscous
+   use step_method, only: method_t
+   implicit none
+   private
+
+   public :: book_damped, book_damping, book_losses, damps
+
+contains
+
+   !> Book what artificial viscosity and plastic flow took.
+   subroutine book_losses(ledger, material, matter, deformation, count)
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(material_t), intent(in) :: material       !! What can lose at all
+      type(matter_t), intent(in) :: matter           !! Which fields there are
+      type(deformation_t), intent(in) :: deformation !! The step of the particles
+      integer, intent(in) :: count                   !! Particles
+      real(wp) :: losses(2)
+      logical :: flows
+
+      losses = 0.0_wp
+      flows = allocated(material%fracture)
+      if (allocated(material%law)) flows = flows .or. material%law%plastic()
+      if (allocated(material%viscosity)) then
+         losses(1) = sum(deformation%viscous_work(:count))
+         call ledger%sums(viscous)%add(losses(1))
+      end if
+      if (flows) then
+         losses(2) = sum(deformation%plastic_work(:count))
+         call ledger%sums(plastic)%add(losses(2))
+      end if
+      ! with an internal energy these are a part of it
+      if (.not. allocated(matter%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
+   end subroutine book_losses
+
+   !> Does the share of PIC take kinetic energy that nothing takes up, and that can be told?
+   pure logical function damps(method, carries) result(told)
+      type(method_t), intent(in) :: method           !! Its transfer
+      logical, intent(in) :: carries                 !! Does some matter carry an internal energy?
+
+      ! with musl the strain sees it, so what it takes is not lost
+      told = .not. carries .and. (method%averages() .or. .not. method%remaps()) .and. &
+         method%leapfrog .and. method%transfer%sweeps() == 0 .and. &
+         method%transfer%keep() > 0.0_wp .and. method%transfer%keep() < 1.0_wp
+   end function damps
+
+   !> Book the kinetic energy that the share of PIC took from the particles of a tile. With the
+   !! velocity c with which they moved they would have (v - (1 - f) c)/f without it, as FLIP gives
+   !! it: more by (1 - f)/f (v - c). Equation (L.13) of doc/theory/ledger.md.
+   subroutine book_damping(ledger, store, tile, moved, keep)
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(store_t), intent(in) :: store             !! The particles after the step
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: moved(:, :) !! (particle of the tile, 3) c [m/s]
+      real(wp), intent(in) :: keep                   !! Share f of FLIP [1]
+      real(wp) :: taken, lost
+      integer :: p, q, k
+
+      taken = 0.0_wp
+      do k = 1, 3
+         !$omp simd reduction(+:taken) private(q, lost)
+         do p = 1, store%count(tile)
+            q = store%first(tile) + p - 1
+            lost = (1.0_wp - keep)/keep*(store%velocity(q, k) - moved(p, k))
+            taken = taken + store%matter%mass(q)*lost*(store%velocity(q, k) + 0.5_wp*lost)
+         end do
+      end do
+      call book_damped(ledger, taken)
+   end subroutine book_damping
+
+   !> Book energy that the share of PIC took.
+   subroutine book_damped(ledger, energy)
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      real(wp), intent(in) :: energy                 !! [J]
+
+      call ledger%sums(damped)%add(energy)
+      call ledger%sums(dissipated)%add(energy)
+   end subroutine book_damped
+end module step_dissipation

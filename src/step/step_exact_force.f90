@@ -1,0 +1,76 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The body force that makes a made-up solution true.
+module step_exact_force
+   use base_kinds, only: wp
+   use exact_solution, only: exact_t
+   use omp_lib, only: omp_get_thread_num
+   use step_ledger, only: cross, external_work, impulse, torque
+   use step_particles_to_nodes, only: find_places
+   use step_simulation, only: scratch_t, simulation_t
+   implicit none
+   private
+
+   public :: book_body_force
+
+contains
+
+   !> Book impulse, its moment and work of the body force, particle by particle. The particles are
+   !! where they were when they gave the force to the nodes, and the mean velocities are known.
+   subroutine book_body_force(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      integer :: tile
+
+      !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(dynamic, 1)
+      do tile = 1, simulation%tiles%own
+         call book_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
+      end do
+      !$omp end parallel do
+   end subroutine book_body_force
+
+   !> One tile.
+   subroutine book_tile(simulation, scratch, tile, dt)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp) :: carry(3, simulation%grid%tile_nodes)
+      real(wp) :: total(3), turn(3), work, point(3), force(3), place(3)
+      integer :: index, p, q, k
+
+      total = 0.0_wp
+      turn = 0.0_wp
+      work = 0.0_wp
+      carry = simulation%nodes%velocity(:, :, tile) &
+         + 0.5_wp*dt*simulation%nodes%acceleration(:, :, tile)
+      do index = 1, size(simulation%stores)
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         if (.not. allocated(simulation%exact%material(index)%solution)) cycle
+         associate (store => simulation%stores(index), &
+            solution => simulation%exact%material(index)%solution)
+            call find_places(simulation, scratch, store, tile)
+            call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), &
+               scratch%places, carry, scratch%places%vector)
+            do p = 1, store%count(tile)
+               q = store%first(tile) + p - 1
+               do k = 1, 3
+                  point(k) = store%reference(q, k)
+                  place(k) = store%position(q, k)
+               end do
+               call solution%body_force(point, simulation%exact%force_time, force)
+               force = store%matter%mass(q)*dt*force
+               total = total + force
+               turn = turn + cross(place, force)
+               do k = 1, 3
+                  work = work + force(k)*scratch%places%vector(p, k)
+               end do
+            end do
+         end associate
+      end do
+      do k = 1, 3
+         call scratch%ledger%sums(impulse + k - 1)%add(total(k))
+         call scratch%ledger%sums(torque + k - 1)%add(turn(k))
+      end do
+      call scratch%ledger%sums(external_work)%add(work)
+   end subroutine book_tile
+end module step_exact_force

@@ -1,0 +1,78 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Patches on their way between ranks. What goes to other ranks is made first and sent; the other
+!! tiles are worked on while it travels. Packing is timed apart from waiting.
+module step_exchange
+   use base_kinds, only: wp
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: next_tiles, pass_motion, pass_patches
+
+   integer, parameter, public :: edge_tiles = 1      !! Tiles that other ranks may see
+   integer, parameter, public :: inner_tiles = 2     !! The others
+
+contains
+
+   !> Own tiles of a part, to be worked on now.
+   subroutine next_tiles(simulation, part, tiles)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: part                    !! The edge first
+      integer, allocatable, intent(out) :: tiles(:)  !! Indices
+
+      if (part == edge_tiles) then
+         call simulation%halo%plan(simulation%communicator, simulation%grid, simulation%tiles)
+         tiles = simulation%halo%edge
+      else
+         tiles = simulation%halo%inner
+      end if
+   end subroutine next_tiles
+
+   !> After the edge send its patches, after the inner tiles receive those of other ranks.
+   subroutine pass_patches(simulation, part, patch)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: part                    !! What is done
+      real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
+      real(wp) :: waited
+
+      if (simulation%communicator%size == 1) return
+      associate (communicator => simulation%communicator, phase => simulation%phase)
+         call simulation%timer%start(phase%exchange)
+         waited = communicator%traffic%waiting
+         if (part == edge_tiles) then
+            call simulation%halo%post(communicator, simulation%tiles, patch)
+         else
+            call simulation%halo%complete(communicator, simulation%grid, simulation%tiles, patch)
+         end if
+         call simulation%timer%stop(phase%exchange)
+         if (part == inner_tiles) call simulation%timer%move(phase%exchange, phase%wait, &
+            communicator%traffic%waiting - waited)
+      end associate
+   end subroutine pass_patches
+
+   !> The same for the pieces of the motion.
+   subroutine pass_motion(simulation, part)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: part                    !! What is done
+      real(wp) :: waited
+      integer :: kinds
+
+      if (simulation%communicator%size == 1) return
+      kinds = merge(2, 1, simulation%method%dual)
+      associate (communicator => simulation%communicator, phase => simulation%phase, &
+         nodes => simulation%nodes)
+         call simulation%timer%start(phase%exchange)
+         waited = communicator%traffic%waiting
+         if (part == edge_tiles) then
+            call simulation%halo%post_pieces(communicator, simulation%grid, simulation%tiles, &
+               nodes%touched, nodes%motion(:kinds))
+         else
+            call simulation%halo%complete_pieces(communicator, simulation%grid, simulation%tiles, &
+               nodes%touched, nodes%motion(:kinds))
+         end if
+         call simulation%timer%stop(phase%exchange)
+         if (part == inner_tiles) call simulation%timer%move(phase%exchange, phase%wait, &
+            communicator%traffic%waiting - waited)
+      end associate
+   end subroutine pass_motion
+end module step_exchange

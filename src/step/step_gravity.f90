@@ -1,0 +1,37 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Gravity, constant or with a table of time (`gravity_table` of &effects).
+!!
+!! In a step gravity is the mean of the table over the time in which the forces of this step act:
+!! the integral of its straight lines, equation (R.4) of doc/theory/rigid.md. So the impulse of a
+!! run is that of the table whatever the steps are, and work and impulse are recorded as those of
+!! constant gravity. Between steps gravity is that of the present time; nothing is kept for a
+!! restart.
+module step_gravity
+   use base_kinds, only: wp
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: act_gravity, note_gravity
+
+contains
+
+   !> Let gravity be its mean over the time in which the forces of a step act.
+   pure subroutine act_gravity(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run, its kick is set
+      real(wp) :: from
+
+      if (.not. allocated(simulation%shaking)) return
+      from = simulation%time - simulation%method%lag(simulation%dt)
+      if (simulation%kick > 0.0_wp) &
+         simulation%gravity = simulation%shaking%mean(from, simulation%kick)
+   end subroutine act_gravity
+
+   !> Let gravity be that of the present time.
+   pure subroutine note_gravity(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      if (allocated(simulation%shaking)) &
+         simulation%gravity = simulation%shaking%velocity(simulation%time)
+   end subroutine note_gravity
+end module step_gravity

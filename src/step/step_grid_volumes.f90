@@ -1,0 +1,127 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Volumes of loose matter from what the nodes see (`volume_from = 'grid'` of a material).
+!!
+!! The volume of a particle follows the velocity gradient. Where matter comes apart and together
+!! again the gradient jumps between particles, and what it adds to a volume while a gap opens is not
+!! what it takes away while it closes: gaps that bear pressure are left, beside particles that stay
+!! too large. The fill of a node, the volume of the particles around it over its own, knows of both.
+!! Where it is below 1 pressed particles grow, at most to their volume without pressure, and so let
+!! the gap close; where it is above 1 loose ones shrink, at most to that volume. Grains are never
+!! pressed by this. At the surface of bodies a fill below 1 says nothing, unless matter thins out
+!! towards a closed face.
+!!
+!! Particles of a cell share one gradient, so a pressed one keeps voids of a loose one beside it
+!! open. They even out: what one grows the other shrinks.
+!!
+!! A volume that remembers where it comes from is the remedy of A. P. Tampubolon and others, ACM
+!! Trans. Graph. 36 (2017) 105 for particles that carry an elastic strain; here, where the density
+!! gives the pressure, it is the gaps that have to be found.
+module step_grid_volumes
+   use base_kinds, only: wp
+   use material_type, only: material_t
+   use mesh_boundary, only: boundary_t
+   use mesh_grid, only: grid_t
+   use particle_store, only: store_t
+   use step_ledger, only: dissipated, ledger_t
+   implicit none
+   private
+
+   public :: excess_fill, repack
+
+   !> Particles that lie irregularly make the fill waver. What is this near to 1 counts as 1: with
+   !! less, grains would be packed until the lowest of all fills is 1, and the mean above it.
+   real(wp), parameter :: noise = 5.0e-2_wp
+
+contains
+
+   !> Fill of the nodes of a tile above 1, or below it where no surface is near; without the noise.
+   !! Equation (Y.28) of doc/theory/strength.md.
+   pure subroutine excess_fill(grid, boundary, coordinate, filled, counted, excess)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(boundary_t), intent(in) :: boundary       !! Its faces
+      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      real(wp), contiguous, intent(in) :: filled(:, :)  !! (1, node) Volume of particles [m3]
+      real(wp), contiguous, intent(in) :: counted(:, :) !! (1, node) Volume of full cells [m3]
+      real(wp), allocatable, intent(out) :: excess(:, :) !! (1, node) Fill less 1 [1]
+      real(wp) :: around(size(filled, 2)), fill, inside
+      integer :: node
+
+      allocate (excess(1, size(filled, 2)))
+      call grid%node_volume(coordinate, around)
+      do node = 1, size(filled, 2)
+         excess(1, node) = 0.0_wp
+         if (.not. around(node) > 0.0_wp) cycle
+         fill = filled(1, node)/around(node) - 1.0_wp
+         inside = max(0.0_wp, 1.0_wp - 2.0_wp**grid%dimensions &
+            *(1.0_wp - counted(1, node)/around(node)))
+         excess(1, node) = max(0.0_wp, fill - noise) + inside*min(0.0_wp, fill + noise)
+      end do
+      call boundary%see_gaps(grid, coordinate, noise, filled, around, excess)
+   end subroutine excess_fill
+
+   !> Let the particles of a tile grow and shrink. What pressed ones lose of their elastic energy is
+   !! booked, where they carry no internal energy that would keep it. Equation (Y.29).
+   pure subroutine repack(store, tile, material, excess, ledger)
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      type(material_t), intent(in) :: material       !! Their material
+      real(wp), contiguous, intent(in) :: excess(:, :) !! (particle of the tile, 1) Fill less 1 [1]
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      real(wp) :: loose(store%count(tile)), before(store%count(tile)), after(store%count(tile))
+      integer :: p, first, last
+
+      first = store%first(tile)
+      last = first + store%count(tile) - 1
+      call material%stored_energy(store%matter, first, last, before)
+      associate (matter => store%matter)
+         loose = matter%mass(first:last)/material%density
+         if (allocated(matter%plastic_dilation)) then
+            ! Not with vectors: their exponentials differ in the last bits from those of the rest.
+            !GCC$ novector
+            do p = 1, size(loose)
+               loose(p) = loose(p)*exp(matter%plastic_dilation(first + p - 1))
+            end do
+         end if
+         do p = 1, size(loose)
+            associate (volume => matter%volume(first + p - 1))
+               if (volume > loose(p)) then
+                  volume = max(loose(p), volume/(1.0_wp + max(0.0_wp, excess(p, 1))))
+               else
+                  volume = min(loose(p), volume/(1.0_wp + min(0.0_wp, excess(p, 1))))
+               end if
+            end associate
+         end do
+         call even_out(store%cell_start(:, tile), first, loose, matter%volume)
+      end associate
+      call material%stored_energy(store%matter, first, last, after)
+      if (.not. allocated(store%matter%energy)) &
+         call ledger%sums(dissipated)%add(sum(before - after))
+   end subroutine repack
+
+   !> Let pressed particles of each cell take volume from loose ones, until one of both is none. All
+   !! give and take in proportion to what they have and lack.
+   pure subroutine even_out(start, first, loose, volume)
+      integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                   !! First particle of the tile
+      real(wp), intent(in) :: loose(:)               !! (particle of the tile) Without pressure [m3]
+      real(wp), contiguous, intent(inout) :: volume(:) !! (store) [m3]
+      real(wp) :: spare, lack, moved
+      integer :: cell, p
+
+      do cell = 0, ubound(start, 1) - 1
+         spare = 0.0_wp
+         lack = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            spare = spare + max(0.0_wp, volume(first + p - 1) - loose(p))
+            lack = lack + max(0.0_wp, loose(p) - volume(first + p - 1))
+         end do
+         moved = min(spare, lack)
+         if (.not. moved > 0.0_wp) cycle
+         do p = start(cell) + 1, start(cell + 1)
+            associate (v => volume(first + p - 1))
+               v = v - merge(moved/spare, moved/lack, v > loose(p))*(v - loose(p))
+            end associate
+         end do
+      end do
+   end subroutine even_out
+end module step_grid_volumes

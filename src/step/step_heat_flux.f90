@@ -1,0 +1,310 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Artificial heat flux in shocks, against walls that are too hot (W. F. Noh, J. Comput. Phys. 72
+!! (1987) 78): the flux of internal energy k grad e with k = flux h sqrt(rho q), where q is the
+!! artificial viscosity. As q is rho h D (q2 h D + q1 c) this is the flux of Noh with the speed of
+!! the viscosity, sqrt(q/rho), in place of a linear and a quadratic one, and none in expansion.
+!!
+!! Energies of a material go to the nodes weighted with mass, and flow along the edges of the cells
+!! from node to node, so the sum is kept to round-off. Conductances of edges are positive and a node
+!! gives at most the energy that it has. The particles around a node get what it gains by
+!! their mass and give what it loses by their energy: none gives more than it has. Energy below
+!! zero, as cold matter in tension has, does not flow. Materials do not heat each other, and no flux
+!! crosses surfaces and faces. Equation (M.23) of doc/theory/method.md.
+module step_heat_flux
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use omp_lib, only: omp_get_thread_num
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_node_sums, only: divide
+   use step_particles_to_nodes, only: find_plain_places
+   use step_simulation, only: empty_mass, scratch_t, simulation_t
+   implicit none
+   private
+
+   public :: smear_heat
+
+   integer, parameter :: mass = 1, content = 2       !! Rows: [kg], internal energy [J]
+   integer, parameter :: passed = 3                  !! Row: share of its flux that a node lets pass
+
+contains
+
+   !> Let the energy of all materials that carry one flow for one step.
+   subroutine smear_heat(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run, with artificial viscosity
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      integer :: index, tile
+
+      call simulation%timer%start(simulation%phase%grid)
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+         call ensure_patch(nodes%heat, content, number, simulation%tiles%own)
+         call ensure_patch(nodes%flux, 1, number, simulation%tiles%own)
+         call ensure_patch(nodes%warmth, passed, number, simulation%tiles%own)
+      end associate
+      do index = 1, size(simulation%stores)
+         if (.not. flows(simulation, index)) cycle
+         call each_own(simulation, index, dt, spread_energy, simulation%nodes%heat)
+         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%own
+            call find_energy(simulation, tile)
+         end do
+         !$omp end parallel do
+         call each_own(simulation, index, dt, spread_conductance, simulation%nodes%flux)
+         !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%own
+            call find_passed(simulation, tile, dt)
+         end do
+         !$omp end parallel do
+         call each_own(simulation, index, dt, spread_flux, simulation%nodes%flux)
+         !$omp parallel do default(none) shared(simulation, index, dt) private(tile) &
+         !$omp schedule(dynamic, 1)
+         do tile = 1, simulation%tiles%own
+            if (simulation%stores(index)%count(tile) > 0) call give_energy(simulation, &
+               simulation%scratch(omp_get_thread_num()), index, tile, dt)
+         end do
+         !$omp end parallel do
+      end do
+      call simulation%timer%stop(simulation%phase%grid)
+   end subroutine smear_heat
+
+   !> Does the energy of a material flow?
+   pure logical function flows(simulation, index) result(yes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
+
+      associate (matter => simulation%stores(index)%matter)
+         yes = allocated(matter%energy) .and. allocated(matter%viscous_pressure)
+      end associate
+   end function flows
+
+   !> Fill the patches of all own tiles, and bring those that other ranks hold.
+   subroutine each_own(simulation, index, dt, work, patch)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: index                   !! Which material
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      interface
+         subroutine work(simulation, scratch, index, tile, dt, patch)
+            import :: scratch_t, simulation_t, wp
+            implicit none
+            type(simulation_t), intent(in) :: simulation
+            type(scratch_t), intent(inout) :: scratch
+            integer, intent(in) :: index
+            integer, intent(in) :: tile
+            real(wp), intent(in) :: dt
+            real(wp), contiguous, intent(inout) :: patch(:, :)
+         end subroutine work
+      end interface
+      real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (row, node, tile)
+      integer, allocatable :: tiles(:)
+      integer :: part, n
+
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, index, dt, tiles, patch) private(n) &
+         !$omp schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            call clear_patch(patch(:, :, tiles(n)))
+            if (simulation%stores(index)%count(tiles(n)) > 0) call work(simulation, &
+               simulation%scratch(omp_get_thread_num()), index, tiles(n), dt, patch(:, :, tiles(n)))
+         end do
+         !$omp end parallel do
+         call pass_patches(simulation, part, patch)
+      end do
+   end subroutine each_own
+
+   !> Mass, and energy above zero, of the particles of a tile.
+   subroutine spread_energy(simulation, scratch, index, tile, dt, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
+      integer :: p, q
+
+      associate (store => simulation%stores(index), places => scratch%places)
+         call find_plain_places(simulation, scratch, store, tile)
+         do p = 1, store%count(tile)
+            q = store%first(tile) + p - 1
+            places%values(p, mass) = store%matter%mass(q)
+            places%values(p, content) = store%matter%mass(q)*max(store%matter%energy(q), 0.0_wp)
+         end do
+         call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), places, &
+            content, places%values, 0, patch)
+      end associate
+   end subroutine spread_energy
+
+   !> Mass and energy of the nodes of a tile.
+   subroutine find_energy(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: sums(content, simulation%grid%tile_nodes)
+
+      call assemble(simulation%grid, simulation%tiles, simulation%nodes%heat, tile, sums)
+      simulation%nodes%warmth(:content, :, tile) = sums
+   end subroutine find_energy
+
+   !> Conductance of all edges of the cells that end in a node [W kg/J].
+   subroutine spread_conductance(simulation, scratch, index, tile, dt, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
+      real(wp) :: weight(4), place(3), conductance
+      integer :: low(4), p, cell, direction, edges, edge, high
+
+      associate (store => simulation%stores(index), grid => simulation%grid)
+         call find_plain_places(simulation, scratch, store, tile)
+         do cell = 0, grid%tile_cells - 1
+            do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
+               conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
+               if (.not. conductance > 0.0_wp) cycle
+               place = scratch%places%local(p, :)
+               do direction = 1, 3
+                  if (.not. grid%active(direction)) cycle
+                  call find_edges(grid, cell, direction, place, edges, low, weight)
+                  do edge = 1, edges
+                     high = low(edge) + grid%stride(direction)
+                     patch(1, low(edge)) = patch(1, low(edge)) + conductance*weight(edge)
+                     patch(1, high) = patch(1, high) + conductance*weight(edge)
+                  end do
+               end do
+            end do
+         end do
+      end associate
+   end subroutine spread_conductance
+
+   !> The share of the flux that each node of a tile lets pass: it gives no more than it has.
+   subroutine find_passed(simulation, tile, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: given(1, simulation%grid%tile_nodes)
+      integer :: node
+
+      call assemble(simulation%grid, simulation%tiles, simulation%nodes%flux, tile, given)
+      associate (warmth => simulation%nodes%warmth(:, :, tile))
+         do node = 1, size(given, 2)
+            warmth(passed, node) = merge(1.0_wp, 0.0_wp, warmth(mass, node) > empty_mass)
+            if (dt*given(1, node) > warmth(mass, node)) &
+               warmth(passed, node) = warmth(mass, node)/(dt*given(1, node))
+         end do
+      end associate
+   end subroutine find_passed
+
+   !> Energy that flows to the nodes [W].
+   subroutine spread_flux(simulation, scratch, index, tile, dt, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
+      real(wp) :: energy(1, size(patch, 2)), weight(4), place(3), conductance, flow
+      integer :: low(4), p, cell, direction, edges, edge, high
+
+      energy(1, :) = simulation%nodes%warmth(content, :, tile)
+      call divide(simulation%nodes%warmth(:, :, tile), mass, energy)
+      associate (store => simulation%stores(index), grid => simulation%grid, &
+         share => simulation%nodes%warmth(passed, :, tile))
+         call find_plain_places(simulation, scratch, store, tile)
+         do cell = 0, grid%tile_cells - 1
+            do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
+               conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
+               if (.not. conductance > 0.0_wp) cycle
+               place = scratch%places%local(p, :)
+               do direction = 1, 3
+                  if (.not. grid%active(direction)) cycle
+                  call find_edges(grid, cell, direction, place, edges, low, weight)
+                  do edge = 1, edges
+                     high = low(edge) + grid%stride(direction)
+                     flow = conductance*weight(edge)*min(share(low(edge)), share(high)) &
+                        *(energy(1, high) - energy(1, low(edge)))
+                     patch(1, low(edge)) = patch(1, low(edge)) + flow
+                     patch(1, high) = patch(1, high) - flow
+                  end do
+               end do
+            end do
+         end do
+      end associate
+   end subroutine spread_flux
+
+   !> Conductance that a particle gives the edges around it along each direction [W kg/J]. The bound
+   !! keeps an explicit step in full cells stable.
+   pure real(wp) function conductance_of(simulation, index, q, dt) result(conductance)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: q                       !! The particle
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      associate (matter => simulation%stores(index)%matter, grid => simulation%grid)
+         conductance = min(matter%mass(q)/(4.0_wp*real(grid%dimensions, wp)*dt), &
+            simulation%method%heat_flux/grid%spacing*sqrt(matter%mass(q)*matter%volume(q) &
+            *max(matter%viscous_pressure(q), 0.0_wp)))
+      end associate
+   end function conductance_of
+
+   !> Edges of a cell along a direction, and the linear functions of the other directions, which sum
+   !! to one: sum of weight ((e_high - e_low)/h)**2 is the square of a gradient.
+   pure subroutine find_edges(grid, cell, direction, local, edges, low, weight)
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: cell                    !! Which cell of a tile, from 0
+      integer, intent(in) :: direction               !! Of the edges
+      real(wp), intent(in) :: local(3)               !! Place in the cell, 0 to 1
+      integer, intent(out) :: edges                  !! How many: 1, 2 or 4
+      integer, intent(out) :: low(4)                 !! Node at their lower end
+      real(wp), intent(out) :: weight(4)             !! At the place
+      integer :: across, edge
+
+      edges = 1
+      low(1) = grid%first_node(cell)
+      weight(1) = 1.0_wp
+      do across = 1, 3
+         if (across == direction .or. .not. grid%active(across)) cycle
+         do edge = 1, edges
+            low(edges + edge) = low(edge) + grid%stride(across)
+            weight(edges + edge) = weight(edge)*local(across)
+            weight(edge) = weight(edge)*(1.0_wp - local(across))
+         end do
+         edges = 2*edges
+      end do
+   end subroutine find_edges
+
+   !> New energies of the particles of a tile.
+   subroutine give_energy(simulation, scratch, index, tile, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: flow(1, simulation%grid%tile_nodes), change(2, simulation%grid%tile_nodes), given
+      integer :: node, p, q
+
+      call assemble(simulation%grid, simulation%tiles, simulation%nodes%flux, tile, flow)
+      change = 0.0_wp
+      associate (warmth => simulation%nodes%warmth(:, :, tile))
+         do node = 1, size(change, 2)
+            ! by mass what is gained, by energy what is lost
+            if (flow(1, node) > 0.0_wp) then
+               change(1, node) = dt*flow(1, node)/warmth(mass, node)
+            else if (flow(1, node) < 0.0_wp) then
+               change(2, node) = dt*flow(1, node)/warmth(content, node)
+            end if
+         end do
+      end associate
+      associate (store => simulation%stores(index), places => scratch%places)
+         call find_plain_places(simulation, scratch, store, tile)
+         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), places, &
+            change, places%values)
+         do p = 1, store%count(tile)
+            q = store%first(tile) + p - 1
+            given = places%values(p, 1) + places%values(p, 2)*max(store%matter%energy(q), 0.0_wp)
+            store%matter%energy(q) = store%matter%energy(q) + given
+            if (allocated(simulation%materials(index)%heat)) store%matter%temperature(q) = &
+               store%matter%temperature(q) + given/simulation%materials(index)%heat%specific_heat
+         end do
+      end associate
+   end subroutine give_energy
+end module step_heat_flux

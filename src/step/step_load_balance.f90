@@ -1,0 +1,139 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Moves tiles between ranks when some rank has too much work. Results do not depend on it.
+module step_load_balance
+   use base_kinds, only: int64, wp
+   use mesh_tiles, only: partition_pieces
+   use particle_store, only: moved_away, store_t
+   use step_advance, only: count_particles, sort_particles
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: balance_ranks, balancing_t, watch_costs
+
+   integer(int64), parameter :: measured_steps = 4   !! Before loads are compared
+
+   !> When tiles move.
+   type :: balancing_t
+      logical :: allowed = .true.                    !! May they move at all?
+      integer(int64) :: every = 25                   !! Steps between two looks
+      real(wp) :: tolerance = 1.1_wp !! Greatest work over mean work that is borne [1]
+   end type balancing_t
+
+contains
+
+   !> Have the work on tiles measured in the few steps before loads are compared.
+   subroutine watch_costs(simulation, balancing)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(balancing_t), intent(in) :: balancing     !! When
+      real(wp), allocatable :: cost(:)
+
+      if (simulation%communicator%size == 1 .or. .not. balancing%allowed) return
+      if (modulo(-simulation%step - 1, balancing%every) >= measured_steps) return
+      if (allocated(simulation%cost)) then
+         call carry_costs(simulation, cost)
+      else
+         allocate (cost(simulation%tiles%own))
+         cost = 0.0_wp
+      end if
+      call move_alloc(cost, simulation%cost)
+      simulation%cost_key = simulation%tiles%key(:simulation%tiles%own)
+   end subroutine watch_costs
+
+   !> The work measured so far for the tiles that there are now; both lists of tiles ascend. New
+   !! tiles have none.
+   pure subroutine carry_costs(simulation, cost)
+      type(simulation_t), intent(in) :: simulation   !! The run, measured
+      real(wp), allocatable, intent(out) :: cost(:)  !! (own tile) [s]
+      integer :: tile, old
+
+      allocate (cost(simulation%tiles%own))
+      cost = 0.0_wp
+      old = 1
+      do tile = 1, simulation%tiles%own
+         do while (old <= size(simulation%cost))
+            if (simulation%cost_key(old) >= simulation%tiles%key(tile)) exit
+            old = old + 1
+         end do
+         if (old > size(simulation%cost)) return
+         if (simulation%cost_key(old) == simulation%tiles%key(tile)) &
+            cost(tile) = simulation%cost(old)
+      end do
+   end subroutine carry_costs
+
+   !> Compare the work of the ranks in a step that was measured, and cut the curve anew if it
+   !! differs too much.
+   subroutine balance_ranks(simulation, balancing)
+      type(simulation_t), intent(inout) :: simulation !! The run, particles in order
+      type(balancing_t), intent(in) :: balancing     !! When
+      integer(int64), allocatable :: weight(:), border(:)
+      integer(int64) :: total(1)
+      real(wp) :: ratio
+      integer :: tile, index
+
+      if (.not. allocated(simulation%cost)) return
+      if (mod(simulation%step, balancing%every) /= 0) return
+      call weigh_tiles(simulation, weight)
+      deallocate (simulation%cost, simulation%cost_key)
+      total = sum(weight)
+      ratio = simulation%communicator%maximum(real(total(1), wp))
+      call simulation%communicator%total(total)
+      ratio = ratio*real(simulation%communicator%size, wp)/real(max(total(1), 1_int64), wp)
+      call simulation%load%look(simulation%step, ratio)
+      if (ratio <= balancing%tolerance) return
+      call simulation%timer%start(simulation%phase%sort)
+      associate (tiles => simulation%tiles, rank => simulation%communicator%rank)
+         call partition_pieces(simulation%communicator, tiles%key(:tiles%own), weight, border)
+         call tiles%cut(border)
+         do tile = 1, tiles%own
+            if (tiles%owner(tiles%key(tile)) == rank) cycle
+            simulation%load%sent = simulation%load%sent + 1
+            do index = 1, size(simulation%stores)
+               call send_tile(simulation%stores(index), tile)
+            end do
+         end do
+      end associate
+      call simulation%timer%stop(simulation%phase%sort)
+      simulation%load%cuts = simulation%load%cuts + 1
+      call sort_particles(simulation)
+   end subroutine balance_ranks
+
+   !> Work of each tile in nanoseconds. Tiles that came into being since it was measured get the
+   !! mean work of their particles.
+   subroutine weigh_tiles(simulation, weight)
+      type(simulation_t), intent(in) :: simulation   !! The run, measured
+      integer(int64), allocatable, intent(out) :: weight(:) !! (own tile) [ns], 1 or more
+      real(wp), parameter :: nano = 1.0e-9_wp
+      real(wp), allocatable :: cost(:)
+      real(wp) :: each
+      integer(int64) :: particles
+      integer :: tile, index
+
+      call carry_costs(simulation, cost)
+      each = sum(cost)/real(max(count_particles(simulation), 1_int64), wp)
+      allocate (weight(size(cost)))
+      do tile = 1, size(cost)
+         if (.not. cost(tile) > 0.0_wp) then
+            particles = 0
+            do index = 1, size(simulation%stores)
+               particles = particles + simulation%stores(index)%count(tile)
+            end do
+            cost(tile) = each*real(particles, wp)
+         end if
+         weight(tile) = max(nint(cost(tile)/nano, int64), 1_int64)
+      end do
+   end subroutine weigh_tiles
+
+   !> Let all particles of a tile look for their new rank.
+   pure subroutine send_tile(store, tile)
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      integer :: p
+
+      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+         store%home(p) = moved_away
+      end do
+      store%leaving(tile) = store%count(tile)
+      store%restless(tile) = .true.
+   end subroutine send_tile
+end module step_load_balance

@@ -1,0 +1,127 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The mean stress of the nodes that is taken out of the particles (`quadrature = 'control'`).
+!! Equations (Q.2) and (Q.3) of doc/theory/quadratures.md.
+module step_mean_stress
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use omp_lib, only: omp_get_thread_num
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_particles_to_nodes, only: find_places
+   use step_simulation, only: empty_mass, scratch_t, simulation_t
+   implicit none
+   private
+
+   public :: find_star
+
+   integer, parameter :: columns = 7                 !! Volume and stress times volume
+
+contains
+
+   !> Mean stress on the nodes inside of bodies; less towards their surfaces and none there.
+   subroutine find_star(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, allocatable :: tiles(:)
+      integer :: tile, part, n
+
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+         call simulation%timer%start(simulation%phase%scatter)
+         call ensure_patch(nodes%mean, columns, number, simulation%tiles%own)
+         do part = edge_tiles, inner_tiles
+            call next_tiles(simulation, part, tiles)
+            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp schedule(dynamic, 1)
+            do n = 1, size(tiles)
+               call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+                  simulation%nodes%mean(:, :, tiles(n)))
+            end do
+            !$omp end parallel do
+            call pass_patches(simulation, part, nodes%mean)
+         end do
+         call simulation%timer%stop(simulation%phase%scatter)
+         call simulation%timer%start(simulation%phase%grid)
+         call ensure_patch(nodes%star, columns - 1, number, simulation%tiles%all)
+         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%all
+            call divide_tile(simulation, tile)
+         end do
+         !$omp end parallel do
+         call simulation%timer%stop(simulation%phase%grid)
+      end associate
+   end subroutine find_star
+
+   !> Volume and stress of the particles of a tile.
+   subroutine scatter_tile(simulation, scratch, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      integer :: index, p, q, k
+
+      call clear_patch(patch)
+      do index = simulation%first_store, simulation%end_store()
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         associate (store => simulation%stores(index))
+            call find_places(simulation, scratch, store, tile)
+            do p = 1, store%count(tile)
+               q = store%first(tile) + p - 1
+               scratch%places%values(p, 1) = store%matter%volume(q)
+            end do
+            do k = 1, 6
+               do p = 1, store%count(tile)
+                  q = store%first(tile) + p - 1
+                  scratch%places%values(p, 1 + k) = store%matter%volume(q) &
+                     *store%matter%stress(q, k)
+               end do
+            end do
+            call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), &
+               scratch%places, columns, scratch%places%values, 0, patch)
+         end associate
+      end do
+   end subroutine scatter_tile
+
+   !> Mean stress of the nodes of a tile, times the least fill of all nodes around: twice their
+   !! volume of particles over their own, at most 1. Nodes beyond the box do not count. Equation
+   !! (Q.2).
+   subroutine divide_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: total(columns, simulation%grid%tile_nodes)
+      real(wp) :: around(simulation%grid%tile_nodes), fill(simulation%grid%tile_nodes)
+      integer :: node, direction
+
+      call assemble(simulation%grid, simulation%tiles, simulation%nodes%mean, tile, total)
+      call simulation%grid%node_volume(simulation%tiles%coordinate(:, tile), around)
+      do node = 1, size(fill)
+         fill(node) = 1.0_wp
+         if (around(node) > 0.0_wp) fill(node) = min(1.0_wp, 2.0_wp*total(1, node)/around(node))
+      end do
+      do direction = 1, 3
+         if (simulation%grid%active(direction)) call take_least(simulation%grid, direction, fill)
+      end do
+      do node = 1, size(fill)
+         simulation%nodes%star(:, node, tile) = 0.0_wp
+         if (total(1, node) > empty_mass) &
+            simulation%nodes%star(:, node, tile) = fill(node)*total(2:, node)/total(1, node)
+      end do
+   end subroutine divide_tile
+
+   !> Least of each node and its neighbours along a direction. Nodes at the end of the margin keep
+   !! their value; no particle of the tile sees them.
+   pure subroutine take_least(grid, direction, values)
+      type(grid_t), intent(in) :: grid               !! The grid
+      integer, intent(in) :: direction               !! 1 to 3
+      real(wp), intent(inout) :: values(:)           !! (node of the tile)
+      real(wp) :: old(size(values))
+      integer :: node, stride, position(3)
+
+      old = values
+      stride = grid%stride(direction)
+      do node = 1, size(values)
+         position = grid%node_position(node)
+         if (position(direction) == -grid%margin) cycle
+         if (position(direction) == grid%width(direction) + grid%margin) cycle
+         values(node) = min(old(node - stride), old(node), old(node + stride))
+      end do
+   end subroutine take_least
+end module step_mean_stress

@@ -1,0 +1,173 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The numerical method of a run.
+module step_method
+   use base_kinds, only: wp
+   use ddmp_alpha, only: alpha_split
+   use ddmp_catalogue, only: choose_quadrature
+   use ddmp_dual, only: surface_fill
+   use ddmp_quadrature, only: quadrature_t
+   use particle_split, only: splitting_t
+   use particle_store, only: traits_t
+   use transfer_basis, only: basis_t
+   use transfer_catalogue, only: choose_basis, choose_velocity
+   use transfer_velocity, only: velocity_t
+   implicit none
+   private
+
+   public :: method_t, position_of
+
+   integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
+   integer, parameter, public :: stress_before = 2   !! usf: before the force
+   integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
+   !> By half of what particles bring to the nodes, by half of what they take from there (usavg)
+   integer, parameter, public :: stress_average = 4
+   character(len=5), parameter, public :: stress_names(4) = [character(len=5) :: "usl", "usf", &
+      "musl", "usavg"]
+
+   !> Choices of the numerical method.
+   type :: method_t
+      logical :: dual = .true.                       !! Dual domain gradient, else the plain one
+      class(basis_t), allocatable :: basis           !! Node functions
+      class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
+      character(len=:), allocatable :: normalise     !! Whose sums are normalised: gases, ...
+      integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
+      integer :: stress = stress_after               !! When the stress is updated
+      real(wp) :: unseen = 0.0_wp !! Share of node velocities that particles do not take, in strain
+      logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
+      logical :: even = .false.                      !! Even dilatation in a cell?
+      logical :: smooth_turn = .false.               !! Is the rotation that of the tiles?
+      logical :: limited = .false.                   !! Does viscosity resist jumps only?
+      real(wp) :: heat_flux = 0.0_wp                 !! Coefficient of artificial heat flux [1]
+      type(splitting_t), allocatable :: splitting    !! When long particles are halved, if they are
+      class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
+      real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
+      real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
+   contains
+      procedure :: choose => method_choose           !! Make it from words
+      procedure :: controlled => method_controlled   !! Is a mean stress taken out?
+      procedure :: strains_first => method_strains_first !! Is there strain before the force?
+      procedure :: remaps => method_remaps           !! Are new velocities mapped for the strain?
+      procedure :: averages => method_averages       !! Is the strain of two velocities?
+      procedure :: differing => method_differing     !! Is the force of stress differences?
+      procedure :: margin => method_margin           !! Layers of nodes that particles reach
+      procedure :: request => method_request         !! Asks for what particles must carry
+      procedure :: kick => method_kick               !! Time over which the forces act
+      procedure :: lag => method_lag                 !! Time by which velocities are behind
+   end type method_t
+
+contains
+
+   !> Choose node functions and gradient; words that are not known give the linear ones.
+   subroutine method_choose(self, dual, basis, quadrature)
+      class(method_t), intent(inout) :: self         !! The method
+      logical, intent(in) :: dual                    !! Dual domain gradient?
+      character(len=*), intent(in) :: basis          !! Word of the node functions
+      character(len=*), intent(in) :: quadrature     !! Word of the rule of the dual gradient
+
+      self%dual = dual
+      call choose_basis(basis, self%basis)
+      if (.not. allocated(self%basis)) call choose_basis("linear", self%basis)
+      if (.not. allocated(self%transfer)) call choose_velocity("flip", self%transfer)
+      if (allocated(self%quadrature)) deallocate (self%quadrature)
+      if (.not. dual) return
+      call choose_quadrature(quadrature, self%quadrature)
+      if (.not. allocated(self%quadrature)) call choose_quadrature("point", self%quadrature)
+      self%quadrature%alpha = alpha_split
+      ! boxes on all ways: force without mass at free surfaces would be lost
+      if (quadrature == "sub_points") call choose_basis("cpgimp", self%basis)
+   end subroutine method_choose
+
+   !> True if a mean stress of the nodes is taken out of the particles.
+   pure logical function method_controlled(self) result(controlled)
+      class(method_t), intent(in) :: self            !! The method
+
+      controlled = .false.
+      if (allocated(self%quadrature)) controlled = self%quadrature%controlled()
+   end function method_controlled
+
+   !> True if the force of each node is corrected for how the particles lie.
+   pure logical function method_differing(self) result(differing)
+      class(method_t), intent(in) :: self            !! The method
+
+      differing = .false.
+      if (allocated(self%quadrature)) differing = self%quadrature%differing()
+   end function method_differing
+
+   !> Are particles strained before the force acts, with the velocities at their new places?
+   pure logical function method_strains_first(self) result(first)
+      class(method_t), intent(in) :: self            !! The method
+
+      first = self%stress == stress_before
+   end function method_strains_first
+
+   !> Are new velocities of particles, or what they gain, mapped to the nodes for the strain?
+   pure logical function method_remaps(self) result(remaps)
+      class(method_t), intent(in) :: self            !! The method
+
+      remaps = self%stress == stress_remapped .or. self%stress == stress_average
+   end function method_remaps
+
+   !> Is the strain of a step half of the velocity at its begin and half of that at its end?
+   pure logical function method_averages(self) result(averages)
+      class(method_t), intent(in) :: self            !! The method
+
+      averages = self%stress == stress_average
+   end function method_averages
+
+   !> Layers of nodes beyond a tile that its particles reach.
+   pure integer function method_margin(self) result(margin)
+      class(method_t), intent(in) :: self            !! The method
+
+      margin = self%basis%margin()
+      if (allocated(self%quadrature)) margin = max(margin, self%quadrature%margin())
+   end function method_margin
+
+   !> Ask for what particles must carry.
+   pure subroutine method_request(self, traits)
+      class(method_t), intent(in) :: self            !! The method
+      type(traits_t), intent(inout) :: traits        !! Fields of the stores
+
+      call self%basis%request(traits)
+      traits%domain = traits%domain .or. allocated(self%splitting)
+      if (self%transfer%turning()) then
+         traits%spin = .true.
+      else
+         traits%affine = self%transfer%affine()
+      end if
+      traits%averaged = self%averages()
+      if (allocated(self%quadrature)) call self%quadrature%request(traits)
+   end subroutine method_request
+
+   !> Place of a word in a list, 0 if it is not there.
+   pure integer function position_of(word, list) result(position)
+      character(len=*), intent(in) :: word           !! The word
+      character(len=*), intent(in) :: list(:)        !! Where to look
+
+      do position = 1, size(list)
+         if (list(position) == word) return
+      end do
+      position = 0
+   end function position_of
+
+   !> Time over which the forces of a step act [s].
+   !!
+   !! Position and stress stand at the times of the steps, velocities half a step before: forces
+   !! lead from the middle of the last step to the middle of this one, and the velocity there moves
+   !! and strains through the whole step (leapfrog), which is of second order. The scheme of the
+   !! seed has the velocity at the time of the position.
+   pure real(wp) function method_kick(self, last, dt) result(kick)
+      class(method_t), intent(in) :: self            !! The method
+      real(wp), intent(in) :: last                   !! Length of the last step, 0 at the start [s]
+      real(wp), intent(in) :: dt                     !! Length of this step [s]
+
+      kick = merge(0.5_wp*(last + dt), dt, self%leapfrog)
+   end function method_kick
+
+   !> Time by which velocities are behind positions [s].
+   pure real(wp) function method_lag(self, last) result(lag)
+      class(method_t), intent(in) :: self            !! The method
+      real(wp), intent(in) :: last                   !! Length of the last step, 0 at the start [s]
+
+      lag = merge(0.5_wp*last, 0.0_wp, self%leapfrog)
+   end function method_lag
+end module step_method

@@ -1,0 +1,149 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> How far the nodes of a tile would go in a step, and how far two of a cell apart.
+module step_node_displacement
+   use base_kinds, only: int64, wp
+   use mesh_grid, only: lane_bit
+   use step_bounds, only: slow_nodes
+   use step_method, only: stress_after
+   use step_simulation, only: empty_mass, reach_t, simulation_t
+   implicit none
+   private
+
+   public :: asks, look_at_tile, worse
+
+   real(wp), parameter :: part_moved = 0.5_wp        !! Cells that a node may go, or more if cfl is
+   real(wp), parameter :: strain_share = 2.0_wp      !! Strain between nodes over strain_max
+
+contains
+
+   !> Does one node go farther over the bounds than another? Of equal ones the first of the grid
+   !! counts.
+   elemental logical function worse(reach, other) result(is_worse)
+      type(reach_t), intent(in) :: reach             !! Is this one worse
+      type(reach_t), intent(in) :: other             !! than this one?
+
+      is_worse = reach%excess > other%excess .or. (reach%node > 0 .and. &
+         reach%number < other%number .and. reach%excess >= other%excess)
+   end function worse
+
+   !> Is the step that comes to be looked at? Where particles have been strained before the force,
+   !! or see the gain of nodes however light, a shorter step does not help; and a step that the deck
+   !! fixes stays.
+   pure logical function asks(simulation) result(asked)
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      associate (method => simulation%method)
+         asked = method%remaps() .or. (method%dual .and. &
+            method%stress == stress_after)
+      end associate
+      asked = asked .and. simulation%guard%bounds%dt_free
+   end function asks
+
+   !> How far the nodes of a tile would go that its particles see. Most tiles are so slow that their
+   !! greatest velocity tells, others fly as a whole. Equation (S.7) of doc/theory/time_step.md.
+   pure subroutine look_at_tile(simulation, tile, slot, dt, reach)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: slot                    !! Where its fields are
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      type(reach_t), intent(out) :: reach            !! The worst of the tile
+      real(wp) :: far, apart
+
+      far = max(part_moved, simulation%method%cfl)
+      apart = strain_share*simulation%guard%bounds%strain_max
+      associate (velocity => simulation%nodes%strain(:, :, slot), grid => simulation%grid, &
+         mass => simulation%nodes%mass(1, :, slot))
+         ! bounds for each component that hold whatever the other components are
+         if (slow_nodes(size(velocity), velocity, min(far/sqrt(3.0_wp), apart/sqrt(12.0_wp)) &
+            *grid%spacing/dt)) return
+         call look_at_places(velocity, mass, far*grid%spacing/dt, reach)
+         if (.not. flies(velocity, mass, apart/sqrt(12.0_wp)*grid%spacing/dt)) &
+            call look_at_cells(simulation, tile, velocity, apart*grid%spacing/dt, reach)
+      end associate
+      reach%moved = reach%moved*dt/simulation%grid%spacing
+      reach%strain = reach%strain*dt/simulation%grid%spacing
+      if (reach%node == 0) return
+      associate (grid => simulation%grid, coordinate => simulation%tiles%coordinate(:, tile))
+         reach%place = coordinate*grid%width + grid%node_position(reach%node)
+         reach%number = reach%place(1) + (grid%cells(1) + 1_int64)*(reach%place(2) &
+            + (grid%cells(2) + 1_int64)*reach%place(3))
+      end associate
+   end subroutine look_at_tile
+
+   !> The fastest node with mass.
+   pure subroutine look_at_places(velocity, mass, bound, reach)
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (node) [kg]
+      real(wp), intent(in) :: bound                  !! Speed at which a node goes too far [m/s]
+      type(reach_t), intent(inout) :: reach          !! Gets speeds as displacements [m/s]
+      real(wp) :: speed
+      integer :: node
+
+      do node = 1, size(mass)
+         if (.not. mass(node) > empty_mass) cycle
+         speed = norm2(velocity(:, node))
+         if (.not. speed > reach%excess*bound) cycle
+         reach = reach_t(excess=speed/bound, moved=speed, node=node)
+      end do
+   end subroutine look_at_places
+
+   !> Do all nodes with mass fly together, each component within a bound of that of the first?
+   pure logical function flies(velocity, mass, bound) result(together)
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (node) [kg]
+      real(wp), intent(in) :: bound                  !! [m/s]
+      integer :: node, first
+
+      together = .true.
+      first = 0
+      do node = 1, size(mass)
+         if (.not. mass(node) > empty_mass) cycle
+         if (first == 0) first = node
+         together = together .and. all(abs(velocity(:, node) - velocity(:, first)) <= bound)
+      end do
+   end function flies
+
+   !> The greatest difference of two neighbouring nodes of a cell with particles.
+   pure subroutine look_at_cells(simulation, tile, velocity, bound, reach)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), intent(in) :: bound                  !! Difference that is too much [m/s]
+      type(reach_t), intent(inout) :: reach          !! Gets differences as strains [m/s]
+      real(wp) :: difference
+      integer :: cell, lane, direction, low, high
+
+      associate (grid => simulation%grid)
+         do cell = 0, grid%tile_cells - 1
+            if (.not. filled(simulation, tile, cell)) cycle
+            do direction = 1, 3
+               if (.not. grid%active(direction)) cycle
+               do lane = 1, 2**grid%dimensions
+                  if (btest(lane - 1, lane_bit(direction))) cycle
+                  low = grid%first_node(cell) + grid%lane_offset(lane)
+                  high = low + grid%stride(direction)
+                  difference = norm2(velocity(:, high) - velocity(:, low))
+                  if (.not. difference > reach%excess*bound) cycle
+                  reach = reach_t(excess=difference/bound, strain=difference, node=low)
+               end do
+            end do
+         end do
+      end associate
+   end subroutine look_at_cells
+
+   !> Are there particles in a cell of a tile?
+   pure logical function filled(simulation, tile, cell) result(some)
+      type(simulation_t), intent(in) :: simulation   !! The run, sorted
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: cell                    !! Which cell, from 0
+      integer :: index
+
+      some = .false.
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            if (store%count(tile) == 0) cycle
+            some = some .or. store%cell_start(cell + 1, tile) > store%cell_start(cell, tile)
+         end associate
+      end do
+   end function filled
+end module step_node_displacement

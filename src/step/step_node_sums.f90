@@ -1,0 +1,112 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Sums over the particles around the nodes of a tile, and where they are kept.
+module step_node_sums
+   use base_kinds, only: wp
+   use mesh_patch, only: ensure_patch
+   use step_simulation, only: empty_mass, nodes_t, simulation_t
+   implicit none
+   private
+
+   public :: divide, ensure_sums, find_sums, keep_sums, renew_sums, slots
+
+contains
+
+   !> Places for the fields of tiles that are worked on.
+   pure integer function slots(simulation) result(number)
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      number = simulation%tiles%all
+      if (simulation%nodes%lean) number = size(simulation%scratch)
+   end function slots
+
+   !> Make room for the sums over the particles around the nodes.
+   pure subroutine ensure_sums(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+         call ensure_patch(nodes%mass, 1, number, slots(simulation))
+         call ensure_patch(nodes%velocity, 3, number, slots(simulation))
+         call ensure_patch(nodes%acceleration, 3, number, slots(simulation))
+      end associate
+   end subroutine ensure_sums
+
+   !> Find the sums of the nodes of a tile: mass, momentum where the velocity will be, force where
+   !! the acceleration will be.
+   pure subroutine find_sums(simulation, tile, slot)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: slot                    !! Where its fields are
+      real(wp) :: sums(simulation%nodes%motion(1)%rows, simulation%grid%tile_nodes)
+
+      call simulation%nodes%motion(1)%assemble(simulation%grid, simulation%tiles, &
+         simulation%nodes%touched, tile, sums)
+      call keep_sums(simulation%nodes, slot, sums)
+   end subroutine find_sums
+
+   !> Keep the sums of the nodes of a tile.
+   pure subroutine keep_sums(nodes, slot, sums)
+      type(nodes_t), intent(inout) :: nodes          !! Gets them
+      integer, intent(in) :: slot                    !! Where the fields of the tile are
+      real(wp), intent(in) :: sums(:, :)             !! (column, node) Mass, momentum, force, more
+
+      nodes%mass(1, :, slot) = sums(1, :)
+      nodes%velocity(:, :, slot) = sums(2:4, :)
+      nodes%acceleration(:, :, slot) = sums(5:7, :)
+   end subroutine keep_sums
+
+   !> Sums over the particles around the nodes as before the nodes were moved, if they are kept.
+   subroutine renew_sums(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: tile
+
+      if (simulation%nodes%lean) return
+      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+      do tile = 1, simulation%tiles%all
+         call find_sums(simulation, tile, tile)
+      end do
+      !$omp end parallel do
+   end subroutine renew_sums
+
+   !> Divide node values by a volume or mass; nodes without any get zero.
+   pure subroutine divide(by, row, values)
+      real(wp), contiguous, intent(in) :: by(:, :)         !! (component, node)
+      integer, intent(in) :: row                           !! Component that divides
+      real(wp), contiguous, intent(inout) :: values(:, :)  !! (component, node)
+      integer, parameter :: most = 64                      ! nodes at a time: no memory is asked for
+      real(wp) :: inverse(most)
+      integer :: node, before, nodes
+
+      do before = 0, size(by, 2) - 1, most
+         nodes = min(most, size(by, 2) - before)
+         do node = 1, nodes
+            inverse(node) = merge(1.0_wp/max(by(row, before + node), empty_mass), 0.0_wp, &
+               by(row, before + node) > empty_mass)
+         end do
+         ! numbers that the compiler knows make the components one vector
+         select case (size(values, 1))
+         case (3)
+            call multiply_nodes(3, nodes, inverse, values(:, before + 1:before + nodes))
+         case (9)
+            call multiply_nodes(9, nodes, inverse, values(:, before + 1:before + nodes))
+         case default
+            call multiply_nodes(size(values, 1), nodes, inverse, &
+               values(:, before + 1:before + nodes))
+         end select
+      end do
+   end subroutine divide
+
+   !> Multiply the components of nodes by a number of each node.
+   pure subroutine multiply_nodes(components, nodes, factor, values)
+      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: nodes                   !! Nodes of the tile
+      real(wp), intent(in) :: factor(nodes)          !! (node)
+      real(wp), intent(inout) :: values(components, nodes) !! (component, node)
+      integer :: node, component
+
+      do node = 1, nodes
+         do component = 1, components
+            values(component, node) = values(component, node)*factor(node)
+         end do
+      end do
+   end subroutine multiply_nodes
+end module step_node_sums

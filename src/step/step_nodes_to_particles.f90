@@ -1,0 +1,494 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Nodes to particles, tile by tile: work, strain and stress, velocity and position. A tile stays in
+!! cache from the first to the last of these.
+module step_nodes_to_particles
+   use base_kinds, only: int64, wp
+   use constitutive_kinematics, only: centre_backward, centre_gradient
+   use mesh_patch, only: combine
+   use omp_lib, only: omp_get_thread_num
+   use particle_place, only: place_tile
+   use particle_split, only: find_opening
+   use particle_store, only: moved_off, store_t
+   use particle_stretch, only: stretch_tile
+   use step_bounds, only: count_bad, find_steepest, slow_nodes, steep_enough
+   use step_dissipation, only: book_damping, book_losses, damps
+   use step_dual_gradient, only: node_gradient
+   use step_grid_volumes, only: excess_fill, repack
+   use step_ledger, only: dissipated
+   use step_method, only: method_t, stress_before
+   use step_move_nodes, only: recall_seen
+   use step_offending_particle, only: tile_bounds
+   use step_particles_to_nodes, only: find_places, nodes_seen
+   use step_pressure_relaxation, only: normalised, relax_pressures
+   use step_remove_particles, only: erode_tile, fastest_left, retire_tile
+   use step_simulation, only: scratch_t, simulation_t
+   use step_strain_average, only: average_strain, keep_earlier
+   use step_tile_cost, only: book_cost, cost_clock
+   use step_velocity_remap, only: find_filtered, find_slopes
+   use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
+   use transfer_basis, only: expand_spin
+   use transfer_bbar, only: even_gradient
+   use transfer_shock_compression, only: bound_jump, find_jump
+   implicit none
+   private
+
+   public :: gather_parts_t, gather_particles
+
+   !> Which parts of the way back to the particles are to be done.
+   type :: gather_parts_t
+      logical :: work = .false.                      !! Work of the stress of the force
+      logical :: strain = .false.                    !! Strain and stress
+      logical :: motion = .false.                    !! Particle velocities, positions and cells
+   end type gather_parts_t
+
+   !> Node fields of one tile that the particles see. What is not called for is not allocated.
+   type :: view_t
+      real(wp), allocatable :: centre(:, :)          !! (3, node) Mid-step velocity [m/s]
+      real(wp), allocatable :: push(:, :) !! (3, node) Adds to what a particle keeps [m/s]
+      real(wp), allocatable :: carry(:, :)           !! (3, node) Moves the particles [m/s]
+      real(wp), allocatable :: after(:, :)           !! (3, node) Velocity after the step [m/s]
+      real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
+      real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
+      real(wp), allocatable :: earlier(:, :)         !! (9, node) Of that before the step [1/s]
+      real(wp), allocatable :: heat(:, :)            !! (column, node) For lost kinetic energy
+      real(wp), allocatable :: scalar(:, :)          !! (1, node) The same [J/kg]
+      real(wp), allocatable :: turn(:, :) !! (3, node) The same for linear velocity fields [m/s]
+      real(wp), allocatable :: moments(:, :)         !! (9, node) Its moments [m2/s]
+      real(wp), allocatable :: filtered(:, :)        !! (3, node) Sum of the series [m/s]
+      real(wp), allocatable :: excess(:, :)          !! (1, node) Fill less 1, for loose matter [1]
+      real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
+      logical :: slow = .false.                      !! Is no gradient that steep?
+      integer :: slot = 0                            !! Where the fields of the tile are
+   end type view_t
+
+contains
+
+   !> Give the particles what the nodes hold.
+   subroutine gather_particles(simulation, parts, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      call simulation%timer%start(simulation%phase%gather)
+      if (allocated(simulation%method%splitting) .and. parts%strain) &
+         call ensure_opening(simulation%stores(simulation%first_store:simulation%end_store()))
+      !$omp parallel default(none) shared(simulation, parts, dt)
+      call gather_some(simulation, parts, dt)
+      !$omp end parallel
+      call simulation%timer%stop(simulation%phase%gather)
+   end subroutine gather_particles
+
+   !> The tiles of one thread. Its view keeps its memory from tile to tile: getting it anew costs as
+   !! much as all else where a tile has a particle or two.
+   subroutine gather_some(simulation, parts, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      type(view_t) :: view
+      integer :: tile
+      real(wp) :: began, lap
+
+      associate (scratch => simulation%scratch(omp_get_thread_num()))
+         call scratch%laps%begin(simulation%step)
+         !$omp do schedule(dynamic, 1)
+         do tile = 1, simulation%tiles%own
+            began = cost_clock(simulation)
+            lap = scratch%laps%clock()
+            call gather_tile(simulation, scratch, tile, parts, dt, view)
+            call scratch%laps%book(lap)
+            call book_cost(simulation, tile, began)
+         end do
+         !$omp end do
+      end associate
+   end subroutine gather_some
+
+   !> Make room for the rates at which particles grow. Other velocity fields keep theirs.
+   pure subroutine ensure_opening(stores)
+      type(store_t), intent(inout) :: stores(:)      !! The particles of the velocity field at hand
+      integer :: index
+
+      do index = 1, size(stores)
+         if (allocated(stores(index)%opening)) deallocate (stores(index)%opening)
+         allocate (stores(index)%opening(size(stores(index)%home)))
+      end do
+   end subroutine ensure_opening
+
+   !> One tile.
+   subroutine gather_tile(simulation, scratch, tile, parts, dt, view)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      type(view_t), intent(inout) :: view            !! What its particles see
+      real(wp) :: fastest, steepest
+      integer :: index
+
+      if (allocated(simulation%contact)) then
+         if (all([(simulation%stores(index)%count(tile) == 0, &
+            index=simulation%first_store, simulation%last_store)])) return
+      end if
+      call recall_seen(simulation, tile)
+      call look(simulation, tile, parts, view)
+      do index = simulation%first_store, simulation%end_store()
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         associate (store => simulation%stores(index))
+            call find_places(simulation, scratch, store, tile)
+            call scratch%deformation%reserve(store%count(tile))
+            if (parts%work .and. allocated(store%matter%energy)) &
+               call add_work(simulation, scratch, store, tile, view)
+            ! before the strain, which may renew the linear velocity fields
+            if (parts%motion .and. allocated(store%matter%energy)) &
+               call add_heat(simulation, scratch, store, tile, view)
+            if (parts%motion .and. simulation%materials(index)%repacks) &
+               call repack_particles(simulation, scratch, index, tile, view)
+            if (parts%motion .and. allocated(simulation%contact)) &
+               call add_rubbed(simulation, scratch, store, tile)
+            fastest = 0.0_wp
+            steepest = scratch%steepest
+            if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, &
+               dt, .not. parts%motion, fastest)
+            if (parts%motion) then
+               call move_particles(simulation, scratch, index, tile, view, dt)
+               call place_tile(simulation%grid, simulation%boundary, &
+                  simulation%tiles%coordinate(:, tile), store, tile)
+               call judge_particles(simulation, scratch, index, tile, fastest, steepest)
+            end if
+            scratch%fastest = max(scratch%fastest, fastest)
+         end associate
+      end do
+   end subroutine gather_tile
+
+   !> Heat of contact to the particles of a tile; matter that carries no internal energy books it.
+   subroutine add_rubbed(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! The run with contact
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: lost
+      integer :: p, q
+
+      associate (rubbed => simulation%nodes%rubbed(:, :, tile), places => scratch%places)
+         if (.not. any(abs(rubbed) > 0.0_wp)) return
+         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), places, &
+            rubbed, places%values)
+      end associate
+      lost = 0.0_wp
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         if (allocated(store%matter%energy)) then
+            store%matter%energy(q) = store%matter%energy(q) + scratch%places%values(p, 1)
+         else
+            lost = lost + store%matter%mass(q)*scratch%places%values(p, 1)
+         end if
+      end do
+      call scratch%ledger%sums(dissipated)%add(lost)
+   end subroutine add_rubbed
+
+   !> Look for particles that have left their bounds or are to go since they failed, and take them
+   !! out if the deck says so. What is left limits the next step.
+   subroutine judge_particles(simulation, scratch, index, tile, fastest, steepest)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(inout) :: fastest             !! Fastest signal and motion in it [m/s]
+      real(wp), intent(in) :: steepest               !! Square of |grad v| without it [1/s2]
+      logical :: sound
+
+      associate (store => simulation%stores(index))
+         sound = count_bad(store, tile, simulation%materials(index)%density, &
+            tile_bounds(simulation, index)) < 0.5_wp
+         if (.not. sound .and. simulation%guard%bounds%retire) then
+            call retire_tile(simulation, scratch, index, tile, sound)
+            scratch%retired = .true.
+         end if
+         scratch%sound = scratch%sound .and. sound
+         if (simulation%erosion .and. allocated(store%matter%failed)) &
+            call erode_tile(simulation, scratch, index, tile)
+         if (.not. (simulation%erosion .or. simulation%guard%bounds%retire)) return
+         if (.not. any(store%home(store%first(tile):store%first(tile) + store%count(tile) - 1) &
+            == moved_off)) return
+         if (fastest > 0.0_wp) fastest = fastest_left(store, tile, scratch%deformation%wave_speed)
+         scratch%steepest = steepest
+      end associate
+   end subroutine judge_particles
+
+   !> The node fields of a tile as the particles see them.
+   subroutine look(simulation, tile, parts, view)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      type(view_t), intent(inout) :: view            !! What the particles see
+      integer :: low, high
+
+      view%slow = .false.
+      view%slot = simulation%nodes%slot(tile)
+      if (parts%work) then
+         call nodes_seen(simulation, tile, low, high)
+         if (.not. allocated(view%centre)) &
+            allocate (view%centre(3, simulation%grid%tile_nodes), source=0.0_wp)
+         view%centre(:, low:high) = simulation%nodes%velocity(:, low:high, view%slot) &
+            + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, low:high, view%slot)
+      end if
+      if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
+      if (parts%strain) call look_steep(simulation, view)
+      if (.not. simulation%method%dual) return
+      if (parts%motion .and. simulation%repacks) call excess_fill(simulation%grid, &
+         simulation%boundary, simulation%tiles%coordinate(:, tile), &
+         simulation%nodes%filled(:, :, tile), simulation%nodes%volume(:, :, tile), view%excess)
+      if (parts%strain .or. (parts%motion .and. simulation%method%transfer%affine())) &
+         call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
+      if (parts%work .and. simulation%carries_energy) &
+         call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
+      if (parts%strain .and. simulation%method%averages()) &
+         call node_gradient(simulation, tile, simulation%nodes%earlier, view%earlier)
+   end subroutine look
+
+   !> Which velocity gradients matter for the next step, and whether the nodes can have such. Only
+   !! where gradients are those of functions between nodes their velocities alone tell.
+   subroutine look_steep(simulation, view)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(view_t), intent(inout) :: view            !! What the particles see
+
+      associate (method => simulation%method, grid => simulation%grid)
+         view%matters = steep_enough(simulation%guard%bounds, method%step_growth, &
+            simulation%dt_next)
+         if (method%dual .or. grid%axisymmetric .or. allocated(simulation%stores(1)%domain)) return
+         ! nine components, each at most twice the greatest velocity over the edge of a cell
+         view%slow = slow_nodes(3*grid%tile_nodes, simulation%nodes%strain(:, :, view%slot), &
+            0.9_wp/6.0_wp*grid%spacing*view%matters)
+      end associate
+   end subroutine look_steep
+
+   !> The node fields that move the particles of a tile, and those of the kinetic energy that the
+   !! way to the nodes and back loses. Without leapfrog (M.21) of doc/theory/method.md moves them.
+   subroutine look_motion(simulation, tile, dt, view)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      type(view_t), intent(inout) :: view            !! What the particles see
+      real(wp) :: none(1, 0)
+
+      if (.not. allocated(view%push)) allocate (view%push(3, simulation%grid%tile_nodes), &
+         view%carry(3, simulation%grid%tile_nodes))
+      call find_filtered(simulation, tile, dt, view%filtered)
+      associate (transfer => simulation%method%transfer, nodes => simulation%nodes, &
+         velocity => simulation%nodes%velocity(:, :, view%slot), filtered => view%filtered, &
+         acceleration => simulation%nodes%acceleration(:, :, view%slot))
+         call transfer%push(dt, acceleration, filtered, view%push)
+         if (simulation%method%leapfrog) then
+            call transfer%carry(dt, velocity, acceleration, filtered, view%carry)
+         else
+            call combine(1.0_wp, velocity, 0.5_wp*dt, acceleration, view%carry)
+         end if
+         if (transfer%affine()) view%after = velocity + dt*acceleration
+         if (.not. simulation%carries_energy) return
+         if (transfer%sweeps() > 0) then
+            call transfer%heat_fields(dt, velocity, acceleration, filtered, &
+               nodes%term(:, :, tile), nodes%loss(:, :, tile), view%heat, view%scalar)
+         else
+            call transfer%heat_fields(dt, velocity, acceleration, filtered, filtered, none, &
+               view%heat, view%scalar)
+         end if
+         if (.not. transfer%affine()) return
+         view%turn = (1.0_wp - transfer%keep())*velocity - transfer%keep()*dt*acceleration
+         if (.not. allocated(view%moments)) &
+            allocate (view%moments(9, simulation%grid%tile_nodes))
+         call moment_fields(simulation%grid, view%turn, view%moments)
+      end associate
+   end subroutine look_motion
+
+   !> Heat from the kinetic energy that the way to the nodes and back loses.
+   subroutine add_heat(simulation, scratch, store, tile, view)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(in) :: view               !! Node fields
+      integer :: p, k
+
+      associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
+         start => store%cell_start(:, tile), first => store%first(tile))
+         call method%transfer%heat(grid, method%basis, start, first, places, view%heat, &
+            view%scalar, store%velocity, store%matter%energy)
+         if (.not. method%transfer%affine()) return
+         call places%reserve_affine(store%count(tile))
+         if (allocated(store%spin)) then
+            call expand_spin(first, store%count(tile), store%spin, places%affine)
+         else
+            do k = 1, 9
+               do p = 1, store%count(tile)
+                  places%affine(p, k) = store%affine(first + p - 1, k)
+               end do
+            end do
+         end if
+         call gather_affine_heat(grid, method%basis, start, first, places, view%turn, &
+            view%moments, store%matter%energy)
+      end associate
+   end subroutine add_heat
+
+   !> Volumes of the loose particles of a tile from the fill of the nodes.
+   subroutine repack_particles(simulation, scratch, index, tile, view)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(in) :: view               !! Node fields
+
+      associate (store => simulation%stores(index))
+         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), &
+            scratch%places, view%excess, scratch%places%values)
+         call repack(store, tile, simulation%materials(index), scratch%places%values, &
+            scratch%ledger)
+      end associate
+   end subroutine repack_particles
+
+   !> New velocities and positions of the particles of a tile.
+   subroutine move_particles(simulation, scratch, index, tile, view, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(in) :: view               !! Node fields
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
+         store => simulation%stores(index), start => simulation%stores(index)%cell_start(:, tile), &
+         first => simulation%stores(index)%first(tile))
+         call method%basis%gather_motion(grid, start, first, places, view%push, view%carry, &
+            method%transfer%keep(), dt, store%velocity, store%position)
+         if (damps(method, simulation%carries_energy)) then
+            call method%basis%collect(grid, start, places, view%carry, places%vector)
+            call book_damping(scratch%ledger, store, tile, places%vector, method%transfer%keep())
+         end if
+         if (.not. method%transfer%affine() .or. strained(simulation, index)) return
+         call find_slopes(simulation, places, start, view%after, view%gradient, &
+            scratch%deformation%gradient)
+         call keep_affine(store, tile, 1.0_wp, scratch%deformation%gradient)
+      end associate
+   end subroutine move_particles
+
+   !> Do linear velocity fields come from the strain of the step? The modified gradient is less
+   !! noisy than that of the cell, and after the step it is that of the new velocities. With
+   !! normalised sums it is not: there a linear field has no uniform gradient.
+   pure logical function strained(simulation, index) result(renewed)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
+
+      renewed = simulation%method%dual .and. simulation%method%stress /= stress_before
+      if (renewed .and. allocated(simulation%normalises)) &
+         renewed = .not. simulation%normalises(index)
+   end function strained
+
+   !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
+   !! what nodes lose in kinetic energy particles gain: (T.8) of doc/theory/transfers.md.
+   subroutine add_work(simulation, scratch, store, tile, view)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(in) :: view               !! Node fields
+      integer :: p, q, first
+
+      call find_gradient(simulation, scratch, store, tile, view%centre, view%middle, &
+         simulation%kick)
+      first = store%first(tile)
+      associate (stress => store%matter%stress, gradient => scratch%deformation%gradient)
+         do p = 1, store%count(tile)
+            q = first + p - 1
+            store%matter%energy(q) = store%matter%energy(q) + store%matter%volume(q) &
+               /store%matter%mass(q)*(stress(q, 1)*gradient(p, 1) + stress(q, 2)*gradient(p, 5) &
+               + stress(q, 3)*gradient(p, 9) + stress(q, 4)*(gradient(p, 2) + gradient(p, 4)) &
+               + stress(q, 5)*(gradient(p, 6) + gradient(p, 8)) &
+               + stress(q, 6)*(gradient(p, 3) + gradient(p, 7)))
+         end do
+      end associate
+   end subroutine add_work
+
+   !> Velocity gradient times the time step at the particles of a tile.
+   subroutine find_gradient(simulation, scratch, store, tile, velocity, gradient, dt)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Gets the gradient
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: velocity(:, :)   !! (3, node) [m/s]
+      real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Of the nodes, if dual [1/s]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
+         start => store%cell_start(:, tile))
+         if (method%dual) then
+            call method%quadrature%gather_gradient(grid, start, places, velocity, gradient, dt, &
+               scratch%deformation%gradient)
+         else
+            call method%basis%collect_gradient(grid, start, places, velocity, dt, &
+               scratch%deformation%gradient)
+         end if
+         if (grid%axisymmetric) call method%basis%gather_hoop(grid, start, store%first(tile), &
+            places, store%position, velocity, dt, scratch%deformation%gradient)
+         if (method%even) call even_gradient(grid, start, store%first(tile), &
+            store%matter%volume, scratch%deformation%gradient)
+      end associate
+   end subroutine find_gradient
+
+   !> Strain the particles of a tile and let their material answer.
+   subroutine strain_particles(simulation, scratch, index, tile, view, dt, over, fastest)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      type(view_t), intent(in) :: view               !! Node fields
+      real(wp), intent(in) :: dt                     !! Time of the strain [s]
+      logical, intent(in) :: over                    !! Have the particles moved already?
+      real(wp), intent(out) :: fastest               !! Fastest signal and motion [m/s]
+      integer :: p, first, n
+
+      first = simulation%stores(index)%first(tile)
+      n = simulation%stores(index)%count(tile)
+      associate (store => simulation%stores(index), deformation => scratch%deformation, &
+         method => simulation%method)
+         deformation%plane = simulation%grid%dimensions < 3
+         if (method%averages()) then
+            call find_gradient(simulation, scratch, store, tile, &
+               simulation%nodes%velocity(:, :, view%slot), view%earlier, simulation%dt)
+            call centre_backward(n, deformation%plane, deformation%gradient)
+            call keep_earlier(n, deformation%gradient, scratch%earlier)
+         end if
+         call find_gradient(simulation, scratch, store, tile, &
+            simulation%nodes%strain(:, :, view%slot), view%gradient, dt)
+         if (.not. view%slow) call find_steepest(deformation%gradient, &
+            store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
+            scratch%steepest_identity)
+         if (method%transfer%affine() .and. strained(simulation, index) .and. .not. over) &
+            call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
+         call stretch_tile(store, tile, deformation%gradient)
+         if (allocated(method%splitting)) call find_opening(method%splitting, &
+            simulation%grid%spacing, store, tile, deformation%gradient, dt)
+         if (over .and. method%leapfrog) then
+            call centre_backward(n, deformation%plane, deformation%gradient)
+         else
+            call centre_gradient(n, deformation%plane, deformation%gradient)
+         end if
+         if (method%averages()) call average_strain(store, tile, scratch%earlier, &
+            deformation%gradient)
+         if (method%limited) call find_jump(simulation%grid, store%cell_start(:, tile), &
+            simulation%nodes%strain(:, :, view%slot), view%gradient, deformation%gradient, &
+            deformation%jump)
+         if (normalised(simulation, index)) call bound_jump(simulation%grid, &
+            store%cell_start(:, tile), simulation%nodes%strain(:, :, view%slot), dt, &
+            deformation%gradient, deformation%jump)
+         call scratch%laps%update(simulation%materials(index), store%matter, deformation, &
+            first, first + n - 1, dt, simulation%grid%spacing)
+         call relax_pressures(simulation, index, tile, scratch%places%local, &
+            deformation%wave_speed, dt)
+         fastest = 0.0_wp
+         do p = 1, n
+            fastest = max(fastest, &
+            deformation%wave_speed(p) + sqrt(store%velocity(first + p - 1, 1)**2 &
+               + store%velocity(first + p - 1, 2)**2 + store%velocity(first + p - 1, 3)**2))
+         end do
+         call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
+      end associate
+   end subroutine strain_particles
+end module step_nodes_to_particles

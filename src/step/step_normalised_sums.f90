@@ -1,0 +1,432 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Normalised sums (`&method normalise`): the two parts of the dual gradient are averages over
+!! particles, which are divided by their own sums of the particles and carried by exact integrals.
+!!
+!! Each edge of a cell and each node, direction by direction, has a factor: the integral of its
+!! weight over the sum of the weight times the volumes of the particles. Force, strain and work use
+!! the same factors, so the power of the force stays that of the stress and forces on nodes still
+!! add up to zero; and in full cells uniform stress makes no force, wherever the particles are.
+!! Towards free surfaces, and where matter beyond the scope takes part, factors go to one. Equations
+!! (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
+module step_normalised_sums
+   use base_kinds, only: wp
+   use ddmp_alpha, only: mean_alpha
+   use material_kinds, only: flows
+   use mesh_grid, only: grid_t
+   use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
+   use mesh_rigid, only: held_t
+   use mesh_wall, only: node_place
+   use omp_lib, only: omp_get_thread_num
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_particles_to_nodes, only: find_plain_places
+   use step_pressure_relaxation, only: evens_pressure
+   use step_simulation, only: empty_mass, scratch_t, simulation_t
+   use step_walls, only: stand_walls
+   use transfer_cut_cells, only: cut_cells, ramp
+   use transfer_edges, only: add_edge_sums, cell_edges, edge_integrals, edges
+   use transfer_hoop, only: add_hoop_sums, hoop_edges
+   use transfer_moments, only: add_moments, divide_moments, moments
+   use transfer_scatter, only: scatter_values
+   implicit none
+   private
+
+   public :: choose_normalised, find_factors, find_full
+
+   !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
+   !! matter beyond the scope
+   integer, parameter :: mass = 1, volume = 2, unblended = 2, foreign = 6
+   integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
+   real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
+   real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
+   !> Of the factors of a direction in their mean. Few particles of a cell that answer for all of it
+   !! are stiffer by this, and a step of 0.4 h/c holds for 1/0.4^2 [1]
+   real(wp), parameter :: stiffest = 6.0_wp
+   !> What the fill of nodes on closed faces counts. Half as many particles are around such a node,
+   !! so that it falls below a bound by chance more often [1]
+   real(wp), parameter :: beside = 1.5_wp
+   real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign matter borne [1]
+
+contains
+
+   !> Materials whose sums are normalised; nothing is kept where there are none.
+   subroutine choose_normalised(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run with materials and method
+      integer :: n
+
+      associate (method => simulation%method)
+         if (.not. method%dual) return
+         if (method%normalise == "none") return
+         simulation%flows = [(flows(simulation%materials(n)), n=1, size(simulation%materials))]
+         simulation%normalises = simulation%flows .or. method%normalise == "all"
+         if (method%normalise == "gases") simulation%normalises = simulation%flows .and. &
+            [(simulation%materials(n)%carries_energy(), n=1, size(simulation%materials))]
+         if (.not. any(simulation%normalises)) then
+            deallocate (simulation%normalises, simulation%flows)
+            return
+         end if
+         do n = 1, size(simulation%materials)
+            if (simulation%normalises(n) .and. allocated(simulation%materials(n)%viscosity)) &
+               simulation%materials(n)%viscosity%limited = .true.
+         end do
+         simulation%mean_alpha = mean_alpha(method%quadrature%alpha, &
+            method%quadrature%alpha_centre, simulation%grid%dimensions)
+      end associate
+   end subroutine choose_normalised
+
+   !> Columns of the sums before the moments of pressure.
+   pure integer function plain_columns(simulation) result(columns)
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      columns = merge(foreign - 1, foreign, all(simulation%normalises))
+   end function plain_columns
+
+   !> Factors of all edges and nodes for the particles as they are.
+   subroutine find_factors(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, allocatable :: tiles(:)
+      integer :: tile, part, n
+      logical :: evens
+
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+         call simulation%timer%start(simulation%phase%scatter)
+         evens = any([(evens_pressure(simulation, n), n=1, size(simulation%stores))])
+         call ensure_patch(nodes%counted, plain_columns(simulation) + merge(moments, 0, evens), &
+            number, simulation%tiles%own)
+         call ensure_patch(nodes%factor, cell_edges, simulation%grid%tile_cells, &
+            simulation%tiles%own)
+         do part = edge_tiles, inner_tiles
+            call next_tiles(simulation, part, tiles)
+            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp schedule(dynamic, 1)
+            do n = 1, size(tiles)
+               call count_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+                  simulation%nodes%counted(:, :, tiles(n)), &
+                  simulation%nodes%factor(:, :, tiles(n)))
+            end do
+            !$omp end parallel do
+            call pass_patches(simulation, part, nodes%counted)
+         end do
+         call simulation%timer%stop(simulation%phase%scatter)
+         call simulation%timer%start(simulation%phase%grid)
+         ! their places do not depend on how long the forces will act; all tiles are known by now
+         if (allocated(simulation%rigid)) call stand_walls(simulation, 0.0_wp)
+         call ensure_weights(nodes%weight, simulation%grid%tile_cells, simulation%tiles%all)
+         call ensure_patch(nodes%covered, 1, number, simulation%tiles%all)
+         if (allocated(simulation%rigid)) call ensure_patch(nodes%present, 1, number, &
+            simulation%tiles%all)
+         call ensure_patch(nodes%normal, rows + merge(moments - 1, 0, evens), number, &
+            simulation%tiles%all)
+         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%all
+            call judge_cells(simulation, tile)
+         end do
+         !$omp end parallel do
+         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%all
+            call judge_nodes(simulation, tile)
+         end do
+         !$omp end parallel do
+         call simulation%timer%stop(simulation%phase%grid)
+      end associate
+   end subroutine find_factors
+
+   !> Cells whose nodes count as full, of a material without strength; others are not halved by the
+   !! place there is.
+   subroutine find_full(simulation, index, full)
+      type(simulation_t), intent(in) :: simulation   !! The run after its forces
+      integer, intent(in) :: index                   !! Which material
+      logical, allocatable, intent(out) :: full(:, :) !! (0:cells - 1, tile)
+      integer :: tile, cell, lane
+
+      if (.not. allocated(simulation%flows)) return
+      if (.not. simulation%flows(index)) return
+      allocate (full(0:simulation%grid%tile_cells - 1, simulation%tiles%own), source=.true.)
+      !$omp parallel do default(none) shared(simulation, full) private(tile, cell, lane) &
+      !$omp schedule(static)
+      do tile = 1, simulation%tiles%own
+         do cell = 0, simulation%grid%tile_cells - 1
+            do lane = 1, 2**simulation%grid%dimensions
+               full(cell, tile) = full(cell, tile) .and. simulation%nodes%normal(4, &
+                  simulation%grid%first_node(cell) + simulation%grid%lane_offset(lane), &
+                  tile) > 0.0_wp
+            end do
+         end do
+      end do
+      !$omp end parallel do
+   end subroutine find_full
+
+   !> Sums of the particles of a tile round its nodes and the edges of its cells.
+   subroutine count_tile(simulation, scratch, tile, patch, sums)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      real(wp), contiguous, intent(inout) :: sums(:, :)  !! (edge, cell) [m3]
+      integer :: index, p, l, first, count
+
+      call clear_patch(patch)
+      sums = 0.0_wp
+      do index = simulation%first_store, simulation%end_store()
+         count = simulation%stores(index)%count(tile)
+         if (count == 0) cycle
+         first = simulation%stores(index)%first(tile)
+         associate (store => simulation%stores(index), grid => simulation%grid, &
+            places => scratch%places, start => simulation%stores(index)%cell_start(:, tile))
+            call find_plain_places(simulation, scratch, store, tile)
+            places%values(:count, 1) = store%matter%mass(first:first + count - 1)
+            call scatter_values(grid, start, places%local, 1, places%values, mass - 1, patch)
+            places%values(:count, 1) = store%matter%volume(first:first + count - 1)
+            do l = 1, 3
+               do p = 1, count
+                  places%values(p, 1 + l) = places%values(p, 1)*(1.0_wp - places%alpha(p, l))
+               end do
+            end do
+            call scatter_values(grid, start, places%blend, 4, places%values, volume - 1, patch)
+            if (.not. simulation%normalises(index)) call scatter_values(grid, start, &
+               places%blend, 1, places%values, foreign - 1, patch)
+            call add_edge_sums(grid, start, first, places%blend, places%alpha, &
+               store%matter%volume, sums)
+            if (grid%axisymmetric) call add_hoop_sums(grid, start, first, places%local, &
+               store%position, store%matter%volume, sums)
+            if (evens_pressure(simulation, index)) call add_moments(grid, start, first, &
+               places%local, store%matter%volume, store%matter%stress, plain_columns(simulation), &
+               patch)
+         end associate
+      end do
+   end subroutine count_tile
+
+   !> How far the cells of a tile are full, and the factors of their edges. What the node part
+   !! leaves to the cell, where its cell counts less than in full, the edges take.
+   subroutine judge_cells(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: sums(size(simulation%nodes%counted, 1), simulation%grid%tile_nodes)
+      real(wp) :: filled(volume, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
+      real(wp) :: shares(cell_edges, simulation%grid%tile_cells)
+      real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells)
+      real(wp) :: own(simulation%grid%tile_cells)
+      real(wp) :: ring(size(hoop_edges), simulation%grid%tile_cells)
+      integer :: cell
+
+      associate (grid => simulation%grid, nodes => simulation%nodes, &
+         coordinate => simulation%tiles%coordinate(:, tile))
+         call assemble(grid, simulation%tiles, nodes%counted, tile, sums)
+         nodes%normal(:3, :, tile) = sums(unblended + 1:unblended + 3, :)
+         call grid%node_volume(coordinate, around)
+         call simulation%dual%cell_weights(grid, sums, volume, around, weight)
+         ! by the fill alone, with the same density everywhere
+         filled(mass, :) = around
+         nodes%normal(5, :, tile) = 1.0_wp
+         own = 1.0_wp
+         if (size(nodes%normal, 1) > rows) call divide_moments(sums(plain_columns(simulation) &
+            + 1:, :), nodes%normal(rows + 1:, :, tile))
+         if (.not. all(simulation%normalises)) then
+            nodes%normal(5, :, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, :) &
+               /max(sums(volume, :), empty_mass))
+            filled(volume, :) = simulation%dual%enough*nodes%normal(5, :, tile)*around
+            call simulation%dual%cell_weights(grid, filled, volume, around, own)
+         end if
+         filled(volume, :) = nodes%normal(5, :, tile)*sums(volume, :)
+         call find_fill(simulation, tile, around, filled(volume, :), full)
+         call clear_patch(nodes%covered(:, :, tile))
+         call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
+         shares = 1.0_wp
+         ring = 1.0_wp
+         if (allocated(simulation%rigid)) then
+            ! of nodes in rigid regions the cells count that there are: others hold no particles
+            call add_present(simulation, tile, around)
+            if (allocated(simulation%rigid%held(tile)%node)) call cut_cells(grid, coordinate, &
+               simulation%rigid, tile, simulation%method%quadrature%smooth, shares, ring)
+            ! nodes must not carry more than there is room for
+            do cell = 1, size(full)
+               weight(cell) = min(weight(cell), minval(shares(:, cell)))
+            end do
+         end if
+         nodes%weight(:size(weight), tile) = weight
+         if (tile > simulation%tiles%own) return
+         call find_cell_factors(simulation, tile, full, own, weight, shares, ring)
+      end associate
+   end subroutine judge_cells
+
+   !> How far cells are full: from half of the room around their nodes on, as the weights of cells
+   !! of doc/theory/method.md in a plane are.
+   subroutine find_fill(simulation, tile, around, volumes, full)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
+      real(wp), intent(in) :: volumes(:)             !! (node) That of particles in the scope [m3]
+      real(wp), intent(out) :: full(:)               !! (cell) 0 to 1
+      real(wp) :: filled(volume, size(around))
+      integer :: cell
+
+      associate (grid => simulation%grid, coordinate => simulation%tiles%coordinate(:, tile))
+         filled(mass, :) = around
+         filled(volume, :) = 2.0_wp*simulation%dual%enough*volumes
+         if (grid%axisymmetric) call count_inner(grid, coordinate, filled(volume, :))
+         call simulation%boundary%raise(grid, coordinate, beside, filled(volume, :))
+         if (allocated(simulation%rigid)) call fill_held(simulation%rigid%held(tile), around, &
+            filled(volume, :))
+         call simulation%dual%cell_weights(grid, filled, volume, around, full)
+         do cell = 1, size(full)
+            full(cell) = ramp(2.0_wp*full(cell) - 1.0_wp)
+         end do
+      end associate
+   end subroutine find_fill
+
+   !> Factors of the edges of the cells of a tile.
+   subroutine find_cell_factors(simulation, tile, full, own, weight, shares, ring)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: full(:)                !! (cell) How far it is full, 0 to 1
+      real(wp), intent(in) :: own(:)                 !! (cell) How far it is in the scope, 0 to 1
+      real(wp), intent(in) :: weight(:)              !! (cell) Of its part on the nodes
+      real(wp), intent(in) :: shares(:, :)           !! (edge, cell) What walls leave [1]
+      real(wp), intent(in) :: ring(:, :)             !! (lane, cell) Of hoop terms at walls [1]
+      real(wp) :: whole(cell_edges), rest(cell_edges)
+      integer :: cell
+
+      associate (grid => simulation%grid, factor => simulation%nodes%factor(:, :, tile))
+         whole = edge_integrals(grid, 0)
+         do cell = 1, size(full)
+            rest = (1.0_wp - simulation%mean_alpha)*weight(cell)
+            if (grid%axisymmetric) then
+               whole = edge_integrals(grid, simulation%tiles%coordinate(1, tile)*grid%width(1) &
+                  + mod(cell - 1, grid%width(1)))
+               ! no part of the hoop terms is on nodes
+               rest(hoop_edges) = 0.0_wp
+            end if
+            call find_edges(full(cell), own(cell), whole, rest, shares(:, cell), &
+               grid%axisymmetric, factor(:, cell))
+            if (grid%axisymmetric) factor(hoop_edges, cell) = factor(hoop_edges, cell)*ring(:, cell)
+         end do
+      end associate
+   end subroutine find_cell_factors
+
+   !> Half of a node is what lies on either side of it: inside of its radius that is less than half
+   !! of its volume, by a third of a cell over the radius.
+   pure subroutine count_inner(grid, coordinate, filled)
+      type(grid_t), intent(in) :: grid               !! The grid, axisymmetric
+      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      real(wp), intent(inout) :: filled(:)           !! (node) Volume of particles [m3]
+      real(wp) :: place(3)
+      integer :: node
+
+      do node = 1, size(filled)
+         place = node_place(grid, coordinate, node)
+         if (place(1) > 0.5_wp*grid%spacing) filled(node) = filled(node) &
+            /(1.0_wp - grid%spacing/(3.0_wp*place(1)))
+      end do
+   end subroutine count_inner
+
+   !> Volume of the cells of a tile round its nodes in rigid regions.
+   subroutine add_present(simulation, tile, around)
+      type(simulation_t), intent(inout) :: simulation !! The run with rigid regions
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
+      real(wp) :: one(simulation%grid%tile_cells), whole(volume, size(around))
+
+      call clear_patch(simulation%nodes%present(:, :, tile))
+      if (.not. simulation%rigid%holds(tile)) return
+      ! all cells of the tile that are in the box
+      whole = spread(around, 1, volume)
+      call simulation%dual%cell_weights(simulation%grid, whole, volume, around, one)
+      call simulation%dual%add_volume(simulation%grid, simulation%tiles%coordinate(:, tile), one, &
+         simulation%nodes%present(:, :, tile))
+   end subroutine add_present
+
+   !> Nodes in rigid regions count as full: what a wall leaves of a cell carries the pressure of the
+   !! whole cell, and is compressed as fast as its walls approach each other, which is what the
+   !! integrals over the whole cell say.
+   pure subroutine fill_held(held, around, filled)
+      type(held_t), intent(in) :: held               !! Nodes of the tile in rigid regions
+      real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
+      real(wp), intent(inout) :: filled(:)           !! (node) That of particles [m3]
+
+      if (allocated(held%node)) filled(held%node) = around(held%node)
+   end subroutine fill_held
+
+   !> Factors of the edges of a cell from their sums. Less matter than room may be a free surface;
+   !! more matter than room is wrong in any case. Equation (Q.7).
+   ! gate: long kernel because an edge is told by all that takes part in its integral
+   pure subroutine find_edges(full, own, whole, rest, share, axisymmetric, factor)
+      real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
+      real(wp), intent(in) :: own                    !! How far its matter is in the scope, 0 to 1
+      real(wp), intent(in) :: whole(:)               !! (edge) Integral of its weight [m3]
+      real(wp), intent(in) :: rest(:)                !! (edge) Share of it that nodes carry [1]
+      real(wp), intent(in) :: share(:)               !! (edge) What walls leave of it [1]
+      logical, intent(in) :: axisymmetric            !! Are there rings?
+      real(wp), intent(inout) :: factor(:)           !! (edge) Sums [m3] in, factors [1] out
+      real(wp) :: target(size(factor)), ratio, most, stiff
+      integer :: e
+
+      target = whole*max(share - rest, 0.0_wp)
+      do e = 1, size(factor)
+         ! a ring weighs with the function of its node, so with the square of the rest of a cell
+         most = greatest
+         if (axisymmetric .and. any(hoop_edges == e)) most = greatest**2
+         if (mod(e - 1, edges) == 0) then
+            associate (group => [e, e + 1, e + 2, e + 3])
+               stiff = 1.0_wp
+               if (minval(share) >= 1.0_wp .and. sum(target(group)) > stiffest*sum(factor(group))) &
+                  stiff = stiffest*sum(factor(group))/sum(target(group))
+            end associate
+         end if
+         ratio = 0.0_wp
+         if (target(e) > 0.0_wp) ratio = stiff*target(e)/min(max(factor(e), target(e)/most), &
+            target(e)/least)
+         factor(e) = 1.0_wp + merge(own, full, ratio < 1.0_wp)*(ratio - 1.0_wp)
+      end do
+   end subroutine find_edges
+
+   !> What the node stress and the node gradient are multiplied by along each direction where the
+   !! cells around are full, and how far they are. Equation (Q.8).
+   subroutine judge_nodes(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: covered(1, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
+      real(wp) :: due(simulation%grid%tile_nodes)
+      real(wp) :: whole, cells, own, ratio
+      integer :: node, l
+
+      associate (grid => simulation%grid, nodes => simulation%nodes)
+         call assemble(grid, simulation%tiles, nodes%covered, tile, covered)
+         call grid%node_volume(simulation%tiles%coordinate(:, tile), around)
+         ! a cell without matter, that with the smaller share beside the axis too, ends the scope
+         cells = merge(6.0_wp, real(2**grid%dimensions, wp), grid%axisymmetric)
+         call find_due(simulation, tile, around, due)
+         do node = 1, size(around)
+            associate (normal => nodes%normal(:, node, tile))
+               own = normal(5)
+               normal(4) = 0.0_wp
+               normal(5:7) = 0.0_wp
+               if (.not. around(node) > empty_mass) cycle
+               normal(4) = max(0.0_wp, 1.0_wp - cells*(due(node) - covered(1, node))/around(node))
+               whole = (1.0_wp - simulation%mean_alpha)*around(node)
+               do l = 1, 3
+                  ratio = whole/min(max(normal(l), whole/greatest), whole/least)
+                  normal(4 + l) = (1.0_wp - normal(4))*(1.0_wp + own*(min(1.0_wp, ratio) - 1.0_wp))
+                  normal(l) = normal(4)*ratio/around(node)
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine judge_nodes
+
+   !> Volume that must be full for nodes to count as such: that around them, of nodes in rigid
+   !! regions that of the cells that there are.
+   pure subroutine find_due(simulation, tile, around, due)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
+      real(wp), intent(out) :: due(:)                !! (node) [m3]
+      real(wp) :: present(1, size(due))
+
+      due = around
+      if (.not. allocated(simulation%rigid)) return
+      if (.not. simulation%rigid%holds(tile)) return
+      call assemble(simulation%grid, simulation%tiles, simulation%nodes%present, tile, present)
+      associate (node => simulation%rigid%held(tile)%node)
+         due(node) = present(1, node)
+      end associate
+   end subroutine find_due
+end module step_normalised_sums

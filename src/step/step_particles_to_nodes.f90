@@ -1,0 +1,331 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Particles to patches, tile by tile.
+module step_particles_to_nodes
+   use base_kinds, only: int64, wp
+   use mesh_grid, only: grid_t
+   use mesh_packed_patch, only: move_pieces
+   use mesh_patch, only: clear_patch, empty_box, widen_box
+   use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_motion
+   use step_simulation, only: scratch_t, simulation_t
+   use step_tile_cost, only: book_cost, cost_clock
+   use transfer_bbar, only: even_stress
+   use transfer_scatter, only: dual_columns, motion_columns
+   use transfer_shape_data, only: places_t
+   implicit none
+   private
+
+   public :: find_places, find_plain_places, nodes_seen, scatter_particles, tensor_rows, vector_rows
+
+   integer, parameter :: force_before = 4            !! Columns of a patch before the force
+
+contains
+
+   !> Mass, momentum and force of all particles to the patches of their tiles, and the patches of
+   !! other ranks.
+   subroutine scatter_particles(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, allocatable :: tiles(:)
+      integer :: part, n
+      real(wp) :: began
+
+      call simulation%timer%start(simulation%phase%scatter)
+      call find_boxes(simulation)
+      call ensure_motion(simulation)
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, tiles) private(n, began) &
+         !$omp schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            began = cost_clock(simulation)
+            call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n))
+            call book_cost(simulation, tiles(n), began)
+         end do
+         !$omp end parallel do
+         call pass_motion(simulation, part)
+      end do
+      call simulation%timer%stop(simulation%phase%scatter)
+   end subroutine scatter_particles
+
+   !> Nodes that the particles of own tiles touch. Where particles are few, node fields are kept for
+   !! these alone.
+   subroutine find_boxes(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      logical :: used(simulation%grid%tile_cells)
+      integer :: tile, index
+
+      associate (touched => simulation%nodes%touched, grid => simulation%grid, &
+         own => simulation%tiles%own)
+         call touched%ensure(own)
+         !$omp parallel do default(none) shared(simulation) private(tile, index, used) &
+         !$omp schedule(static)
+         do tile = 1, simulation%tiles%own
+            call empty_box(simulation%nodes%touched%box(:, :, tile))
+            do index = simulation%first_store, simulation%end_store()
+               associate (store => simulation%stores(index))
+                  if (store%count(tile) == 0) cycle
+                  used = store%cell_start(1:, tile) &
+                     > store%cell_start(:simulation%grid%tile_cells - 1, tile)
+               end associate
+               call widen_box(simulation%grid, used, simulation%nodes%touched%box(:, :, tile))
+            end do
+         end do
+         !$omp end parallel do
+         call touched%line_up(grid, simulation%tiles)
+         simulation%nodes%lean = may_be_lean(simulation) .and. &
+            int(own, int64)*grid%tile_nodes > count_own(simulation)
+      end associate
+   end subroutine find_boxes
+
+   !> Particles of this rank. Where its tiles have more nodes, their fields would be most of what is
+   !! in memory.
+   pure integer(int64) function count_own(simulation) result(particles)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer :: index
+
+      particles = 0
+      do index = 1, size(simulation%stores)
+         particles = particles + sum(simulation%stores(index)%count)
+      end do
+   end function count_own
+
+   !> Does nobody but the plain step ask for the fields of all nodes?
+   pure logical function may_be_lean(simulation) result(lean)
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      associate (method => simulation%method)
+         lean = .not. (simulation%keeps_nodes .or. allocated(simulation%contact) .or. &
+            allocated(simulation%exact) .or. simulation%repacks .or. &
+            allocated(simulation%normalises) .or. &
+            method%transfer%sweeps() > 0 .or. method%controlled() .or. method%differing() .or. &
+            method%remaps())
+      end associate
+   end function may_be_lean
+
+   !> Make room for the pieces of the motion. The memory of the node stress served for the node
+   !! gradient in the step before.
+   pure subroutine ensure_motion(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+
+      associate (nodes => simulation%nodes, grid => simulation%grid, dual => simulation%method%dual)
+         if (.not. allocated(nodes%motion(1)%row)) then
+            if (dual) then
+               call nodes%motion(1)%keep(motion_columns + 1, [.true., vector_rows(grid), &
+                  vector_rows(grid), .true.])
+               call nodes%motion(2)%keep(dual_columns - motion_columns - 1, tensor_rows(grid))
+            else
+               call nodes%motion(1)%keep(motion_columns, [.true., vector_rows(grid), &
+                  vector_rows(grid)])
+            end if
+         end if
+         call nodes%motion(1)%ensure(nodes%touched%nodes())
+         if (.not. dual) return
+         call move_pieces(nodes%gradient, nodes%motion(2))
+         call nodes%motion(2)%ensure(nodes%touched%nodes())
+      end associate
+   end subroutine ensure_motion
+
+   !> Components of a vector that can be other than zero.
+   pure function vector_rows(grid) result(kept)
+      type(grid_t), intent(in) :: grid               !! The grid
+      logical :: kept(3)
+
+      kept = grid%active
+   end function vector_rows
+
+   !> The same of a tensor whose component (k, l) is in row k + 3 (l - 1).
+   pure function tensor_rows(grid) result(kept)
+      type(grid_t), intent(in) :: grid               !! The grid
+      logical :: kept(9)
+      integer :: l
+
+      do l = 1, 3
+         kept(3*l - 2:3*l) = grid%active .and. grid%active(l)
+      end do
+   end function tensor_rows
+
+   !> One tile.
+   subroutine scatter_tile(simulation, scratch, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: patch(merge(dual_columns, motion_columns, simulation%method%dual), &
+         simulation%grid%tile_nodes)
+      integer :: index
+
+      call clear_patch(patch)
+      do index = simulation%first_store, simulation%end_store()
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         call scatter_store(simulation, scratch, index, tile, patch)
+      end do
+      associate (nodes => simulation%nodes)
+         call nodes%motion(1)%put(simulation%grid, nodes%touched, tile, 1, patch)
+         if (simulation%method%dual) call nodes%motion(2)%put(simulation%grid, nodes%touched, &
+            tile, motion_columns + 2, patch)
+      end associate
+   end subroutine scatter_tile
+
+   !> The particles of one material in a tile.
+   subroutine scatter_store(simulation, scratch, index, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+
+      associate (grid => simulation%grid, store => simulation%stores(index), &
+         method => simulation%method, places => scratch%places, &
+         start => simulation%stores(index)%cell_start(:, tile), &
+         first => simulation%stores(index)%first(tile), matter => simulation%stores(index)%matter)
+         call find_places(simulation, scratch, store, tile)
+         if (allocated(store%affine)) then
+            call method%basis%spread_affine(grid, start, first, places, matter%mass, &
+               store%velocity, store%affine, patch)
+         else if (allocated(store%spin)) then
+            call method%basis%scatter_turning(grid, start, first, places, matter%mass, &
+               store%velocity, store%spin, patch)
+         else
+            call method%basis%scatter_motion(grid, start, first, places, matter%mass, &
+               store%velocity, patch)
+         end if
+         if (method%even .or. method%controlled()) then
+            call change_stress(simulation, scratch, store, tile)
+            call push_nodes(simulation, places, start, 1, scratch%pushed%position, &
+               scratch%pushed%volume, scratch%pushed%stress, patch)
+         else
+            call push_nodes(simulation, places, start, first, store%position, matter%volume, &
+               matter%stress, patch)
+         end if
+         if (allocated(simulation%exact)) call add_body_force(simulation, scratch, index, tile, &
+            patch)
+      end associate
+   end subroutine scatter_store
+
+   !> The stress that particles of a tile push the nodes with, where it is not their own.
+   subroutine change_stress(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+
+      associate (grid => simulation%grid, start => store%cell_start(:, tile), &
+         pushed => scratch%pushed, places => scratch%places)
+         call pushed%copy(store%first(tile), store%count(tile), store%position, &
+            store%matter%volume, store%matter%stress)
+         if (simulation%method%even) call even_stress(grid, start, pushed%volume, pushed%stress)
+         if (simulation%method%controlled()) then
+            call simulation%method%basis%collect(grid, start, places, &
+               simulation%nodes%star(:, :, tile), places%values)
+            call pushed%subtract(store%count(tile), places%values)
+         end if
+      end associate
+   end subroutine change_stress
+
+   !> Force of the stress of the particles of a tile.
+   subroutine push_nodes(simulation, places, start, first, position, volume, stress, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(places_t), intent(inout) :: places        !! Of the tile
+      integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                   !! First particle of the tile in the arrays
+      real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) Radius in column 1 [m]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :) !! (particle, 6) [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+
+      associate (grid => simulation%grid, method => simulation%method)
+         if (method%dual) then
+            call method%quadrature%scatter_force(grid, start, first, places, volume, stress, patch)
+         else
+            call method%basis%spread_stress(grid, start, first, places, volume, stress, patch)
+         end if
+         if (grid%axisymmetric) call method%basis%scatter_hoop(grid, start, first, places, &
+            position, volume, stress, patch)
+      end associate
+   end subroutine push_nodes
+
+   !> Body force of an exact solution, to columns 5 to 7.
+   subroutine add_body_force(simulation, scratch, index, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run with a solution
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      real(wp) :: point(3), force(3)
+      integer :: p, q, k
+
+      if (.not. allocated(simulation%exact%material(index)%solution)) return
+      associate (store => simulation%stores(index), &
+         solution => simulation%exact%material(index)%solution)
+         if (.not. solution%forced()) return
+         do p = 1, store%count(tile)
+            q = store%first(tile) + p - 1
+            do k = 1, 3
+               point(k) = store%reference(q, k)
+            end do
+            call solution%body_force(point, simulation%exact%force_time, force)
+            do k = 1, 3
+               scratch%places%vector(p, k) = force(k)
+            end do
+         end do
+         call simulation%method%basis%scatter_product(simulation%grid, store%cell_start(:, tile), &
+            store%first(tile), scratch%places, store%matter%mass, scratch%places%vector, &
+            force_before, patch)
+      end associate
+   end subroutine add_body_force
+
+   !> Where the particles of a tile are, as basis and modified gradient see them, with the factors
+   !! of normalised sums of the velocity field at hand.
+   subroutine find_places(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+
+      call locate_tile(simulation, scratch, store, tile)
+      if (allocated(simulation%normalises)) &
+         scratch%places%factor = simulation%nodes%factor(:, :, tile)
+   end subroutine find_places
+
+   !> The same without factors, for what has its own sums or concerns all velocity fields.
+   subroutine find_plain_places(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+
+      call locate_tile(simulation, scratch, store, tile)
+      if (allocated(scratch%places%factor)) deallocate (scratch%places%factor)
+   end subroutine find_plain_places
+
+   !> Where the particles of a tile are.
+   subroutine locate_tile(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+
+      associate (coordinate => simulation%tiles%coordinate(:, tile))
+         call scratch%places%reserve(store%count(tile))
+         call simulation%method%basis%locate(simulation%grid, coordinate, store, tile, &
+            scratch%places)
+         if (simulation%method%dual) call simulation%method%quadrature%locate(simulation%grid, &
+            coordinate, store, tile, scratch%places)
+      end associate
+   end subroutine locate_tile
+
+   !> First and last of the nodes that the particles of a tile see.
+   pure subroutine nodes_seen(simulation, tile, low, high)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! An own tile
+      integer, intent(out) :: low, high              !! First and last; 1 and 0 without particles
+
+      low = 1
+      high = 0
+      associate (grid => simulation%grid, box => simulation%nodes%touched%box(:, :, tile))
+         if (any(box(:, 2) < box(:, 1))) return
+         low = 1 + dot_product(box(:, 1) + merge(grid%margin, 0, grid%active), grid%stride)
+         high = 1 + dot_product(box(:, 2) + merge(grid%margin, 0, grid%active), grid%stride)
+      end associate
+   end subroutine nodes_seen
+end module step_particles_to_nodes

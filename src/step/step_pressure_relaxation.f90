@@ -1,0 +1,126 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Pressure differences that nodes do not see, between the particles of a cell.
+!!
+!! With normalised sums the volumes of a closed box stay right in sum, and each particle is
+!! strained by more or less than the mean of its neighbours, as it lies. Nodes do not see what
+!! differs between particles of a cell beyond a slope, so nothing brings it back. In matter without
+!! strength waves would, within the time that a signal needs for a cell: particles of higher
+!! pressure expand against lower ones, with the same sum of volumes and of energies. Entropy can
+!! only grow by it, and a linear field of pressure stays as it is.
+!! Equations (Q.11) and (Q.12) of doc/theory/quadratures.md.
+module step_pressure_relaxation
+   use base_kinds, only: wp
+   use step_simulation, only: simulation_t
+   use transfer_moments, only: cell_slope, moments
+   implicit none
+   private
+
+   public :: evens_pressure, normalised, relax_pressures
+
+   real(wp), parameter :: most = 0.05_wp             !! Of a volume or an energy in a step [1]
+   !> Share of a difference that goes in the time that a signal needs for a cell [1]
+   real(wp), parameter :: pace = 0.2_wp
+
+contains
+
+   !> Are the pressures of the particles of a material in a cell brought nearer to each other? They
+   !! are if it is without strength, carries energy and has normalised sums.
+   pure logical function evens_pressure(simulation, index) result(yes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
+
+      yes = .false.
+      if (.not. allocated(simulation%flows)) return
+      yes = simulation%flows(index) .and. allocated(simulation%stores(index)%matter%energy)
+   end function evens_pressure
+
+   !> Are the sums of a material normalised?
+   pure logical function normalised(simulation, index) result(yes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: index                   !! Which material
+
+      yes = .false.
+      if (allocated(simulation%normalises)) yes = simulation%normalises(index)
+   end function normalised
+
+   !> Bring the pressures of the particles of a material in a tile nearer to the mean of their cell
+   !! and the slope that nodes see.
+   subroutine relax_pressures(simulation, index, tile, local, speed, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Places in cells
+      real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: slope(3)
+      integer :: cell, before, low, high, seen
+
+      if (.not. evens_pressure(simulation, index)) return
+      associate (store => simulation%stores(index), grid => simulation%grid, &
+         normal => simulation%nodes%normal)
+         before = store%first(tile) - 1
+         seen = size(normal, 1) - moments + 2
+         do cell = 0, grid%tile_cells - 1
+            low = store%cell_start(cell, tile) + 1
+            high = store%cell_start(cell + 1, tile)
+            if (high <= low) cycle
+            slope = cell_slope(grid, grid%first_node(cell), normal(seen:, :, tile))
+            call relax_cell(before, low, high, local, speed, slope, pace*dt/grid%spacing, &
+               store%matter%mass, store%matter%volume, store%matter%energy, store%matter%stress)
+         end do
+      end associate
+   end subroutine relax_pressures
+
+   !> The particles of one cell.
+   ! gate: long kernel because matter is told by four of its fields
+   pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, energy, &
+      stress)
+      integer, intent(in) :: before                  !! Particles before those of the tile
+      integer, intent(in) :: low                     !! First particle of the cell, in the tile
+      integer, intent(in) :: high                    !! Last one
+      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Places in cells
+      real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
+      real(wp), intent(in) :: slope(3)               !! Of the pressure that nodes see, a cell [Pa]
+      real(wp), intent(in) :: rate                   !! Share of a step over that speed [s/m]
+      real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
+      real(wp), contiguous, intent(inout) :: volume(:) !! (particle) [m3]
+      real(wp), contiguous, intent(inout) :: energy(:) !! (particle) [J/kg]
+      real(wp), contiguous, intent(inout) :: stress(:, :) !! (particle, 6) [Pa]
+      real(wp) :: soft(low:high), excess(low:high), seen(low:high), mean, whole, share, change
+      real(wp) :: steepest
+      integer :: p, q
+
+      ! volume over the stiffness against its change; matter without waves has no pressure either
+      if (.not. minval(speed(low:high)) > 0.0_wp) return
+      do p = low, high
+         q = before + p
+         soft(p) = volume(q)**2/(mass(q)*speed(p)**2)
+         excess(p) = -(stress(q, 1) + stress(q, 2) + stress(q, 3))/3.0_wp
+         seen(p) = local(p, 1)*slope(1) + local(p, 2)*slope(2) + local(p, 3)*slope(3)
+      end do
+      whole = sum(soft)
+      mean = sum(soft*excess)/whole
+      excess = excess - mean
+      seen = seen - sum(soft*seen)/whole
+      ! of what nodes see that which particles have
+      share = sum(soft*seen**2)
+      if (share > 0.0_wp) excess = excess &
+         - seen*min(1.0_wp, max(0.0_wp, sum(soft*seen*excess)/share))
+      share = 1.0_wp - exp(-rate*maxval(speed(low:high)))
+      steepest = maxval(soft*abs(excess)/volume(before + low:before + high))
+      ! what expands pays with its own energy, of which thin gas beside a shock has little
+      do p = low, high
+         q = before + p
+         if (excess(p)*mean > 0.0_wp) steepest = max(steepest, soft(p)*excess(p)*mean &
+            /(mass(q)*max(energy(q), tiny(mean))))
+      end do
+      if (share*steepest > most) share = most/steepest
+      do p = low, high
+         q = before + p
+         change = share*soft(p)*excess(p)
+         volume(q) = volume(q) + change
+         energy(q) = energy(q) - mean*change/mass(q)
+         stress(q, 1:3) = stress(q, 1:3) + share*excess(p)
+      end do
+   end subroutine relax_cell
+end module step_pressure_relaxation

@@ -1,0 +1,115 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Takes particles out of a run whose going on would spoil it, or that have failed, and books what
+!! they had. They are forgotten when their tile is put in order.
+module step_remove_particles
+   use base_error, only: error_t, exit_physics, fail
+   use base_exact_sum, only: exact_sum_t
+   use base_kinds, only: wp
+   use material_type, only: material_t
+   use particle_store, only: moved_away, moved_off, moved_out, store_t
+   use step_bounds, only: bounds_t, fault_inverted, fault_none, fault_of
+   use step_ledger, only: ledger_t, mass, removed_angular, removed_energy, removed_mass, &
+      removed_momentum, removed_particles, retired_mass
+   use step_offending_particle, only: step_text, tile_bounds
+   use step_simulation, only: scratch_t, simulation_t
+   implicit none
+   private
+
+   public :: check_retired, erode_tile, fastest_left, retire_tile
+
+contains
+
+   !> Take the particles out of a tile that have left their bounds. Those with a number that is none
+   !! stay and stop the run: it has spoiled their neighbours.
+   subroutine retire_tile(simulation, scratch, index, tile, sound)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: tile                    !! Which tile, after its particles moved
+      logical, intent(out) :: sound                  !! Is all well now?
+      type(bounds_t) :: bounds
+      integer :: p, fault
+      real(wp) :: value
+
+      sound = .true.
+      bounds = tile_bounds(simulation, index)
+      associate (store => simulation%stores(index), material => simulation%materials(index))
+         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+            call fault_of(store, p, material%density, bounds, fault, value)
+            if (fault == fault_none) cycle
+            if (fault < fault_inverted) then
+               sound = .false.
+            else if (store%home(p) /= moved_out) then
+               call scratch%ledger%sums(retired_mass)%add(store%matter%mass(p))
+               call take_out(scratch%ledger, material, store, tile, p)
+            end if
+         end do
+      end associate
+   end subroutine retire_tile
+
+   !> Take the particles out of a tile that have failed.
+   subroutine erode_tile(simulation, scratch, index, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: index                   !! Which material, it can fail
+      integer, intent(in) :: tile                    !! Which tile, after its particles moved
+      integer :: p
+
+      associate (store => simulation%stores(index), material => simulation%materials(index))
+         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+            if (store%matter%failed(p) == 0) cycle
+            if (store%home(p) == moved_out .or. store%home(p) == moved_off) cycle
+            call take_out(scratch%ledger, material, store, tile, p)
+         end do
+      end associate
+   end subroutine erode_tile
+
+   !> Book a particle and let it be forgotten.
+   subroutine take_out(ledger, material, store, tile, p)
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(material_t), intent(in) :: material       !! Its material
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Its tile
+      integer, intent(in) :: p                       !! Which one
+
+      call ledger%book_gone(store, material, p, [removed_mass, removed_momentum, removed_energy, &
+         removed_angular])
+      call ledger%sums(removed_particles)%add(1.0_wp)
+      if (store%home(p) /= moved_away) store%leaving(tile) = store%leaving(tile) + 1
+      store%home(p) = moved_off
+      store%restless(tile) = .true.
+   end subroutine take_out
+
+   !> Fastest signal and motion of the particles of a tile that are left [m/s].
+   pure real(wp) function fastest_left(store, tile, wave_speed) result(fastest)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: wave_speed(:) !! (particle of the tile) [m/s]
+      integer :: p, q
+
+      fastest = 0.0_wp
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         if (store%home(q) == moved_off) cycle
+         fastest = max(fastest, wave_speed(p) + sqrt(store%velocity(q, 1)**2 &
+            + store%velocity(q, 2)**2 + store%velocity(q, 3)**2))
+      end do
+   end function fastest_left
+
+   !> Has more been taken out than the deck allows? Collective.
+   subroutine check_retired(simulation, error)
+      type(simulation_t), intent(in) :: simulation   !! The run, its books closed for the step
+      type(error_t), allocatable, intent(out) :: error !! If so
+      type(exact_sum_t) :: sum
+      real(wp) :: share
+      character(len=160) :: text
+
+      call sum%merge(simulation%ledger%sums(retired_mass))
+      call sum%over_ranks(simulation%communicator)
+      share = sum%value()/simulation%ledger%start%entry(mass)
+      if (share <= simulation%guard%bounds%retire_max) return
+      write (text, "(a,es10.3,a,es10.3)") "particles out of their bounds had", share, &
+         " of the mass, more than retire_max =", simulation%guard%bounds%retire_max
+      call fail(error, exit_physics, step_text(simulation)//": "//trim(text))
+   end subroutine check_retired
+end module step_remove_particles

@@ -1,0 +1,140 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Looks at the nodes before they move any particle: a step in which they would go too far is done
+!! again with a shorter time.
+module step_retry
+   use base_error, only: error_t, exit_physics, fail
+   use base_kinds, only: int64, wp
+   use step_bounds, only: rule_retry
+   use step_ledger, only: external_work, impulse, torque
+   use step_node_displacement, only: asks, look_at_tile, worse
+   use step_node_sums, only: renew_sums
+   use step_offending_particle, only: spread, step_text
+   use step_simulation, only: reach_t, simulation_t
+   implicit none
+   private
+
+   public :: judge_nodes
+
+   real(wp), parameter :: slack = 0.9_wp             !! Share of the bounds to be aimed at
+   real(wp), parameter :: least_cut = 0.1_wp         !! Least ratio of a step to that before
+
+contains
+
+   !> Would a node go too far in the step, or two of a cell too far apart? Then all is put back to
+   !! where the nodes are to be moved again, and the step is shorter. Collective. Equation (S.7) of
+   !! doc/theory/time_step.md.
+   subroutine judge_nodes(simulation, dt, again, error)
+      type(simulation_t), intent(inout) :: simulation !! The run, its nodes just moved
+      real(wp), intent(inout) :: dt                  !! Time step [s]
+      logical, intent(out) :: again                  !! Is the step to be done again?
+      type(error_t), allocatable, intent(out) :: error !! No step is short enough
+      type(reach_t) :: worst
+      real(wp) :: excess
+
+      again = .false.
+      if (.not. asks(simulation)) return
+      call find_worst(simulation, dt, worst)
+      excess = worst%excess
+      if (simulation%communicator%size > 1) then
+         call simulation%timer%start(simulation%phase%wait)
+         excess = simulation%communicator%maximum(excess)
+         call simulation%timer%stop(simulation%phase%wait)
+      end if
+      if (.not. excess > 1.0_wp) return
+      again = .true.
+      associate (guard => simulation%guard, cut => max(slack/excess, least_cut))
+         if (dt*cut < max(guard%bounds%dt_min, guard%bounds%collapse*guard%longest)) then
+            call name_node(simulation, dt, excess, worst, error)
+            return
+         end if
+         dt = dt*cut
+         simulation%dt_next = dt
+         guard%steps(guard%counted) = guard%steps(guard%counted) - 1
+         guard%counted = rule_retry
+         guard%steps(rule_retry) = guard%steps(rule_retry) + 1
+      end associate
+      call put_back(simulation)
+   end subroutine judge_nodes
+
+   !> Sums of the nodes as before they moved, and books without what faces and gravity did then.
+   subroutine put_back(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: thread, k
+
+      do thread = 0, ubound(simulation%scratch, 1)
+         associate (sums => simulation%scratch(thread)%ledger%sums)
+            do k = 0, 2
+               call sums(impulse + k)%clear()
+               call sums(torque + k)%clear()
+            end do
+            call sums(external_work)%clear()
+         end associate
+      end do
+      if (simulation%method%dual) call renew_sums(simulation)
+   end subroutine put_back
+
+   !> The node of this rank that goes farthest over the bounds.
+   subroutine find_worst(simulation, dt, worst)
+      type(simulation_t), intent(in) :: simulation   !! The run, its nodes just moved
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      type(reach_t), intent(out) :: worst            !! It
+      type(reach_t) :: mine, reach
+      integer :: tile, thread
+
+      if (simulation%nodes%lean) then
+         ! the threads looked when they moved the nodes
+         do thread = 0, ubound(simulation%scratch, 1)
+            if (worse(simulation%scratch(thread)%reach, worst)) &
+               worst = simulation%scratch(thread)%reach
+         end do
+         return
+      end if
+      !$omp parallel default(none) shared(simulation, dt, worst) private(tile, mine, reach)
+      mine = reach_t()
+      !$omp do schedule(static)
+      do tile = 1, simulation%tiles%own
+         call look_at_tile(simulation, tile, tile, dt, reach)
+         if (worse(reach, mine)) mine = reach
+      end do
+      !$omp end do
+      !$omp critical
+      if (worse(mine, worst)) worst = mine
+      !$omp end critical
+      !$omp end parallel
+   end subroutine find_worst
+
+   !> Say which node goes too far in any step that is long enough. Of equal ones the first of the
+   !! grid is named. Collective.
+   subroutine name_node(simulation, dt, excess, worst, error)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      real(wp), intent(in) :: dt                     !! Time step that was tried [s]
+      real(wp), intent(in) :: excess                 !! Of the worst node of all ranks
+      type(reach_t), intent(in) :: worst             !! That of this rank
+      type(error_t), allocatable, intent(out) :: error !! Always
+      integer(int64) :: least(1), number
+      character(len=:), allocatable :: text
+      character(len=200) :: line
+
+      number = huge(number)
+      if (worst%excess >= excess) number = worst%number
+      least = number
+      text = ""
+      call simulation%communicator%least(least)
+      if (number == least(1) .and. number < huge(number)) then
+         write (line, "(a,3es11.3,a)") "the node at", simulation%grid%lower &
+            + real(worst%place, wp)*simulation%grid%spacing, " m"
+         text = trim(line)
+         if (worst%strain > 0.0_wp) then
+            write (line, "(a,es10.3,a)") " and the next one would come nearer or part by", &
+               worst%strain, " of a cell"
+         else
+            write (line, "(a,es10.3,a)") " would move by", worst%moved, " of a cell"
+         end if
+         text = text//trim(line)
+      end if
+      call spread(simulation, text)
+      write (line, "(a,es10.3,a)") " in a step of", dt, &
+         " s, and a shorter one is below dt_min, or dt_collapse of the longest"
+      call fail(error, exit_physics, step_text(simulation)//": "//text//trim(line))
+   end subroutine name_node
+end module step_retry

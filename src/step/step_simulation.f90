@@ -1,0 +1,335 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Everything that a run holds.
+module step_simulation
+   use base_communicator, only: communicator_t
+   use base_kinds, only: int64, wp
+   use base_text, only: text_t
+   use base_timer, only: timer_t
+   use constitutive_state, only: deformation_t
+   use ddmp_dual, only: dual_t
+   use exact_solution, only: exact_case_t
+   use material_effect_timers, only: laps_t
+   use material_models, only: chain_effects
+   use material_type, only: material_t
+   use mesh_absorbing, only: absorbing_t
+   use mesh_boundary, only: boundary_t
+   use mesh_grid, only: grid_t
+   use mesh_halo, only: halo_t
+   use mesh_motion, only: motion_t
+   use mesh_packed_patch, only: boxes_t, pieces_t
+   use mesh_rigid, only: rigid_t
+   use mesh_tiles, only: tiles_t
+   use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
+   use step_bounds, only: guard_t
+   use step_ledger, only: ledger_t
+   use step_method, only: method_t
+   use step_trust_record, only: trust_t
+   use transfer_contact, only: pair_law_t
+   use transfer_pushed_stress, only: pushed_t
+   use transfer_shape_data, only: places_t
+   implicit none
+   private
+
+   public :: conduction_t, contact_t, load_t, nodes_t, phases_t, reach_t, requests_t, scratch_t, &
+      simulation_t
+
+   !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
+   !> divides stays finite.
+   real(wp), parameter, public :: empty_mass = 1.0e-290_wp
+
+   !> Node fields, all as patches of tiles: (component, node, tile). What the method does not need
+   !! is
+   !! not allocated.
+   type :: nodes_t
+      !> Nodes to which tiles add motion, and those of their cells with a weight
+      type(boxes_t) :: touched, weighted
+      !> Pieces of mass, momentum, force, with the dual gradient volume; and of stress times volume
+      type(pieces_t) :: motion(2)
+      !> Are the sums and velocities of a tile kept only while it is worked on? Then they are those
+      !! of a thread, and of what the particles see pieces are kept: velocity and acceleration
+      logical :: lean = .false.
+      type(pieces_t) :: seen(2)
+      real(wp) :: acting = 0.0_wp                    !! Time that the forces acted to move them [s]
+      real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
+      real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
+      real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
+      !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]
+      real(wp), allocatable :: turn(:, :, :)
+      !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
+      real(wp), allocatable :: extra(:, :, :)
+      real(wp), allocatable :: filtered(:, :, :) !! (3) Sum of the series of velocities [m/s]
+      real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]
+      real(wp), allocatable :: loss(:, :, :)         !! (1) Kinetic energy that it loses [J/kg]
+      real(wp), allocatable :: strain(:, :, :)       !! (3) Velocity of the strain increment [m/s]
+      !> Patch (7): volume, stress times volume; (20) for stress differences: the same and the force
+      !! of unit stress
+      real(wp), allocatable :: mean(:, :, :)
+      real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress [Pa]
+      real(wp), allocatable :: unit(:, :, :)         !! Patch (3): wrong force of unit stress [m2]
+      real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force for that [N]
+      !> With normalised sums. Patch (5 or 6): mass, volume, volume times 1 - alpha of three
+      !! directions, volume beyond the scope; patch (1): volume of full cells [m3]; (7): factors of
+      !! the three directions [1/m3], how far cells around are full [1], and of the three directions
+      !! those of the plain sums [1]
+      real(wp), allocatable :: counted(:, :, :), covered(:, :, :), normal(:, :, :)
+      real(wp), allocatable :: present(:, :, :)      !! (1) Of all cells, with rigid regions [m3]
+      real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]
+      real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
+      type(pieces_t) :: share                        !! (1) Volume of the dual gradient [m3]
+      real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
+      real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if asked for [m3]
+      type(pieces_t) :: force                        !! (3) Force of the node stress [N]
+      !> (9) Node gradient of strain, of the mid-step velocity, and, where the strain is the average
+      !! of two, of the velocity before the step [m3/s]
+      type(pieces_t) :: gradient, middle, earlier
+      !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): first sum
+      real(wp), allocatable :: heat(:, :, :), flux(:, :, :), warmth(:, :, :)
+      !> (3) What faces and gravity add to the velocities, where it is booked later: with contact,
+      !! and with musl; there also what faces take of the velocities before the step [m/s]
+      real(wp), allocatable :: push(:, :, :), taken(:, :, :)
+      real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
+   contains
+      procedure :: move_to => nodes_move_to          !! Hand all fields over to another
+      procedure :: slot => nodes_slot                !! Where the fields of a tile are
+   end type nodes_t
+
+   integer, parameter, public :: guesses = 3         !! Of the normal between two bodies
+
+   !> Bodies that move with one velocity where they meet.
+   type :: velocity_field_t
+      integer :: first = 1                           !! First of its stores
+      integer :: last = 0                            !! Last of its stores
+      type(nodes_t) :: nodes                         !! While others are worked on
+   end type velocity_field_t
+
+   !> Contact between bodies: each velocity field has node fields of its own.
+   type :: contact_t
+      type(velocity_field_t), allocatable :: field(:) !! The velocity fields
+      type(pair_law_t), allocatable :: law(:, :)     !! (field, field) What holds between two
+      logical :: bonded = .false.                    !! Can bonds break?
+      integer, allocatable :: field_of_body(:)       !! (body) Its velocity field
+      integer, allocatable :: material(:)            !! (store) Number of its &material
+      !> Patch (row, field): outward area of the particles [m2], with bonds the mass of those that
+      !! hold [kg]
+      real(wp), allocatable :: outward(:, :, :)
+      real(wp), allocatable :: area(:, :, :)         !! The sums of these
+      !> Patch (guess, field, field): farthest place towards another field [m]
+      real(wp), allocatable :: reach(:, :, :)
+      logical, allocatable :: meets(:)               !! (tile) Are there nodes of several fields?
+      logical, allocatable :: broken(:, :, :)        !! (field, node, tile) Does a bond break now?
+   end type contact_t
+
+   !> Conduction of heat: node fields as above; those of the dual gradient only with it.
+   type :: conduction_t
+      real(wp), allocatable :: content(:, :, :)      !! Patch of heat capacity, heat, volume
+      real(wp), allocatable :: total(:, :, :)        !! The sums of these
+      real(wp), allocatable :: temperature(:, :, :)  !! (1) [K]
+      !> Patch of heat from cells [W], heat that the nodes do not see [J], flux times volume [W m]
+      real(wp), allocatable :: flow(:, :, :)
+      real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
+      real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
+      real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
+      real(wp), allocatable :: slope(:, :, :)        !! Patch (9): gradient in rows 1, 4, 7 [K m2]
+      real(wp), allocatable :: push(:, :, :)         !! Patch (3): heat of the node flux, row 1 [W]
+   end type conduction_t
+
+   !> How far nodes would go in a step: that which goes farthest over the bounds.
+   type :: reach_t
+      real(wp) :: excess = 0.0_wp                    !! Over the bounds, the worst of both [1]
+      real(wp) :: moved = 0.0_wp                     !! Displacement of that node over a cell [1]
+      real(wp) :: strain = 0.0_wp                    !! Or difference of two over a cell, else 0 [1]
+      integer :: node = 0                            !! The node, in the tile
+      integer(int64) :: number = huge(1_int64)       !! The same in the grid
+      integer :: place(3) = 0                        !! Its place in the grid, from 0
+   end type reach_t
+
+   !> Scratch space of one thread.
+   type :: scratch_t
+      type(places_t) :: places                       !! Particles of the tile as the basis sees them
+      type(pushed_t) :: pushed                       !! Their stress, if changed on its way to nodes
+      type(deformation_t) :: deformation             !! Step of the particles of the tile
+      !> (particle, 9) Half of the strain with the velocity before the step, if it counts [1]
+      real(wp), allocatable :: earlier(:, :)
+      type(ledger_t) :: ledger                       !! Sums of this thread
+      type(laps_t) :: laps                           !! Times of effects
+      real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
+      logical :: sound = .true.                      !! Are all particles in their bounds?
+      logical :: retired = .false.                   !! Has one been taken out for leaving them?
+      type(reach_t) :: reach                         !! Node that goes too far, if looked for
+      real(wp) :: steepest = 0.0_wp                  !! Square of steepest velocity gradient [1/s2]
+      integer(int64) :: steepest_identity = huge(1_int64) !! Its particle
+   end type scratch_t
+
+   !> What ranks ask of all; agreed at the end of each step.
+   type :: requests_t
+      real(wp) :: leave = 0.0_wp                     !! Number of a signal, 0 = none
+      real(wp) :: line = 0.0_wp                      !! 1 = a line of progress
+      real(wp) :: checkpoint = 0.0_wp                !! 1 = a checkpoint
+      real(wp) :: present = -1.0_wp                  !! 1 = it has particles, -1 = nobody counted
+   end type requests_t
+
+   !> How evenly the ranks work: greatest over mean work in the steps that were measured.
+   type :: load_t
+      integer :: looks = 0                           !! Steps measured
+      integer :: cuts = 0                            !! Times that the curve was cut anew
+      integer(int64) :: sent = 0                     !! Tiles that this rank sent then
+      real(wp) :: last = 1.0_wp                      !! At the last look [1]
+      real(wp) :: total = 0.0_wp                     !! Sum over the looks [1]
+      real(wp) :: greatest = 1.0_wp                  !! After the first hundred steps [1]
+   contains
+      procedure :: look => load_look                 !! Note a measured step
+   end type load_t
+
+   !> Indices of the timed phases.
+   type :: phases_t
+      integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
+         ledger = 0, output = 0, checkpoint = 0, conduction = 0, contact = 0 !! One each
+      integer :: effect(chain_effects) = 0           !! Of those of matter, 0 = off
+   end type phases_t
+
+   !> A run.
+   type :: simulation_t
+      type(communicator_t) :: communicator           !! The ranks
+      type(grid_t) :: grid                           !! The grid
+      type(boundary_t) :: boundary                   !! The faces
+      type(absorbing_t), allocatable :: absorbing    !! Those through which waves leave
+      type(rigid_t), allocatable :: rigid            !! If regions rule nodes
+      type(tiles_t) :: tiles                         !! The tiles of this rank
+      type(halo_t) :: halo                           !! Which of them other ranks see
+      type(material_t), allocatable :: materials(:)  !! The materials
+      type(store_t), allocatable :: stores(:)        !! Their particles
+      type(method_t) :: method                       !! The numerical method
+      type(dual_t) :: dual                           !! The dual gradient
+      type(nodes_t) :: nodes                         !! Node fields
+      type(scratch_t), allocatable :: scratch(:)     !! (thread, from 0)
+      real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
+      type(motion_t), allocatable :: shaking         !! Gravity by a table of time [m/s2]
+      type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
+      type(conduction_t), allocatable :: conduction  !! If some material conducts heat
+      !> (material) If sums are normalised, are its own, and is it without strength?
+      logical, allocatable :: normalises(:), flows(:)
+      real(wp) :: mean_alpha = 0.0_wp                !! Mean of alpha over a cell, for that [1]
+      logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
+      logical :: keeps_nodes = .false.               !! Are the fields of all nodes asked for?
+      type(contact_t), allocatable :: contact        !! If bodies have velocities of their own
+      integer :: first_store = 1                     !! First store of the velocity field at hand
+      integer :: last_store = huge(1)                !! Its last one, if there are so many
+      logical :: erosion = .false.                   !! Are failed particles taken out?
+      logical :: carries_energy = .false.            !! Does some material carry internal energy?
+      integer(int64) :: step = 0                     !! Steps done
+      real(wp) :: time = 0.0_wp                      !! [s]
+      real(wp) :: dt = 0.0_wp                        !! Last time step [s]
+      real(wp) :: kick = 0.0_wp                      !! Time that the forces act in this step [s]
+      real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
+      type(guard_t) :: guard                         !! What limits steps and particles
+      type(text_t), allocatable :: body_names(:)     !! (body) For messages
+      integer(int64) :: halved = 0                   !! Particles halved on this rank
+      integer(int64) :: updates = 0                  !! Particle updates of this rank
+      real(wp) :: worked = 0.0_wp                    !! Of the processor in its steps [s]
+      real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
+      integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then
+      type(load_t) :: load                           !! How evenly the ranks work
+      type(requests_t) :: requests                   !! Of this rank, after a step of all
+      type(ledger_t) :: ledger                       !! The books
+      type(trust_t) :: trust                         !! How far results can be trusted
+      type(timer_t) :: timer                         !! Wall time by phase
+      type(phases_t) :: phase                        !! Indices of the phases
+   contains
+      procedure :: end_store => simulation_end_store !! Last store of the velocity field at hand
+      procedure :: take_field => simulation_take_field !! Work on a velocity field
+      procedure :: return_field => simulation_return_field !! Put it back
+   end type simulation_t
+
+contains
+
+   !> Last store of the velocity field at hand; without contact the last of all.
+   pure integer function simulation_end_store(self) result(last)
+      class(simulation_t), intent(in) :: self        !! The run
+
+      last = min(self%last_store, size(self%stores))
+   end function simulation_end_store
+
+   !> Work on a velocity field: its node fields become those of the run.
+   pure subroutine simulation_take_field(self, field)
+      class(simulation_t), intent(inout) :: self     !! The run with contact
+      integer, intent(in) :: field                   !! Which field
+
+      self%first_store = self%contact%field(field)%first
+      self%last_store = self%contact%field(field)%last
+      call self%contact%field(field)%nodes%move_to(self%nodes)
+   end subroutine simulation_take_field
+
+   !> Put the velocity field at hand back, and see all stores again.
+   pure subroutine simulation_return_field(self, field)
+      class(simulation_t), intent(inout) :: self     !! The run with contact
+      integer, intent(in) :: field                   !! Which field
+
+      self%first_store = 1
+      self%last_store = huge(1)
+      call self%nodes%move_to(self%contact%field(field)%nodes)
+   end subroutine simulation_return_field
+
+   !> Where the fields of a tile are: its own place, or that of the thread which works on it.
+   integer function nodes_slot(self, tile) result(slot)
+      class(nodes_t), intent(in) :: self             !! The fields
+      integer, intent(in) :: tile                    !! Which tile
+
+      slot = tile
+      if (self%lean) slot = 1 + omp_get_thread_num()
+   end function nodes_slot
+
+   !> Hand all fields over to another holder, without a copy.
+   pure subroutine nodes_move_to(self, other)
+      class(nodes_t), intent(inout) :: self          !! Empty afterwards
+      type(nodes_t), intent(inout) :: other          !! Gets them
+      integer :: n
+
+      do n = 1, size(self%motion)
+         call self%motion(n)%move_to(other%motion(n))
+      end do
+      call self%touched%move_to(other%touched)
+      call self%weighted%move_to(other%weighted)
+      call move_alloc(self%mass, other%mass)
+      call move_alloc(self%velocity, other%velocity)
+      call move_alloc(self%acceleration, other%acceleration)
+      call move_alloc(self%extra, other%extra)
+      call move_alloc(self%filtered, other%filtered)
+      call move_alloc(self%term, other%term)
+      call move_alloc(self%loss, other%loss)
+      call move_alloc(self%strain, other%strain)
+      call move_alloc(self%mean, other%mean)
+      call move_alloc(self%star, other%star)
+      call move_alloc(self%unit, other%unit)
+      call move_alloc(self%difference, other%difference)
+      call move_alloc(self%counted, other%counted)
+      call move_alloc(self%covered, other%covered)
+      call move_alloc(self%present, other%present)
+      call move_alloc(self%normal, other%normal)
+      call move_alloc(self%factor, other%factor)
+      call move_alloc(self%weight, other%weight)
+      call self%share%move_to(other%share)
+      call move_alloc(self%volume, other%volume)
+      call move_alloc(self%filled, other%filled)
+      call self%force%move_to(other%force)
+      call self%gradient%move_to(other%gradient)
+      call self%middle%move_to(other%middle)
+      call self%earlier%move_to(other%earlier)
+      call move_alloc(self%push, other%push)
+      call move_alloc(self%taken, other%taken)
+      call move_alloc(self%rubbed, other%rubbed)
+   end subroutine nodes_move_to
+
+   !> Note how evenly the ranks worked in a step.
+   pure subroutine load_look(self, step, ratio)
+      class(load_t), intent(inout) :: self           !! The notes
+      integer(int64), intent(in) :: step             !! Steps done
+      real(wp), intent(in) :: ratio                  !! Greatest over mean work [1]
+      integer(int64), parameter :: settled = 100
+
+      self%looks = self%looks + 1
+      self%last = ratio
+      self%total = self%total + ratio
+      if (step > settled) self%greatest = max(self%greatest, ratio)
+   end subroutine load_look
+end module step_simulation

@@ -1,0 +1,66 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Strain of two velocities (`stress_update = 'usavg'`): half of that which particles take with them
+!! from the nodes in a step, half of that which they bring to the nodes after they have moved.
+!!
+!! Stress and motion then work with the same mean velocities, so the energy that one gives the other
+!! takes (J. A. Nairn, Comput. Model. Eng. Sci. 4 (2003) 649). The second half is known only when
+!! the particles have moved, after the force of the next step. So each step takes it ahead with the
+!! places it has, keeps it, and the next step puts what it finds in its place. Equation (T.14) of
+!! doc/theory/transfers.md.
+module step_strain_average
+   use base_kinds, only: wp
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: average_strain, keep_earlier
+
+   !> Greatest correction of a half strain [1]; where cells hold what they should it is far smaller,
+   !! and where streams of particles cross it must not turn them inside out
+   real(wp), parameter :: most = 0.1_wp
+
+contains
+
+   !> Keep half of the strain with the velocity that particles have brought, for now. Both strains
+   !! refer to the middle of their step: places are those at the end of the one and at the begin of
+   !! the other.
+   pure subroutine keep_earlier(count, gradient, earlier)
+      integer, intent(in) :: count                   !! Particles of the tile
+      real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle of the tile, 9) [1]
+      real(wp), allocatable, intent(inout) :: earlier(:, :) !! (particle of the tile, 9) [1]
+      integer :: p, k
+
+      if (allocated(earlier)) then
+         if (size(earlier, 1) < count) deallocate (earlier)
+      end if
+      if (.not. allocated(earlier)) allocate (earlier(size(gradient, 1), 9))
+      do k = 1, 9
+         do p = 1, count
+            earlier(p, k) = 0.5_wp*gradient(p, k)
+         end do
+      end do
+   end subroutine keep_earlier
+
+   !> Put the half strain of the last step that was taken ahead right, and take that of this step
+   !! ahead.
+   pure subroutine average_strain(store, tile, earlier, gradient)
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: earlier(:, :) !! (particle of the tile, 9) Half strain [1]
+      !> (particle of the tile, 9) Strain with the velocity that they take with them, then that of
+      !! the step [1]
+      real(wp), contiguous, intent(inout) :: gradient(:, :)
+      real(wp) :: half
+      integer :: p, q, k
+
+      do k = 1, 9
+         do p = 1, store%count(tile)
+            q = store%first(tile) + p - 1
+            half = 0.5_wp*gradient(p, k)
+            gradient(p, k) = gradient(p, k) + min(most, max(-most, earlier(p, k) &
+               - store%ahead(q, k)))
+            store%ahead(q, k) = half
+         end do
+      end do
+   end subroutine average_strain
+end module step_strain_average

@@ -1,0 +1,185 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Local stress difference (`quadrature = 'lsd'`): the force of a node inside of a body becomes
+!! f - s . (f[I] - f_w[I]) with its mean stress s, the force f[I] of the same particles under unit
+!! stress, and the exact force f_w[I] of unit stress in cells with their weights, which vanishes
+!! but at faces (A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys. (2023) 112681). Towards free
+!! surfaces the change fades: there the force stays that of the point rule. Equations (Q.4) and
+!! (Q.5) of doc/theory/quadratures.md.
+module step_stress_difference
+   use base_kinds, only: wp
+   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use omp_lib, only: omp_get_thread_num
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_node_sums, only: divide
+   use step_particles_to_nodes, only: find_places
+   use step_simulation, only: scratch_t, simulation_t
+   use transfer_scatter, only: dual_columns
+   implicit none
+   private
+
+   public :: find_difference
+
+   integer, parameter :: before = 4                  !! Columns that the force leaves alone
+   integer, parameter :: rest = 3                    !! Columns behind those of the force
+   integer, parameter :: columns = dual_columns + rest
+
+contains
+
+   !> What the force of each node is to be changed by. Weights and volumes of the dual gradient are
+   !! known.
+   subroutine find_difference(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, allocatable :: tiles(:)
+      integer :: tile, part, n
+
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+         call simulation%timer%start(simulation%phase%scatter)
+         call ensure_patch(nodes%mean, columns, number, simulation%tiles%own)
+         do part = edge_tiles, inner_tiles
+            call next_tiles(simulation, part, tiles)
+            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp schedule(dynamic, 1)
+            do n = 1, size(tiles)
+               call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+                  simulation%nodes%mean(:, :, tiles(n)))
+            end do
+            !$omp end parallel do
+            call pass_patches(simulation, part, nodes%mean)
+         end do
+         call simulation%timer%stop(simulation%phase%scatter)
+         call simulation%timer%start(simulation%phase%grid)
+         call ensure_patch(nodes%star, 6, number, simulation%tiles%all)
+         call ensure_patch(nodes%unit, 3, number, simulation%tiles%all)
+         call ensure_patch(nodes%difference, 3, number, simulation%tiles%all)
+         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%all
+            call unit_tile(simulation, tile)
+         end do
+         !$omp end parallel do
+         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         do tile = 1, simulation%tiles%all
+            call difference_tile(simulation, tile)
+         end do
+         !$omp end parallel do
+         call simulation%timer%stop(simulation%phase%grid)
+      end associate
+   end subroutine find_difference
+
+   !> Stress times volume of the particles of a tile, and what they push the nodes with under unit
+   !! stress.
+   subroutine scatter_tile(simulation, scratch, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      integer :: index, p, k
+
+      call clear_patch(patch)
+      do index = simulation%first_store, simulation%end_store()
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         associate (store => simulation%stores(index), grid => simulation%grid, &
+            method => simulation%method, places => scratch%places, pushed => scratch%pushed, &
+            start => simulation%stores(index)%cell_start(:, tile))
+            call find_places(simulation, scratch, store, tile)
+            call pushed%copy(store%first(tile), store%count(tile), store%position, &
+               store%matter%volume, store%matter%stress)
+            ! the volume once more: that of the rule need not have the functions of the basis
+            do p = 1, store%count(tile)
+               places%values(p, before + rest) = pushed%volume(p)
+            end do
+            do k = 1, 6
+               do p = 1, store%count(tile)
+                  places%values(p, k) = pushed%volume(p)*pushed%stress(p, k)
+               end do
+            end do
+            call method%basis%spread(grid, start, places, before, places%values, 0, patch)
+            do k = 1, rest
+               do p = 1, store%count(tile)
+                  places%values(p, k) = places%values(p, before + k)
+               end do
+            end do
+            call method%basis%spread(grid, start, places, rest, places%values, dual_columns, patch)
+            call pushed%make_unit(store%count(tile))
+            call method%quadrature%scatter_force(grid, start, 1, places, pushed%volume, &
+               pushed%stress, patch)
+         end associate
+      end do
+   end subroutine scatter_tile
+
+   !> Mean stress of the nodes of a tile; force of the node stress of unit stress less unit stress.
+   subroutine unit_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: total(columns, simulation%grid%tile_nodes)
+      real(wp) :: stress(9, simulation%grid%tile_nodes)
+      integer :: node, k
+
+      associate (nodes => simulation%nodes)
+         call assemble(simulation%grid, simulation%tiles, nodes%mean, tile, total)
+         nodes%star(:before, :, tile) = total(:before, :)
+         nodes%star(before + 1:, :, tile) = total(dual_columns + 1:columns - 1, :)
+         call divide(total, columns, nodes%star(:, :, tile))
+         nodes%difference(:, :, tile) = total(before + 1:before + 3, :)
+         stress = total(before + 5:dual_columns, :)
+         call divide(nodes%volume(:, :, tile), 1, stress)
+         do node = 1, size(stress, 2)
+            do k = 1, 9, 4
+               stress(k, node) = stress(k, node) - 1.0_wp
+            end do
+         end do
+         nodes%unit(:, :, tile) = 0.0_wp
+         call simulation%dual%add_force(simulation%grid, simulation%tiles%coordinate(:, tile), &
+            nodes%weight(:, tile), stress, nodes%unit(:, :, tile))
+      end associate
+   end subroutine unit_tile
+
+   !> Change of the force of the nodes of a tile. Equation (Q.4).
+   subroutine difference_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
+      real(wp) :: unit(3, simulation%grid%tile_nodes), stress(9, simulation%grid%tile_nodes)
+      real(wp) :: inside(simulation%grid%tile_nodes)
+      integer :: node, k
+
+      associate (nodes => simulation%nodes)
+         call assemble(simulation%grid, simulation%tiles, nodes%unit, tile, unit)
+         do node = 1, size(stress, 2)
+            do k = 1, 9
+               stress(k, node) = nodes%star(component(k), node, tile)
+            end do
+         end do
+         call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
+            stress)
+         call find_inside(simulation, tile, inside)
+         do node = 1, size(stress, 2)
+            do k = 1, 3
+               unit(k, node) = inside(node)*(unit(k, node) + nodes%difference(k, node, tile))
+            end do
+            do k = 1, 3
+               nodes%difference(k, node, tile) = -(stress(k, node)*unit(1, node) &
+                  + stress(k + 3, node)*unit(2, node) + stress(k + 6, node)*unit(3, node))
+            end do
+         end do
+      end associate
+   end subroutine difference_tile
+
+   !> How far the nodes of a tile are inside of bodies: 1 if all cells around count in full, and 0
+   !! once one of them does not count. The weights do not tell where in its cells a surface is, so
+   !! the exact force is wrong there. Equation (Q.6).
+   pure subroutine find_inside(simulation, tile, inside)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(out) :: inside(:)             !! (node) 0 to 1
+      real(wp) :: around(size(inside)), cells
+      integer :: node
+
+      call simulation%grid%node_volume(simulation%tiles%coordinate(:, tile), around)
+      cells = real(2**simulation%grid%dimensions, wp)
+      inside = 0.0_wp
+      do node = 1, size(inside)
+         if (around(node) > 0.0_wp) inside(node) = max(0.0_wp, &
+            1.0_wp - cells*(1.0_wp - simulation%nodes%volume(1, node, tile)/around(node)))
+      end do
+   end subroutine find_inside
+end module step_stress_difference

@@ -1,0 +1,33 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What each tile costs: the work of the threads on it in one step, taken only in the steps before
+!! the loads of ranks are compared.
+module step_tile_cost
+   use base_kinds, only: wp
+   use base_timer, only: thread_seconds
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: book_cost, cost_clock
+
+contains
+
+   !> Clock at the start of the work on a tile; it stands still where nobody measures [s].
+   real(wp) function cost_clock(simulation) result(seconds)
+      type(simulation_t), intent(in) :: simulation   !! The run
+
+      seconds = 0.0_wp
+      if (allocated(simulation%cost)) seconds = thread_seconds()
+   end function cost_clock
+
+   !> Book the work on a tile since a reading of the clock. Ghosts belong to other ranks.
+   subroutine book_cost(simulation, tile, began)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: began                  !! Clock at the start [s]
+
+      if (.not. allocated(simulation%cost)) return
+      if (tile > size(simulation%cost)) return
+      simulation%cost(tile) = simulation%cost(tile) + thread_seconds() - began
+   end subroutine book_cost
+end module step_tile_cost

@@ -1,0 +1,216 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Rotation of matter as it varies from tile to tile (`turn_from = 'tiles'`).
+!!
+!! With RFLIP the rotation that particles carry brings velocities to the nodes that straining sees
+!! and the particles do not keep: the work of the stress on them is lost. Where the rotation is that
+!! of a body this work is nothing, as a rotation has no strain. The rotation of single particles
+!! wavers from one to the next; a vibrating ring of five cells loses a third of its energy by it.
+!! Here each particle gets the mean by mass of the rotations around it, with weights that fall
+!! linearly over the edge of a tile. Equation (T.13) of doc/theory/transfers.md.
+module step_tile_rotation
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   use mesh_patch, only: assemble, clear_patch, ensure_patch, extent_of
+   use particle_store, only: store_t
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: smooth_rotation
+
+   integer, parameter :: corners = 8                 !! Of a tile
+   integer, parameter :: columns = 4                 !! Mass times rotation, and mass
+   integer, parameter :: chunk = 128                 !! Particles whose weights stay in cache
+
+contains
+
+   !> Give all particles the rotation of the matter around them. The particles are sorted.
+   subroutine smooth_rotation(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run, its particles carry a rotation
+      integer, allocatable :: tiles(:)
+      integer :: part, n, tile
+
+      call simulation%timer%start(simulation%phase%scatter)
+      call ensure_patch(simulation%nodes%turn, columns, simulation%grid%tile_nodes, &
+         simulation%tiles%own)
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, tiles) private(n) schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            call add_tile(simulation, tiles(n), simulation%nodes%turn(:, :, tiles(n)))
+         end do
+         !$omp end parallel do
+         call pass_patches(simulation, part, simulation%nodes%turn)
+      end do
+      !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic, 1)
+      do tile = 1, simulation%tiles%own
+         call turn_tile(simulation, tile)
+      end do
+      !$omp end parallel do
+      call simulation%timer%stop(simulation%phase%scatter)
+   end subroutine smooth_rotation
+
+   !> Mass and its rotation at the corners of a tile, from its particles.
+   subroutine add_tile(simulation, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Not zero at corners only
+      real(wp) :: sums(columns, corners), lower(3), inverse(3)
+      integer :: node(corners), index, corner
+
+      call clear_patch(patch)
+      call measure_tile(simulation, tile, lower, inverse)
+      sums = 0.0_wp
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            if (store%count(tile) > 0) call add_store(store, tile, lower, inverse, sums)
+         end associate
+      end do
+      call find_corners(simulation, tile, node)
+      do corner = 1, corners
+         patch(:, node(corner)) = patch(:, node(corner)) + sums(:, corner)
+      end do
+   end subroutine add_tile
+
+   !> Those of one material, by chunks that stay in cache.
+   pure subroutine add_store(store, tile, lower, inverse, sums)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
+      real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
+      real(wp), intent(inout) :: sums(columns, corners) !! At the corners [kg/s], [kg]
+      real(wp) :: weight(chunk, corners), value(chunk, columns), total
+      integer :: before, count, corner, column, p
+
+      do before = store%first(tile) - 1, store%first(tile) + store%count(tile) - 2, chunk
+         count = min(chunk, store%first(tile) + store%count(tile) - 1 - before)
+         call weigh_corners(count, before, store%position, lower, inverse, weight)
+         do p = 1, count
+            value(p, columns) = store%matter%mass(before + p)
+         end do
+         do column = 1, columns - 1
+            do p = 1, count
+               value(p, column) = value(p, columns)*store%spin(before + p, column)
+            end do
+         end do
+         do corner = 1, corners
+            do column = 1, columns
+               total = 0.0_wp
+               !$omp simd reduction(+:total)
+               do p = 1, count
+                  total = total + value(p, column)*weight(p, corner)
+               end do
+               sums(column, corner) = sums(column, corner) + total
+            end do
+         end do
+      end do
+   end subroutine add_store
+
+   !> Rotation of the particles of a tile, from its corners.
+   subroutine turn_tile(simulation, tile)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: total(columns, simulation%grid%tile_nodes), turn(3, corners)
+      real(wp) :: lower(3), inverse(3)
+      integer :: node(corners), corner, index
+
+      call assemble(simulation%grid, simulation%tiles, simulation%nodes%turn, tile, total)
+      call find_corners(simulation, tile, node)
+      call measure_tile(simulation, tile, lower, inverse)
+      turn = 0.0_wp
+      do corner = 1, corners
+         if (total(4, node(corner)) > 0.0_wp) &
+            turn(:, corner) = total(1:3, node(corner))/total(4, node(corner))
+      end do
+      do index = 1, size(simulation%stores)
+         if (simulation%stores(index)%count(tile) > 0) &
+            call turn_store(simulation%stores(index), tile, lower, inverse, turn)
+      end do
+   end subroutine turn_tile
+
+   !> That of the particles of one material.
+   pure subroutine turn_store(store, tile, lower, inverse, turn)
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
+      real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
+      real(wp), intent(in) :: turn(3, corners)       !! Rotation at the corners [1/s]
+      real(wp) :: weight(chunk, corners), spin
+      integer :: before, count, corner, k, p
+
+      do before = store%first(tile) - 1, store%first(tile) + store%count(tile) - 2, chunk
+         count = min(chunk, store%first(tile) + store%count(tile) - 1 - before)
+         call weigh_corners(count, before, store%position, lower, inverse, weight)
+         do k = 1, 3
+            do p = 1, count
+               spin = 0.0_wp
+               do corner = 1, corners
+                  spin = spin + weight(p, corner)*turn(k, corner)
+               end do
+               store%spin(before + p, k) = spin
+            end do
+         end do
+      end do
+   end subroutine turn_store
+
+   !> Nodes at the corners of a tile; those of a missing direction fall together.
+   pure subroutine find_corners(simulation, tile, node)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(out) :: node(corners)          !! Their numbers
+      integer :: corner, extent(3), margin(3), bit(3), k
+
+      associate (grid => simulation%grid)
+         extent = extent_of(grid, simulation%tiles, tile)
+         margin = merge(grid%margin, 0, grid%active)
+         do corner = 1, corners
+            bit = [(ibits(corner - 1, k - 1, 1), k=1, 3)]
+            node(corner) = 1 + dot_product(bit*extent + margin, grid%stride)
+         end do
+      end associate
+   end subroutine find_corners
+
+   !> Where a tile lies: its lower corner, and one over its edges; 0 for missing directions.
+   pure subroutine measure_tile(simulation, tile, lower, inverse)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(out) :: lower(3)              !! [m]
+      real(wp), intent(out) :: inverse(3)            !! [1/m]
+      integer :: extent(3)
+
+      associate (grid => simulation%grid)
+         extent = max(1, extent_of(grid, simulation%tiles, tile))
+         lower = grid%lower + real(simulation%tiles%coordinate(:, tile)*grid%width, wp)*grid%spacing
+         inverse = merge(1.0_wp/(real(extent, wp)*grid%spacing), 0.0_wp, grid%active)
+      end associate
+   end subroutine measure_tile
+
+   !> Weights of the corners of a tile at particles: products of linear functions, whose sum is 1;
+   !! 0 for missing directions.
+   pure subroutine weigh_corners(count, before, position, lower, inverse, weight)
+      integer, intent(in) :: count                   !! Particles of the chunk
+      integer, intent(in) :: before                  !! Particles of the store before them
+      real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) [m]
+      real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
+      real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
+      real(wp), intent(inout) :: weight(chunk, corners) !! (particle of the chunk, corner)
+      real(wp) :: x, y, z
+      integer :: p
+
+      !$omp simd private(x, y, z)
+      do p = 1, count
+         x = min(1.0_wp, max(0.0_wp, (position(before + p, 1) - lower(1))*inverse(1)))
+         y = min(1.0_wp, max(0.0_wp, (position(before + p, 2) - lower(2))*inverse(2)))
+         z = min(1.0_wp, max(0.0_wp, (position(before + p, 3) - lower(3))*inverse(3)))
+         weight(p, 1) = (1.0_wp - x)*(1.0_wp - y)*(1.0_wp - z)
+         weight(p, 2) = x*(1.0_wp - y)*(1.0_wp - z)
+         weight(p, 3) = (1.0_wp - x)*y*(1.0_wp - z)
+         weight(p, 4) = x*y*(1.0_wp - z)
+         weight(p, 5) = (1.0_wp - x)*(1.0_wp - y)*z
+         weight(p, 6) = x*(1.0_wp - y)*z
+         weight(p, 7) = (1.0_wp - x)*y*z
+         weight(p, 8) = x*y*z
+      end do
+   end subroutine weigh_corners
+end module step_tile_rotation

@@ -1,0 +1,464 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Watches whether the results of a run can be trusted where its balances cannot tell: speeds and
+!! energies, distances of neighbours, volumes and pressures. It warns once of each and stops the run
+!! where a number is impossible. The values and their limits are (L.8) to (L.11) of
+!! doc/theory/ledger.md.
+module step_trust
+   use base_error, only: error_t, exit_physics, fail
+   use base_exact_sum, only: exact_sum_t
+   use base_kinds, only: int64, wp
+   use base_log, only: log_t
+   use ddmp_dual, only: surface_fill
+   use mesh_motion, only: motion_t
+   use particle_body, only: body_t
+   use particle_neighbours, only: lattice_t
+   use step_diagnostics, only: bounds_look_t, find_greatest, look_at_bounds, look_at_shapes, &
+      measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_look_t
+   use step_ledger, only: balance_t, external_work, mass, retired_mass
+   use step_method, only: method_t
+   use step_offending_particle, only: name_particle, step_text
+   use step_simulation, only: simulation_t
+   use step_trust_record, only: apart, trust_bad, trust_damped, trust_energy, trust_heat, &
+      trust_momentum, trust_noise, trust_ok, trust_retired, trust_speed, trust_stretch, trust_t, &
+      trust_volume, verdict_of
+   implicit none
+   private
+
+   public :: begin_trust, final_trust, number_lattices, warn_of_balance, watch_trust
+
+   !> Slower than this share of the speed of waves matter is at rest, and its momentum rounding [1]
+   real(wp), parameter :: slow = 1.0e-3_wp
+   integer(int64), parameter :: bounds_every = 5     !! Steps between looks at speed and energy
+   integer(int64), parameter :: work_every = 50      !! ... between sums of the work
+   integer(int64), parameter :: shapes_every = 250   !! Steps between looks at distances and volumes
+
+contains
+
+   !> Number the lattices of the bodies, by which neighbours are found.
+   subroutine number_lattices(simulation, bodies)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      integer(int64) :: next
+      integer :: n, other
+
+      if (allocated(simulation%trust%lattices)) deallocate (simulation%trust%lattices)
+      allocate (simulation%trust%lattices(size(bodies)))
+      next = 1
+      do n = 1, size(bodies)
+         associate (lattice => simulation%trust%lattices(n))
+            lattice%first = next
+            lattice%sites = bodies(n)%sites(simulation%grid)
+            lattice%regular = bodies(n)%on_lattice()
+            next = next + product(lattice%sites)
+            lattice%origin = lattice%first
+            if (allocated(simulation%contact) .or. .not. lattice%regular) cycle
+            ! without contact bodies of one lattice that touch at the start move as one
+            do other = 1, n - 1
+               if (bodies(other)%store /= bodies(n)%store .or. .not. &
+                  bodies(other)%on_lattice()) cycle
+               if (any(bodies(other)%per_cell /= bodies(n)%per_cell)) cycle
+               lattice%origin = simulation%trust%lattices(other)%origin
+               exit
+            end do
+         end associate
+      end do
+   end subroutine number_lattices
+
+   !> Note speeds and energies at the start of a run, by which later ones are judged. Collective.
+   subroutine begin_trust(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run in its first state
+      type(bounds_look_t) :: look
+
+      if (simulation%trust%begun) return
+      call look_at_bounds(simulation, 0.0_wp, look)
+      associate (trust => simulation%trust)
+         trust%begun = .true.
+         trust%start_speed = look%speed
+         trust%start_energy = simulation%communicator%maximum(greatest_stored(simulation))
+         if (look%cold < huge(look%cold)) trust%least_energy = look%cold
+      end associate
+   end subroutine begin_trust
+
+   !> Greatest energy per mass that a particle of this rank carries or stores elastically [J/kg].
+   function greatest_stored(simulation) result(greatest)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      real(wp) :: greatest
+      real(wp), allocatable :: energy(:)
+      integer :: index, tile, first, last
+
+      greatest = 0.0_wp
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            do tile = 1, size(store%count)
+               if (store%count(tile) == 0) cycle
+               first = store%first(tile)
+               last = first + store%count(tile) - 1
+               allocate (energy(store%count(tile)))
+               call simulation%materials(index)%stored_energy(store%matter, first, last, energy)
+               greatest = max(greatest, maxval(energy/store%matter%mass(first:last)))
+               deallocate (energy)
+            end do
+         end associate
+      end do
+   end function greatest_stored
+
+   !> Look at the state after a step if it is time to. Collective.
+   subroutine watch_trust(simulation, log, error)
+      type(simulation_t), intent(inout) :: simulation !! The run after a step
+      type(log_t), intent(inout) :: log              !! Told of what is wrong, once
+      type(error_t), allocatable, intent(out) :: error !! A number is impossible
+      type(bounds_look_t) :: bounds
+      type(shapes_look_t) :: shapes
+
+      if (mod(simulation%step, work_every) == 0) call note_work(simulation, simulation%trust)
+      if (mod(simulation%step, bounds_every) == 0) then
+         call look_at_bounds(simulation, simulation%trust%least_energy, bounds)
+         call note_bounds(simulation, bounds, simulation%trust)
+         call warn_of_bounds(simulation, bounds, log)
+         call refuse_impossible(simulation, bounds, error)
+         if (allocated(error)) return
+      end if
+      if (mod(simulation%step, shapes_every) == 0) then
+         call look_at_shapes(simulation, shapes)
+         call note_shapes(shapes, simulation%trust)
+         call warn_of_shapes(simulation, shapes, log)
+      end if
+   end subroutine watch_trust
+
+   !> What is known at the end: with the last state, if it is one that a run could go on from. What
+   !! a checkpoint holds does not change, so that a run that goes on sees what it would have seen
+   !! without a break. Collective.
+   subroutine final_trust(simulation, code, now, trust)
+      type(simulation_t), intent(inout) :: simulation !! The run at its end; stays as it is
+      integer, intent(in) :: code                    !! Exit code
+      type(balance_t), intent(in) :: now             !! Its books
+      type(trust_t), intent(out) :: trust            !! What is known
+      type(bounds_look_t) :: bounds
+      type(shapes_look_t) :: shapes
+
+      trust = simulation%trust
+      trust%failed = code == exit_physics
+      if (trust%begun .and. code /= exit_physics) then
+         call note_work(simulation, trust)
+         call look_at_bounds(simulation, trust%least_energy, bounds)
+         call note_bounds(simulation, bounds, trust)
+         call look_at_shapes(simulation, shapes)
+         call note_shapes(shapes, trust)
+      end if
+      trust%worst(trust_energy) = abs(now%energy_error)
+      trust%worst(trust_damped) = now%damped_share
+      associate (ledger => simulation%ledger)
+         if (ledger%momentum_scale > 0.0_wp) trust%worst(trust_momentum) = now%momentum_error &
+            *ledger%momentum_scale/max(ledger%momentum_scale, slow*ledger%start%entry(mass) &
+            *sqrt(greatest_wave_square(simulation)))
+      end associate
+      if (simulation%ledger%start%entry(mass) > 0.0_wp) trust%worst(trust_retired) = &
+         now%entry(retired_mass)/simulation%ledger%start%entry(mass)
+   end subroutine final_trust
+
+   !> Take the worst of distances, volumes and pressures.
+   pure subroutine note_shapes(look, trust)
+      type(shapes_look_t), intent(in) :: look        !! What was found
+      type(trust_t), intent(inout) :: trust          !! The worst so far
+
+      trust%longest = max(trust%longest, look%longest)
+      trust%worst(trust_stretch) = max(trust%worst(trust_stretch), look%share)
+      trust%worst(trust_volume) = max(trust%worst(trust_volume), look%overlap)
+      ! pressures that are small beside the inertia of the motion do not matter
+      trust%pressure = max(trust%pressure, look%pressure, look%kinetic)
+      trust%difference = max(trust%difference, look%difference)
+      if (trust%pressure > 0.0_wp) trust%worst(trust_noise) = trust%difference/trust%pressure
+   end subroutine note_shapes
+
+   !> Take the worst of speeds and energies, over what can be explained. Equations (L.10) and (L.11)
+   !! of doc/theory/ledger.md. A manufactured solution may do anything.
+   pure subroutine note_bounds(simulation, look, trust)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(bounds_look_t), intent(in) :: look        !! What was found
+      type(trust_t), intent(inout) :: trust          !! The worst so far
+      real(wp) :: square, scale
+
+      if (allocated(simulation%exact)) return
+      square = explained_square(simulation, trust)
+      if (square > 0.0_wp) trust%worst(trust_speed) = max(trust%worst(trust_speed), &
+         look%speed/sqrt(square))
+      if (look%heat < look%cold) return
+      scale = max(0.5_wp*square, 0.01_wp*greatest_wave_square(simulation))
+      if (.not. scale > 0.0_wp) return
+      call take_worse(trust%worst(trust_heat), (look%heat - trust%least_energy)/scale)
+      call take_worse(trust%worst(trust_heat), (look%cold - trust%least_energy)/scale)
+   end subroutine note_bounds
+
+   !> Take a value of heat if it is worse than that before.
+   pure subroutine take_worse(worst, value)
+      real(wp), intent(inout) :: worst               !! So far
+      real(wp), intent(in) :: value                  !! Another one
+      real(wp), parameter :: cold = 4.0_wp           ! limits of cold are a fourth of those of heat
+
+      if (max(value, -cold*value) > max(worst, -cold*worst)) worst = value
+   end subroutine take_worse
+
+   !> Take the greatest work of walls and gravity so far. Collective.
+   subroutine note_work(simulation, trust)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(trust_t), intent(inout) :: trust          !! The greatest so far
+      type(exact_sum_t) :: sum
+
+      call sum%merge(simulation%ledger%sums(external_work))
+      call sum%over_ranks(simulation%communicator)
+      trust%work = max(trust%work, abs(sum%value()))
+   end subroutine note_work
+
+   !> Square of the greatest speed that start, walls, gravity, energy at the start and work explain
+   !! [m2/s2]. Equation (L.10).
+   pure real(wp) function explained_square(simulation, trust) result(square)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(trust_t), intent(in) :: trust             !! Its start
+      integer :: n
+
+      square = max(trust%start_speed**2, 2.0_wp*trust%start_energy)
+      associate (boundary => simulation%boundary, grid => simulation%grid)
+         if (allocated(boundary%wall)) then
+            do n = 1, size(boundary%wall)
+               square = max(square, greatest_motion(boundary%wall(n)%motion)**2)
+            end do
+         end if
+         do n = 1, 6
+            square = max(square, sum(boundary%velocity(:, n)**2))
+            if (boundary%warm(n)) square = max(square, 2.0_wp*boundary%temperature(n) &
+               *greatest_capacity(simulation))
+         end do
+         if (allocated(simulation%gravity)) square = max(square, 2.0_wp*sum( &
+            abs(simulation%gravity)*(grid%upper - grid%lower), mask=grid%active))
+         if (allocated(simulation%shaking)) square = max(square, 2.0_wp* &
+            greatest_motion(simulation%shaking)*norm2(grid%upper - grid%lower))
+      end associate
+      if (allocated(simulation%rigid)) then
+         do n = 1, size(simulation%rigid%wall)
+            square = max(square, greatest_motion(simulation%rigid%wall(n)%motion)**2)
+         end do
+      end if
+      associate (whole => simulation%ledger%start%entry(mass))
+         if (whole > 0.0_wp) square = max(square, 2.0_wp*trust%work/whole)
+      end associate
+   end function explained_square
+
+   !> Greatest speed of a wall, or more [m/s].
+   pure real(wp) function greatest_motion(motion) result(speed)
+      type(motion_t), intent(in) :: motion           !! How it moves
+
+      speed = norm2(motion%steady)
+      if (allocated(motion%time)) speed = speed + sqrt(maxval(sum(motion%speed**2, dim=1)))
+   end function greatest_motion
+
+   !> Greatest specific heat of the materials [J/(kg K)].
+   pure real(wp) function greatest_capacity(simulation) result(capacity)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer :: n
+
+      capacity = 0.0_wp
+      do n = 1, size(simulation%materials)
+         if (allocated(simulation%materials(n)%heat)) &
+            capacity = max(capacity, simulation%materials(n)%heat%specific_heat)
+      end do
+   end function greatest_capacity
+
+   !> Square of the greatest wave speed of the materials at rest [m2/s2].
+   pure real(wp) function greatest_wave_square(simulation) result(square)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer :: n
+
+      square = 0.0_wp
+      do n = 1, size(simulation%materials)
+         square = max(square, simulation%materials(n)%reference_speed()**2)
+      end do
+   end function greatest_wave_square
+
+   !> Warn of a speed or an energy that nothing explains, and of whose it is. Collective.
+   subroutine warn_of_bounds(simulation, look, log)
+      type(simulation_t), intent(inout) :: simulation !! The run, notes that it has warned
+      type(bounds_look_t), intent(in) :: look        !! What was found
+      type(log_t), intent(inout) :: log              !! Gets the warnings
+      character(len=160) :: text
+
+      associate (trust => simulation%trust)
+         if (warns(trust, trust_speed, trust_bad)) then
+            write (text, "(a,es10.3,a,es9.2,a)") "its speed", look%speed, " m/s is", &
+               trust%worst(trust_speed), " times what start, walls, gravity and work explain"
+            call tell_particle(simulation, log, find_greatest(simulation, measure_speed, &
+               trust%least_energy), trim(text)//"; check units and constants of its material, "// &
+               "try a smaller cfl or more particles a cell (ppc)")
+         end if
+         if (.not. warns(trust, trust_heat, trust_bad)) return
+         if (trust%worst(trust_heat) > 0.0_wp) then
+            write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", look%heat, " J/kg is", &
+               trust%worst(trust_heat), " times what was put in"
+            call tell_particle(simulation, log, find_greatest(simulation, measure_heat, &
+               trust%least_energy), trim(text)//"; check its equation of state, or take such "// &
+               "particles out with &time on_bad = 'retire'")
+         else
+            write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", look%cold, &
+               " J/kg is below the least at the start by", -trust%worst(trust_heat), &
+               " times what was put in"
+            call tell_particle(simulation, log, find_greatest(simulation, measure_cold, &
+               trust%least_energy), trim(text)//"; check its equation of state in expansion, "// &
+               "or give the material a spall strength")
+         end if
+      end associate
+   end subroutine warn_of_bounds
+
+   !> Warn of neighbours that are apart, of volumes that do not fit, and of noise. Collective.
+   subroutine warn_of_shapes(simulation, look, log)
+      type(simulation_t), intent(inout) :: simulation !! The run, notes that it has warned
+      type(shapes_look_t), intent(in) :: look        !! What was found
+      type(log_t), intent(inout) :: log              !! Gets the warnings
+      character(len=200) :: text
+
+      associate (trust => simulation%trust)
+         if (warns(trust, trust_stretch, trust_ok + 1)) then
+            write (text, "(a,f0.2,a,f0.1,a,f0.1,a)") "its neighbour is ", look%longest, &
+               " cells away, and in ", 100.0_wp*look%share, &
+               " % of the mass neighbours are more than ", apart, " cells apart"
+            call tell_particle(simulation, log, look%longest_identity, trim(text)//": they "// &
+               "lose each other; use more particles a cell (ppc), or &method split = .true.")
+         end if
+         if (warns(trust, trust_volume, trust_bad)) then
+            write (text, "(a,f0.1,a)") "it has grown most, and particles claim ", &
+               100.0_wp*look%overlap, " % more volume than there is"
+            call tell_particle(simulation, log, find_greatest(simulation, measure_volume, &
+               trust%least_energy), trim(text)//"; use a lattice, more particles a cell (ppc) "// &
+               "or &method transfer = 'xpic'")
+         end if
+         if (.not. warns(trust, trust_noise, trust_bad)) return
+         write (text, "(a,f0.1,a)") "its pressure differs most from that around it, by ", &
+            100.0_wp*trust%worst(trust_noise), " % of all pressure on average"
+         call tell_particle(simulation, log, look%difference_identity, trim(text)//"; use more "// &
+            "particles a cell (ppc), &method transfer = 'xpic' or more artificial viscosity")
+      end associate
+   end subroutine warn_of_shapes
+
+   !> Say at the end which balances do not close, and what closes them. Collective.
+   subroutine warn_of_balance(method, now, trust, log)
+      type(method_t), intent(in) :: method           !! How the run was computed
+      type(balance_t), intent(in) :: now             !! Its books
+      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(log_t), intent(inout) :: log              !! Gets the warnings
+
+      call warn_of_energy(method, now, trust, log)
+      call warn_of_momentum(method, trust, log)
+   end subroutine warn_of_balance
+
+   !> Say at the end that energy is missing, and what keeps it. Collective.
+   subroutine warn_of_energy(method, now, trust, log)
+      type(method_t), intent(in) :: method           !! How the run was computed
+      type(balance_t), intent(in) :: now             !! Its books
+      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      character(len=:), allocatable :: remedy
+      character(len=16) :: share
+      real(wp) :: lost
+      logical :: strays
+
+      lost = max(0.0_wp, now%damped_share) - min(0.0_wp, now%energy_error)
+      if (trust%failed .or. .not. lost > 0.0_wp) return
+      strays = now%energy_error < 0.0_wp .and. &
+         verdict_of(trust_energy, trust%worst(trust_energy)) /= trust_ok
+      if (.not. strays .and. verdict_of(trust_damped, now%damped_share) == trust_ok) return
+      remedy = ""
+      if (strays .and. .not. method%averages()) remedy = " stress_update = 'usavg',"
+      if (method%transfer%keep() > 0.0_wp .and. method%transfer%keep() < 1.0_wp) &
+         remedy = remedy//" flip = 1,"
+      if (len(remedy) == 0) then
+         remedy = "use more particles a cell (ppc)"
+      else
+         remedy = "write"//remedy(:len(remedy) - 1)//" in &method"
+      end if
+      if (lost < 1.0e6_wp) then
+         write (share, "(f0.1)") 100.0_wp*lost
+      else
+         write (share, "(es8.1)") 100.0_wp*lost
+      end if
+      call log%warn("warning: "//trim(share)//" % of the energy is lost: where matter carries "// &
+         "no internal energy nothing takes up what straining and transfers filter; "//remedy)
+   end subroutine warn_of_energy
+
+   !> Say at the end that momentum is not conserved, and by what. Collective.
+   subroutine warn_of_momentum(method, trust, log)
+      type(method_t), intent(in) :: method           !! How the run was computed
+      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      character(len=:), allocatable :: remedy
+      character(len=16) :: share
+
+      if (trust%failed) return
+      if (verdict_of(trust_momentum, trust%worst(trust_momentum)) == trust_ok) return
+      remedy = "look for the step from which on it is off in the history"
+      if (method%surface /= surface_fill) remedy = "a cell with an empty node puts force "// &
+         "where no mass is; write free_surface = 'fill' in &method"
+      if (method%differing()) remedy = "each node has a mean stress of its own taken out; "// &
+         "write quadrature = 'point' in &method"
+      write (share, "(es8.1)") abs(trust%worst(trust_momentum))
+      call log%warn("warning: momentum is not conserved, error"//trim(share)//" of the "// &
+         "greatest sum of m |v|: "//remedy)
+   end subroutine warn_of_momentum
+
+   !> Is a warning due? It is given once.
+   logical function warns(trust, entry, from) result(due)
+      type(trust_t), intent(inout) :: trust          !! Notes that it is given
+      integer, intent(in) :: entry                   !! Of what
+      integer, intent(in) :: from                    !! Verdict from which on
+
+      due = .false.
+      if (trust%warned(entry)) return
+      due = verdict_of(entry, trust%worst(entry)) >= from
+      trust%warned(entry) = due
+   end function warns
+
+   !> Give a warning with step, time and a particle. Collective.
+   subroutine tell_particle(simulation, log, identity, words)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(log_t), intent(inout) :: log              !! Gets it
+      integer(int64), intent(in) :: identity         !! Of the particle
+      character(len=*), intent(in) :: words          !! What is wrong
+      character(len=:), allocatable :: who
+
+      call name_particle(simulation, identity, who)
+      call log%warn("warning: "//step_text(simulation)//": "//who//": "//words)
+   end subroutine tell_particle
+
+   !> A particle cannot have more than all the energy there is; with twice of it the run ends.
+   !! Collective.
+   subroutine refuse_impossible(simulation, look, error)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(bounds_look_t), intent(in) :: look        !! What was found
+      type(error_t), allocatable, intent(out) :: error !! If so
+      real(wp), parameter :: margin = 2.0_wp
+      real(wp) :: available
+      character(len=:), allocatable :: who
+      character(len=160) :: text
+
+      if (allocated(simulation%exact) .or. holds_heat(simulation)) return
+      associate (trust => simulation%trust, start => simulation%ledger%start)
+         available = start%total - min(0.0_wp, trust%least_energy)*start%entry(mass) + trust%work
+         if (.not. available > 0.0_wp .or. look%energy <= margin*available) return
+         call name_particle(simulation, find_greatest(simulation, measure_energy, &
+            trust%least_energy), who)
+         write (text, "(a,es10.3,a,es10.3,a)") "it has an energy of", look%energy, &
+            " J, more than there is in the whole run,", available, " J"
+      end associate
+      call fail(error, exit_physics, step_text(simulation)//": "//who//": "//trim(text))
+   end subroutine refuse_impossible
+   !> Does a material have a temperature and no internal energy, beside others that have? Heat that
+   !! is conducted from one to the other is no part of the energy that the run knows of.
+   pure logical function holds_heat(simulation) result(yes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer :: n
+
+      yes = .false.
+      if (.not. simulation%carries_energy) return
+      do n = 1, size(simulation%materials)
+         yes = yes .or. (allocated(simulation%materials(n)%heat) .and. .not. &
+            simulation%materials(n)%carries_energy())
+      end do
+   end function holds_heat
+end module step_trust

@@ -1,0 +1,158 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> What a run knows about how far its results can be trusted: the worst values so far, their limits,
+!! and how they are told. The limits and their reasons stand in doc/theory/ledger.md.
+module step_trust_record
+   use base_error, only: error_t
+   use base_kinds, only: int64, wp
+   use io_state, only: state_t
+   use io_summary, only: json_t
+   use particle_neighbours, only: lattice_t
+   implicit none
+   private
+
+   public :: add_trust, load_trust, save_trust, trust_t, trust_text, verdict_of
+
+   integer, parameter, public :: trust_energy = 1    !! Error of the energy balance at the end
+   integer, parameter, public :: trust_volume = 2    !! Volume claimed beyond that there is
+   integer, parameter, public :: trust_stretch = 3   !! Mass of particles far from their neighbours
+   integer, parameter, public :: trust_noise = 4     !! Pressure that nodes do not see
+   integer, parameter, public :: trust_speed = 5     !! Greatest speed over what can be explained
+   integer, parameter, public :: trust_heat = 6      !! Energy of a particle, in the same way
+   integer, parameter, public :: trust_retired = 7   !! Mass taken out for leaving its bounds
+   integer, parameter, public :: trust_damped = 8    !! Kinetic energy that the share of PIC took
+   integer, parameter, public :: trust_momentum = 9  !! Error of the momentum balance at the end
+   integer, parameter, public :: trust_entries = 9   !! Number of these
+   character(len=8), parameter, public :: trust_names(trust_entries) = [character(len=8) :: &
+      "energy", "volume", "stretch", "noise", "speed", "heat", "retired", &
+      "damped", "momentum"]
+   integer, parameter, public :: trust_ok = 1, trust_look = 2, trust_bad = 3
+   character(len=4), parameter, public :: trust_words(3) = [character(len=4) :: "ok", "look", "bad"]
+   !> Values up to here are ok, beyond the next ones bad
+   real(wp), parameter :: ok_until(trust_entries) = &
+      [0.02_wp, 0.1_wp, 0.01_wp, 0.5_wp, 2.0_wp, 4.0_wp, 0.0_wp, 0.05_wp, 1.0e-9_wp]
+   real(wp), parameter :: bad_beyond(trust_entries) = &
+      [0.1_wp, 0.25_wp, 0.1_wp, sqrt(0.5_wp), 4.0_wp, 16.0_wp, 0.01_wp, 0.5_wp, 0.01_wp]
+   !> Energy below the least at the start, in the same unit as the heat above
+   real(wp), parameter :: cold_ok = 1.0_wp, cold_bad = 4.0_wp
+   !> Neighbours are apart from this distance on [cells]: one in ten pairs then has no common node
+   real(wp), parameter, public :: apart = 1.1_wp
+
+   !> What is kept from step to step. The same on all ranks.
+   type :: trust_t
+      real(wp) :: worst(trust_entries) = 0.0_wp      !! Worst values so far, heat with its sign
+      real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
+      real(wp) :: pressure = 0.0_wp                  !! Greatest, or density of kinetic energy [Pa]
+      real(wp) :: difference = 0.0_wp                !! Greatest pressure that nodes do not see [Pa]
+      real(wp) :: start_speed = 0.0_wp               !! Greatest speed at the start [m/s]
+      real(wp) :: start_energy = 0.0_wp              !! Greatest energy per mass then [J/kg]
+      real(wp) :: least_energy = 0.0_wp              !! Least of matter that carries it [J/kg]
+      real(wp) :: work = 0.0_wp                      !! Greatest work of walls and gravity [J]
+      logical :: begun = .false.                     !! Is the start known?
+      logical :: failed = .false.                    !! Did the run have to end?
+      logical :: warned(trust_entries) = .false.     !! Has a warning been given?
+      !> (body) Lattices of the bodies, from the deck
+      type(lattice_t), allocatable :: lattices(:)
+   end type trust_t
+
+contains
+
+   !> Is a value ok, to be looked at, or bad?
+   pure integer function verdict_of(entry, value) result(verdict)
+      integer, intent(in) :: entry                   !! Which value
+      real(wp), intent(in) :: value                  !! In its unit
+
+      verdict = trust_bad
+      if (entry == trust_heat .and. value < 0.0_wp) then
+         if (-value <= cold_bad) verdict = trust_look
+         if (-value <= cold_ok) verdict = trust_ok
+      else
+         if (abs(value) <= bad_beyond(entry)) verdict = trust_look
+         if (abs(value) <= ok_until(entry)) verdict = trust_ok
+      end if
+   end function verdict_of
+
+   !> The line at the end of a run.
+   function trust_text(trust) result(text)
+      type(trust_t), intent(in) :: trust             !! The values at the end
+      character(len=:), allocatable :: text
+      character(len=40) :: part
+      integer :: entry, worst
+
+      worst = merge(trust_bad, trust_ok, trust%failed)
+      text = ""
+      do entry = 1, trust_entries
+         associate (verdict => verdict_of(entry, trust%worst(entry)))
+            worst = max(worst, verdict)
+            write (part, "(a,es9.1,a)") trim(trust_names(entry)), trust%worst(entry), &
+               " "//trim(trust_words(verdict))
+         end associate
+         if (entry > 1) text = text//", "
+         text = text//trim(part)
+      end do
+      write (part, "(f0.2)") trust%longest
+      if (part(1:1) == ".") part = "0"//trim(part)
+      text = "trust     "//trim(trust_words(worst))//": "//text//"; neighbours at most "// &
+         trim(part)//" cells apart"
+   end function trust_text
+
+   !> The same for scripts.
+   subroutine add_trust(json, trust)
+      type(json_t), intent(inout) :: json            !! The summary
+      type(trust_t), intent(in) :: trust             !! The values at the end
+      integer :: entry, worst
+
+      call json%begin("trust")
+      worst = merge(trust_bad, trust_ok, trust%failed)
+      do entry = 1, trust_entries
+         associate (verdict => verdict_of(entry, trust%worst(entry)))
+            worst = max(worst, verdict)
+            call json%begin(trim(trust_names(entry)))
+            call json%add("value", trust%worst(entry))
+            if (entry == trust_stretch) call json%add("greatest", trust%longest)
+            call json%add("verdict", trim(trust_words(verdict)))
+            call json%end()
+         end associate
+      end do
+      call json%add("verdict", trim(trust_words(worst)))
+      call json%end()
+   end subroutine add_trust
+
+   !> Put what is known into the state of a checkpoint.
+   subroutine save_trust(trust, state)
+      type(trust_t), intent(in) :: trust             !! What is known
+      type(state_t), intent(inout) :: state          !! Of the checkpoint
+
+      call state%set("trust", [trust%worst, trust%longest, trust%pressure, trust%difference, &
+         trust%start_speed, trust%start_energy, trust%least_energy, trust%work])
+      call state%set("trust_flags", [merge(1_int64, 0_int64, trust%warned), &
+         merge(1_int64, 0_int64, trust%begun)])
+   end subroutine save_trust
+
+   !> Take it from a checkpoint. One that lacks it lets the run begin to look anew.
+   subroutine load_trust(trust, state)
+      type(trust_t), intent(inout) :: trust          !! What is known
+      type(state_t), intent(in) :: state             !! Of the checkpoint
+      real(wp), allocatable :: values(:)
+      integer(int64), allocatable :: flags(:)
+      type(error_t), allocatable :: error
+
+      if (.not. (state%has("trust") .and. state%has("trust_flags"))) return
+      call state%get("trust", values, error)
+      if (allocated(error)) return
+      call state%get("trust_flags", flags, error)
+      if (allocated(error)) return
+      if (size(values) /= trust_entries + 7 .or. size(flags) /= trust_entries + 1) return
+      trust%worst = values(:trust_entries)
+      associate (rest => values(trust_entries + 1:))
+         trust%longest = rest(1)
+         trust%pressure = rest(2)
+         trust%difference = rest(3)
+         trust%start_speed = rest(4)
+         trust%start_energy = rest(5)
+         trust%least_energy = rest(6)
+         trust%work = rest(7)
+      end associate
+      trust%warned = flags(:trust_entries) /= 0
+      trust%begun = flags(trust_entries + 1) /= 0
+   end subroutine load_trust
+end module step_trust_record

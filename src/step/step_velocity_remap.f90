@@ -1,0 +1,292 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Further ways from nodes to particles and back within a step: the terms of the series that filters
+!! node velocities, and the map of the new particle velocities that strains with `musl`.
+module step_velocity_remap
+   use base_kinds, only: wp
+   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
+   use step_dual_gradient, only: node_gradient
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_move_nodes, only: book_push
+   use step_node_sums, only: divide
+   use step_particles_to_nodes, only: find_places
+   use step_simulation, only: scratch_t, simulation_t
+   use step_walls, only: take_held, walls_touch
+   use transfer_affine, only: turn_only
+   use transfer_basis, only: expand_spin
+   use transfer_shape_data, only: places_t
+   implicit none
+   private
+
+   public :: filter_nodes, find_filtered, find_slopes, scatter_again
+
+contains
+
+   !> The series of node velocities that the transfer asks for, on the own tiles.
+   subroutine filter_nodes(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      integer :: sweep, tile
+
+      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
+         own => simulation%tiles%own)
+         call ensure_patch(nodes%filtered, 3, number, own)
+         call ensure_patch(nodes%term, 3, number, own)
+         call ensure_patch(nodes%loss, 1, number, own)
+      end associate
+      !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
+      do tile = 1, simulation%tiles%own
+         call simulation%method%transfer%first_term(dt, simulation%nodes%velocity(:, :, tile), &
+            simulation%nodes%acceleration(:, :, tile), simulation%nodes%term(:, :, tile))
+         simulation%nodes%filtered(:, :, tile) = simulation%nodes%term(:, :, tile)
+         simulation%nodes%loss(:, :, tile) = 0.0_wp
+      end do
+      !$omp end parallel do
+      do sweep = 1, simulation%method%transfer%sweeps()
+         call spread_terms(simulation)
+         call simulation%timer%start(simulation%phase%grid)
+         !$omp parallel do default(none) shared(simulation, dt, sweep) private(tile) &
+         !$omp schedule(static)
+         do tile = 1, simulation%tiles%own
+            call add_term(simulation, simulation%scratch(omp_get_thread_num()), tile, sweep, dt)
+         end do
+         !$omp end parallel do
+         call simulation%timer%stop(simulation%phase%grid)
+      end do
+   end subroutine filter_nodes
+
+   !> Momentum of the present term, seen by the particles, to a second patch.
+   subroutine spread_terms(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer, allocatable :: tiles(:)
+      integer :: part, n
+
+      call simulation%timer%start(simulation%phase%scatter)
+      call ensure_patch(simulation%nodes%extra, 3, simulation%grid%tile_nodes, &
+         simulation%tiles%own)
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, tiles) private(n) schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            call spread_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
+               simulation%nodes%term(:, :, tiles(n)), simulation%nodes%extra(:, :, tiles(n)))
+         end do
+         !$omp end parallel do
+         call pass_patches(simulation, part, simulation%nodes%extra)
+      end do
+      call simulation%timer%stop(simulation%phase%scatter)
+   end subroutine spread_terms
+
+   !> One tile.
+   subroutine spread_tile(simulation, scratch, tile, term, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: term(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [kg m/s]
+      integer :: index
+
+      call clear_patch(patch)
+      do index = simulation%first_store, simulation%end_store()
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         associate (grid => simulation%grid, store => simulation%stores(index), &
+            basis => simulation%method%basis, places => scratch%places, &
+            start => simulation%stores(index)%cell_start(:, tile))
+            call find_places(simulation, scratch, store, tile)
+            call basis%collect(grid, start, places, term, places%vector)
+            call basis%scatter_product(grid, start, store%first(tile), places, store%matter%mass, &
+               places%vector, 0, patch)
+         end associate
+      end do
+   end subroutine spread_tile
+
+   !> The next term, y - S^+ S y, without what walls hold in this step; it is added to the sum. What
+   !! walls take away the particles do not get, so it is booked, with the velocity at the end of the
+   !! step. Equation (L.12) of doc/theory/ledger.md: that needs the same orthogonal projection for
+   !! all terms, so what walls hold does not depend on them.
+   subroutine add_term(simulation, scratch, tile, sweep, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: sweep                   !! Number of the term, 1 for the second one
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: again(3, simulation%grid%tile_nodes), free(3, simulation%grid%tile_nodes)
+      real(wp) :: ended(3, simulation%grid%tile_nodes)
+
+      associate (grid => simulation%grid, nodes => simulation%nodes, &
+         term => simulation%nodes%term(:, :, tile), transfer => simulation%method%transfer)
+         call assemble(grid, simulation%tiles, nodes%extra, tile, again)
+         call divide(nodes%mass(:, :, tile), 1, again)
+         again = term - again
+         if (walls_touch(simulation, tile)) then
+            ended = nodes%velocity(:, :, tile) + dt*nodes%acceleration(:, :, tile)
+            free = again
+            call take_held(simulation, tile, nodes%velocity(:, :, tile), again)
+            free = again - free
+            call book_push(simulation, scratch%ledger, tile, free, ended)
+         end if
+         if (simulation%carries_energy) nodes%loss(1, :, tile) = nodes%loss(1, :, tile) &
+            + transfer%loss_weight(2*sweep - 1)*sum(term*again, dim=1) &
+            + transfer%loss_weight(2*sweep)*sum(again**2, dim=1)
+         term = again
+         nodes%filtered(:, :, tile) = nodes%filtered(:, :, tile) + again
+      end associate
+   end subroutine add_term
+
+   !> Sum of the series of node velocities, or its only term.
+   subroutine find_filtered(simulation, tile, dt, filtered)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), allocatable, intent(inout) :: filtered(:, :) !! (3, node) [m/s]
+      integer :: slot
+
+      slot = simulation%nodes%slot(tile)
+      if (.not. allocated(filtered)) allocate (filtered(3, simulation%grid%tile_nodes))
+      if (simulation%method%transfer%sweeps() > 0) then
+         filtered = simulation%nodes%filtered(:, :, tile)
+      else
+         call simulation%method%transfer%first_term(dt, simulation%nodes%velocity(:, :, slot), &
+            simulation%nodes%acceleration(:, :, slot), filtered)
+      end if
+   end subroutine find_filtered
+
+   !> Momentum of the new particle velocities, or of what they gain, to a second patch, at the old
+   !! places. The particles themselves get these velocities later.
+   subroutine scatter_again(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      integer, allocatable :: tiles(:)
+      integer :: part, n
+
+      call simulation%timer%start(simulation%phase%scatter)
+      call ensure_patch(simulation%nodes%extra, merge(4, 3, simulation%method%transfer%affine() &
+         .and. .not. simulation%method%averages()), &
+         simulation%grid%tile_nodes, simulation%tiles%own)
+      do part = edge_tiles, inner_tiles
+         call next_tiles(simulation, part, tiles)
+         !$omp parallel do default(none) shared(simulation, dt, tiles) private(n) &
+         !$omp schedule(dynamic, 1)
+         do n = 1, size(tiles)
+            call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), dt, &
+               simulation%nodes%extra(:, :, tiles(n)))
+         end do
+         !$omp end parallel do
+         call pass_patches(simulation, part, simulation%nodes%extra)
+      end do
+      call simulation%timer%stop(simulation%phase%scatter)
+   end subroutine scatter_again
+
+   !> One tile: momentum, or mass and momentum of linear velocity fields.
+   subroutine scatter_tile(simulation, scratch, tile, dt, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      real(wp) :: push(3, simulation%grid%tile_nodes), after(3, simulation%grid%tile_nodes)
+      real(wp), allocatable :: filtered(:, :), gradient(:, :)
+      real(wp) :: keep
+      integer :: index
+
+      call clear_patch(patch)
+      if (simulation%method%dual .and. simulation%method%transfer%affine() .and. .not. &
+         simulation%method%averages()) call node_gradient(simulation, tile, &
+         simulation%nodes%gradient, gradient)
+      call find_filtered(simulation, tile, dt, filtered)
+      call simulation%method%transfer%push(dt, simulation%nodes%acceleration(:, :, tile), &
+         filtered, push)
+      keep = simulation%method%transfer%keep()
+      if (simulation%method%averages()) then
+         ! what particles gain; the share of PIC acts after the strain of the step, which does not
+         ! see it, and rotations stay as they are
+         if (keep > 0.0_wp) push = dt*simulation%nodes%acceleration(:, :, tile)
+         keep = merge(0.0_wp, -1.0_wp, keep > 0.0_wp)
+      end if
+      after = simulation%nodes%velocity(:, :, tile) &
+         + dt*simulation%nodes%acceleration(:, :, tile)
+      do index = simulation%first_store, simulation%end_store()
+         if (simulation%stores(index)%count(tile) == 0) cycle
+         associate (grid => simulation%grid, store => simulation%stores(index), &
+            basis => simulation%method%basis, places => scratch%places, &
+            start => simulation%stores(index)%cell_start(:, tile))
+            call find_places(simulation, scratch, store, tile)
+            call basis%collect(grid, start, places, push, places%vector)
+            if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, places%vector)
+            if (simulation%method%averages()) then
+               call basis%scatter_product(grid, start, store%first(tile), places, &
+                  store%matter%mass, places%vector, 0, patch)
+            else if (simulation%method%transfer%affine()) then
+               call scratch%deformation%reserve(store%count(tile))
+               if (simulation%method%smooth_turn) then
+                  call expand_spin(store%first(tile), store%count(tile), store%spin, &
+                     scratch%deformation%gradient)
+               else
+                  call find_slopes(simulation, places, start, after, gradient, &
+                     scratch%deformation%gradient)
+                  if (simulation%method%transfer%turning()) &
+                     call turn_only(store%count(tile), scratch%deformation%gradient)
+               end if
+               call spread_fields(simulation, scratch, store, tile, patch)
+            else
+               call basis%scatter_product(grid, start, store%first(tile), places, &
+                  store%matter%mass, places%vector, 0, patch)
+            end if
+         end associate
+      end do
+   end subroutine scatter_tile
+
+   !> Slopes of a node velocity round the particles of a tile: with the dual domain method its
+   !! modified gradient, which does not see nodes that have no mass and so no velocity.
+   subroutine find_slopes(simulation, places, start, velocity, gradient, slopes)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(places_t), intent(inout) :: places        !! Of the tile
+      integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), allocatable, intent(in) :: gradient(:, :) !! (9, node) On the nodes, if dual [1/s]
+      real(wp), contiguous, intent(inout) :: slopes(:, :) !! (particle of the tile, 9) [1/s]
+
+      associate (grid => simulation%grid, method => simulation%method)
+         ! with normalised sums the modified gradient of a linear field is not uniform
+         if (method%dual .and. .not. allocated(places%factor)) then
+            call method%quadrature%gather_gradient(grid, start, places, velocity, gradient, &
+               1.0_wp, slopes)
+         else
+            call method%basis%collect_affine(grid, start, places, velocity, slopes)
+         end if
+      end associate
+   end subroutine find_slopes
+
+   !> Add a share of their own velocity to what particles get.
+   pure subroutine keep_velocity(store, tile, keep, vector)
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: keep                   !! The share [1]
+      real(wp), contiguous, intent(inout) :: vector(:, :) !! (particle of the tile, 3) [m/s]
+      integer :: p, k
+
+      associate (before => store%first(tile) - 1, velocity => store%velocity)
+         do k = 1, 3
+            !$omp simd
+            do p = 1, store%count(tile)
+               vector(p, k) = keep*velocity(before + p, k) + vector(p, k)
+            end do
+         end do
+      end associate
+   end subroutine keep_velocity
+
+   !> Mass and momentum of linear velocity fields that are in the scratch space.
+   subroutine spread_fields(simulation, scratch, store, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, velocity and slopes set
+      type(store_t), intent(in) :: store             !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (4, node)
+      real(wp) :: mass(store%count(tile))
+
+      mass = store%matter%mass(store%first(tile):store%first(tile) + store%count(tile) - 1)
+      call simulation%method%basis%spread_affine(simulation%grid, store%cell_start(:, tile), 1, &
+         scratch%places, mass, scratch%places%vector, scratch%deformation%gradient, patch)
+   end subroutine spread_fields
+end module step_velocity_remap

@@ -1,0 +1,156 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Walls on the nodes of a tile: faces of the box and rigid regions.
+module step_walls
+   use base_kinds, only: wp
+   use mesh_rigid, only: held_t
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: impose_walls, keep_at_walls, stand_walls, stop_at_walls, take_held, walls_touch
+
+contains
+
+   !> Bring walls that move, or come and go, to the time of the step, and find the nodes in rigid
+   !! regions. Nothing is done where no wall needs it.
+   subroutine stand_walls(simulation, kick)
+      type(simulation_t), intent(inout) :: simulation !! The run
+      real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
+      real(wp) :: lag
+      logical :: switched
+
+      switched = .false.
+      lag = simulation%method%lag(simulation%dt)
+      if (allocated(simulation%boundary%wall)) &
+         call simulation%boundary%advance(simulation%time, lag, kick, switched)
+      if (.not. allocated(simulation%rigid)) return
+      simulation%rigid%switched = simulation%rigid%switched .or. switched
+      call simulation%rigid%advance(simulation%time, lag, kick)
+      if (simulation%rigid%looked == simulation%step) return
+      simulation%rigid%looked = simulation%step
+      call find_held(simulation)
+   end subroutine stand_walls
+
+   !> Find the nodes in rigid regions.
+   subroutine find_held(simulation)
+      type(simulation_t), intent(inout) :: simulation !! The run with rigid regions
+      type(held_t), allocatable :: longer(:)
+      integer :: tile
+
+      associate (rigid => simulation%rigid, all => simulation%tiles%all)
+         if (.not. allocated(rigid%held)) allocate (rigid%held(0))
+         if (size(rigid%held) < all) then
+            allocate (longer(all + all/4))
+            longer(:size(rigid%held)) = rigid%held
+            call move_alloc(longer, rigid%held)
+         end if
+      end associate
+      !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic)
+      do tile = 1, simulation%tiles%all
+         call simulation%rigid%hold(simulation%grid, simulation%boundary, &
+            simulation%tiles%coordinate(:, tile), simulation%rigid%held(tile))
+      end do
+      !$omp end parallel do
+      simulation%rigid%switched = .false.
+   end subroutine find_held
+
+   !> True if a wall rules some node of a tile.
+   pure logical function walls_touch(simulation, tile) result(touch)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+
+      touch = simulation%boundary%touches(simulation%grid, simulation%tiles%coordinate(:, tile))
+      if (touch .or. .not. allocated(simulation%rigid)) return
+      touch = simulation%rigid%holds(tile)
+   end function walls_touch
+
+   !> Impose the walls on the velocities of a tile, and give what the particles will gain in
+   !! velocity through each node because of them. Equation (R.5) of doc/theory/rigid.md. Equation
+   !! (L.3) of doc/theory/ledger.md.
+   pure subroutine impose_walls(simulation, tile, dt, velocity, acceleration, push, &
+      work)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp), intent(out) :: push(:, :)            !! (3, node) [m/s]
+      real(wp), intent(out) :: work(:)               !! (node) Besides that of the push [J/kg]
+      real(wp) :: free_velocity(3, size(push, 2)), free_acceleration(3, size(push, 2)), share, &
+         period
+
+      share = 1.0_wp - simulation%method%transfer%keep()
+      free_velocity = velocity
+      free_acceleration = acceleration
+      associate (coordinate => simulation%tiles%coordinate(:, tile))
+         if (dt > 0.0_wp .and. allocated(simulation%absorbing)) call simulation%absorbing%absorb( &
+            simulation%grid, simulation%boundary, coordinate, dt, velocity, acceleration)
+         call simulation%boundary%constrain(simulation%grid, coordinate, velocity, acceleration)
+         if (allocated(simulation%rigid)) &
+            call simulation%rigid%constrain(tile, velocity, acceleration, at_end=.false.)
+         ! before the forces act, nodes that they press on a wall must not strain away from it
+         period = merge(dt, simulation%dt, dt > 0.0_wp)
+         if (period > 0.0_wp) then
+            if (simulation%boundary%rubs()) call simulation%boundary%rub(simulation%grid, &
+               coordinate, period, share, free_velocity, velocity, acceleration)
+            if (allocated(simulation%rigid)) call simulation%rigid%rub(tile, period, share, &
+               free_velocity, velocity, acceleration)
+         end if
+      end associate
+      push = dt*(acceleration - free_acceleration) + share*(velocity - free_velocity)
+      ! particles get the gain of a node with the velocity that they brought to it, not with that
+      ! of the wall
+      work = (1.0_wp - 0.5_wp*share)*dt*sum(acceleration*(free_velocity - velocity), dim=1)
+   end subroutine impose_walls
+
+   !> Where a wall with friction, or a rigid region, held a node in the step, let it hold the
+   !! velocity after the step that strains: one that may leave the wall but not enter it would
+   !! lift pressed matter by the noise of particles, step by step.
+   pure subroutine keep_at_walls(simulation, tile, velocity)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped anew [m/s]
+      real(wp) :: ended(3, size(velocity, 2))
+
+      if (.not. (simulation%boundary%rubs() .or. allocated(simulation%rigid))) return
+      if (.not. walls_touch(simulation, tile)) return
+      ended = simulation%nodes%velocity(:, :, tile) &
+         + simulation%kick*simulation%nodes%acceleration(:, :, tile)
+      if (simulation%boundary%rubs()) call simulation%boundary%keep(simulation%grid, &
+         simulation%tiles%coordinate(:, tile), ended, velocity)
+      if (allocated(simulation%rigid)) call simulation%rigid%keep(tile, ended, velocity)
+   end subroutine keep_at_walls
+
+   !> Impose the walls on velocities as they are after the step, and take away what changes them.
+   pure subroutine stop_at_walls(simulation, tile, velocity, change)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: change(:, :)   !! (3, node) [m/s2] or [m/s]
+
+      call simulation%boundary%constrain(simulation%grid, simulation%tiles%coordinate(:, tile), &
+         velocity, change, at_end=.true.)
+      if (allocated(simulation%rigid)) &
+         call simulation%rigid%constrain(tile, velocity, change, at_end=.true.)
+   end subroutine stop_at_walls
+
+   !> Take from a change of node velocities the components that walls held before the forces act,
+   !! or changed: an orthogonal projection. Walls that hold a node in the step do so from its begin.
+   pure subroutine take_held(simulation, tile, velocity, change)
+      type(simulation_t), intent(in) :: simulation   !! The run
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) With walls, before [m/s]
+      real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) [m/s]
+      real(wp) :: moved(3, size(change, 2)), open(3, size(change, 2))
+
+      moved = velocity
+      open = 1.0_wp
+      associate (coordinate => simulation%tiles%coordinate(:, tile))
+         call simulation%boundary%constrain(simulation%grid, coordinate, moved, open, at_end=.true.)
+         if (simulation%boundary%rubs()) &
+            call simulation%boundary%keep(simulation%grid, coordinate, velocity, open)
+      end associate
+      change = change*open
+      if (allocated(simulation%rigid)) call simulation%rigid%take(tile, velocity, open, change)
+   end subroutine take_held
+end module step_walls

@@ -1,0 +1,95 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Volumetric locking cured by even dilatation: the particles of a material in a cell share the mean
+!! of their dilatations, and the mean of their pressures when they push the nodes. Linear functions
+!! cannot give each particle of a cell a volume of its own, so nearly incompressible matter would
+!! be too stiff (T. J. R. Hughes, Int. J. Numer. Methods Eng. 15 (1980) 1413, for elements; W. M.
+!! Coombs and others, Comput. Methods Appl. Mech. Eng. 333 (2018) 115, for material points).
+!!
+!! Both means are weighted with the volume, so the power of the even stress on the raw gradient is
+!! that of the raw stress on the even gradient. Equation (M.20) of doc/theory/method.md.
+module transfer_bbar
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   implicit none
+   private
+
+   public :: even_gradient, even_stress
+
+contains
+
+   !> Directions that share the dilatation: those of the plane in plane strain, else those there
+   !! are.
+   pure function sharing(grid) result(share)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      logical :: share(3)
+
+      share = grid%active .or. grid%axisymmetric
+   end function sharing
+
+   !> Give the particles of each cell the mean of their dilatations.
+   pure subroutine even_gradient(grid, start, first, volume, gradient)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
+      real(wp) :: total, whole, shift
+      logical :: share(3)
+      integer :: cell, p, k
+
+      share = sharing(grid)
+      do cell = 0, grid%tile_cells - 1
+         total = 0.0_wp
+         whole = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            whole = whole + volume(first + p - 1)
+            do k = 1, 3
+               if (share(k)) total = total + volume(first + p - 1)*gradient(p, 4*k - 3)
+            end do
+         end do
+         do p = start(cell) + 1, start(cell + 1)
+            shift = total/whole
+            do k = 1, 3
+               if (share(k)) shift = shift - gradient(p, 4*k - 3)
+            end do
+            shift = shift/real(count(share), wp)
+            do k = 1, 3
+               if (share(k)) gradient(p, 4*k - 3) = gradient(p, 4*k - 3) + shift
+            end do
+         end do
+      end do
+   end subroutine even_gradient
+
+   !> Give the particles of each cell the mean of their pressures.
+   pure subroutine even_stress(grid, start, volume, stress)
+      type(grid_t), intent(in) :: grid                       !! The grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle of the tile) [m3]
+      real(wp), contiguous, intent(inout) :: stress(:, :)    !! (particle of the tile, 6) [Pa]
+      real(wp) :: total, whole, shift
+      logical :: share(3)
+      integer :: cell, p, k
+
+      share = sharing(grid)
+      do cell = 0, grid%tile_cells - 1
+         total = 0.0_wp
+         whole = 0.0_wp
+         do p = start(cell) + 1, start(cell + 1)
+            whole = whole + volume(p)
+            do k = 1, 3
+               if (share(k)) total = total + volume(p)*stress(p, k)
+            end do
+         end do
+         do p = start(cell) + 1, start(cell + 1)
+            shift = total/whole
+            do k = 1, 3
+               if (share(k)) shift = shift - stress(p, k)
+            end do
+            shift = shift/real(count(share), wp)
+            do k = 1, 3
+               if (share(k)) stress(p, k) = stress(p, k) + shift
+            end do
+         end do
+      end do
+   end subroutine even_stress
+end module transfer_bbar

@@ -1,0 +1,81 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> A copy of what the particles of a tile push the nodes with, for methods that change it on the
+!! way.
+module transfer_pushed_stress
+   use base_kinds, only: wp
+   implicit none
+   private
+
+   public :: pushed_t
+
+   !> Place, volume and stress of the particles of a tile.
+   type :: pushed_t
+      real(wp), allocatable :: position(:, :)        !! (particle of the tile, 3) [m]
+      real(wp), allocatable :: volume(:)             !! (particle of the tile) [m3]
+      real(wp), allocatable :: stress(:, :)          !! (particle of the tile, 6) [Pa]
+   contains
+      procedure :: copy => pushed_copy               !! From the particles of a store
+      procedure :: make_unit => pushed_make_unit     !! Give all unit stress
+      procedure :: subtract => pushed_subtract       !! Take a stress away
+   end type pushed_t
+
+contains
+
+   !> Copy the particles of a tile.
+   pure subroutine pushed_copy(self, first, count, position, volume, stress)
+      class(pushed_t), intent(inout) :: self                 !! The copy
+      integer, intent(in) :: first                           !! First particle of the tile
+      integer, intent(in) :: count                           !! Particles of the tile
+      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) [m]
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) [Pa]
+      integer :: p, k
+
+      if (allocated(self%volume)) then
+         if (size(self%volume) < count) deallocate (self%position, self%volume, self%stress)
+      end if
+      if (.not. allocated(self%volume)) &
+         allocate (self%position(count, 3), self%volume(count), self%stress(count, 6))
+      do p = 1, count
+         self%volume(p) = volume(first + p - 1)
+      end do
+      do k = 1, 3
+         do p = 1, count
+            self%position(p, k) = position(first + p - 1, k)
+         end do
+      end do
+      do k = 1, 6
+         do p = 1, count
+            self%stress(p, k) = stress(first + p - 1, k)
+         end do
+      end do
+   end subroutine pushed_copy
+
+   !> Give each particle unit stress.
+   pure subroutine pushed_make_unit(self, count)
+      class(pushed_t), intent(inout) :: self                 !! The copy
+      integer, intent(in) :: count                           !! Particles of the tile
+      integer :: p, k
+
+      do k = 1, 6
+         do p = 1, count
+            self%stress(p, k) = merge(1.0_wp, 0.0_wp, k <= 3)
+         end do
+      end do
+   end subroutine pushed_make_unit
+
+   !> Take a stress away from that of each particle.
+   pure subroutine pushed_subtract(self, count, values)
+      class(pushed_t), intent(inout) :: self                 !! The copy
+      integer, intent(in) :: count                           !! Particles of the tile
+      !> (particle of the tile, 6 or more) [Pa]
+      real(wp), contiguous, intent(in) :: values(:, :)
+      integer :: p, k
+
+      do k = 1, 6
+         do p = 1, count
+            self%stress(p, k) = self%stress(p, k) - values(p, k)
+         end do
+      end do
+   end subroutine pushed_subtract
+end module transfer_pushed_stress
