@@ -8,15 +8,16 @@ program bench_block
    use base_communicator, only: communicator_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use step_simulation, only: simulation_t
-   use scene_particles, only: fill_simulation, first_step, make_stores, prepare, survey_t, take_survey
-   use step_advance, only: advance
    use eos_linear, only: eos_linear_t
    use law_elastic, only: law_elastic_t
    use mesh_boundary, only: face_periodic
    use particle_fill, only: body_t
    use particle_shape, only: box
    use particle_store, only: traits_t
+   use scene_particles, only: fill_simulation, first_step, make_stores, prepare, survey_t, &
+      take_survey
+   use step_advance, only: advance
+   use step_simulation, only: simulation_t
    use transfer_catalogue, only: choose_velocity
    implicit none
 

@@ -35,7 +35,7 @@ SCENE = """
 """
 PARTICLES = 2304
 STEPS, TIMED_STEPS = 10, 400
-STEP = "__driver_step_MOD_advance"
+STEP = "__step_advance_MOD_advance"
 
 PLAIN = "artificial_viscosity=.false."
 ELASTIC = "density=1000  bulk=1.0e6  shear=5.0e5"

@@ -17,7 +17,8 @@ from pathlib import Path
 if "--scree" not in sys.argv:
     sys.exit("usage: test_vector_functions.py --scree BUILD/bin/scree")
 BUILD = Path(sys.argv[sys.argv.index("--scree") + 1]).resolve().parents[1]
-LAYERS = ("base", "mesh", "constitutive", "material", "particle", "transfer", "io", "ddmp", "exact", "step", "scene", "output", "program")
+LAYERS = ("base", "mesh", "constitutive", "material", "particle", "transfer", "io", "ddmp", "exact", "step",
+          "scene", "output", "program")
 
 SAMPLE = """subroutine sample(number, values)
    integer, intent(in) :: number
