@@ -7,7 +7,7 @@ module base_deck
    use base_deck_define, only: definitions_t
    use base_deck_echo, only: echo
    use base_deck_fill, only: fill_defaults, fill_groups, start_group
-   use base_deck_group, only: group_t, unset_whole
+   use base_deck_group, only: group_t, unset_integer
    use base_deck_index, only: deck_index_t
    use base_deck_override, only: override, removal_mark, take_apart
    use base_deck_preset, only: apply_presets
@@ -23,7 +23,7 @@ module base_deck
    implicit none
    private
 
-   public :: deck_t, group_t, unset_whole
+   public :: deck_t, group_t, unset_integer
 
    !> The deck.
    type :: deck_t
@@ -45,7 +45,7 @@ module base_deck
       generic :: complain => complain_of_group, complain_of_place
       generic :: warn => warn_of_group, warn_of_place    !! The same for a warning
       !> Put the value that is used in the place of a default that depends on other keys.
-      generic :: settle => settle_numbers, settle_number, settle_whole, settle_wholes, &
+      generic :: settle => settle_numbers, settle_number, sort_integer, sort_integers, &
          settle_switch, settle_text
       procedure :: errors => deck_errors                 !! Number of errors so far
       procedure :: sound => deck_sound                   !! No error in groups of a kind
@@ -55,7 +55,7 @@ module base_deck
       procedure :: shown => deck_shown                   !! A number in the units of the deck
       procedure :: echo => deck_echo                     !! The deck with all values used, in SI
       procedure, private :: complain_of_group, complain_of_place, warn_of_group, warn_of_place
-      procedure, private :: settle_numbers, settle_number, settle_whole, settle_wholes, &
+      procedure, private :: settle_numbers, settle_number, sort_integer, sort_integers, &
          settle_switch, settle_text
       procedure, private :: locate => deck_locate        !! Index of a group
       procedure, private :: slot => deck_slot            !! Indices of a group and a key
@@ -373,7 +373,7 @@ contains
    end subroutine settle_number
 
    !> Settle several whole numbers.
-   pure subroutine settle_wholes(self, group, place, key, value)
+   pure subroutine sort_integers(self, group, place, key, value)
       class(deck_t), intent(inout) :: self               !! The deck
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
@@ -385,12 +385,12 @@ contains
       if (slot(1) == 0) return
       associate (slot_value => self%groups(slot(1))%values(slot(2)))
          call settle_value(slot_value, size(value))
-         slot_value%wholes = value
+         slot_value%integers = value
       end associate
-   end subroutine settle_wholes
+   end subroutine sort_integers
 
    !> Settle one whole number.
-   pure subroutine settle_whole(self, group, place, key, value)
+   pure subroutine sort_integer(self, group, place, key, value)
       class(deck_t), intent(inout) :: self               !! The deck
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
@@ -398,7 +398,7 @@ contains
       integer, intent(in) :: value                       !! Its value
 
       call self%settle(group, place, key, [value])
-   end subroutine settle_whole
+   end subroutine sort_integer
 
    !> Settle a switch.
    pure subroutine settle_switch(self, group, place, key, value)

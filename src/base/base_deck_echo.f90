@@ -72,7 +72,7 @@ contains
          case (kind_real)
             word = number(value%numbers(i))
          case (kind_integer)
-            word = number(value%wholes(i))
+            word = number(value%integers(i))
          case (kind_logical)
             word = ".false."
             if (value%switches(i)) word = ".true."

@@ -328,7 +328,7 @@ contains
          case (kind_real)
             value%numbers(i) = default%numbers(i)
          case (kind_integer)
-            value%wholes(i) = default%wholes(i)
+            value%integers(i) = default%integers(i)
          case (kind_logical)
             value%switches(i) = default%switches(i)
          case default

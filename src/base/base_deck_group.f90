@@ -10,7 +10,7 @@ module base_deck_group
 
    public :: group_t
 
-   integer, parameter, public :: unset_whole = -huge(1)  !! A whole number that was never set
+   integer, parameter, public :: unset_integer = -huge(1)  !! A whole number that was never set
 
    !> One group. Keys that are not declared are like keys without a value.
    type :: group_t
@@ -23,11 +23,11 @@ module base_deck_group
       logical :: broken = .false.                        !! Parts of it may have been lost
       type(value_t), allocatable :: values(:)            !! (key of the schema)
    contains
-      !> Value of a key; `unset`, `unset_whole`, .false. or an empty text if it has none.
-      generic :: get => get_number, get_numbers, get_whole, get_wholes, get_switch, get_text, &
+      !> Value of a key; `unset`, `unset_integer`, .false. or an empty text if it has none.
+      generic :: get => get_number, get_numbers, get_integer, get_integers, get_switch, get_text, &
          get_texts
       !> All values of a key that takes up to so many; an array without elements if it has none.
-      generic :: list => list_numbers, list_wholes, list_texts
+      generic :: list => list_numbers, list_integers, list_texts
       procedure :: given => group_given                  !! The user gave the key a value
       procedure :: known => group_known                  !! The key has a value, given or default
       procedure :: valid => group_valid                  !! No error was found in these keys
@@ -35,8 +35,9 @@ module base_deck_group
       procedure :: line => group_line                    !! Line of a key or of the group
       procedure :: file => group_file                    !! File of a key or of the group
       procedure :: find => group_find                    !! Index of a key
-      procedure, private :: get_number, get_numbers, get_whole, get_wholes, get_switch, get_text, &
-         get_texts, list_numbers, list_wholes, list_texts
+      procedure, private :: get_number, get_numbers, get_integer, get_integers, get_switch, &
+         get_text, &
+         get_texts, list_numbers, list_integers, list_texts
    end type group_t
 
 contains
@@ -164,19 +165,19 @@ contains
    end subroutine list_numbers
 
    !> One whole number.
-   pure subroutine get_whole(self, key, value)
+   pure subroutine get_integer(self, key, value)
       class(group_t), intent(in) :: self                 !! The group
       character(len=*), intent(in) :: key                !! The key
       integer, intent(out) :: value                      !! Its value
       integer, allocatable :: values(:)
 
       call self%list(key, values)
-      value = unset_whole
+      value = unset_integer
       if (size(values) > 0) value = values(1)
-   end subroutine get_whole
+   end subroutine get_integer
 
    !> Several whole numbers.
-   pure subroutine get_wholes(self, key, value)
+   pure subroutine get_integers(self, key, value)
       class(group_t), intent(in) :: self                 !! The group
       character(len=*), intent(in) :: key                !! The key
       integer, intent(out) :: value(:)                   !! Its values
@@ -185,12 +186,12 @@ contains
 
       call self%list(key, values)
       filled = min(size(value), size(values))
-      value = unset_whole
+      value = unset_integer
       value(:filled) = values(:filled)
-   end subroutine get_wholes
+   end subroutine get_integers
 
    !> All whole numbers.
-   pure subroutine list_wholes(self, key, value)
+   pure subroutine list_integers(self, key, value)
       class(group_t), intent(in) :: self                 !! The group
       character(len=*), intent(in) :: key                !! The key
       integer, allocatable, intent(out) :: value(:)      !! Its values
@@ -199,9 +200,9 @@ contains
       allocate (value(0))
       place = self%find(key)
       if (self%count(key) == 0) return
-      if (allocated(self%values(place)%wholes)) &
-         value = self%values(place)%wholes(:self%count(key))
-   end subroutine list_wholes
+      if (allocated(self%values(place)%integers)) &
+         value = self%values(place)%integers(:self%count(key))
+   end subroutine list_integers
 
    !> A switch.
    pure subroutine get_switch(self, key, value)

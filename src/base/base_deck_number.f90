@@ -10,7 +10,7 @@ module base_deck_number
    implicit none
    private
 
-   public :: check_range, convert_number, expectation, item_t, read_whole
+   public :: check_range, convert_number, expectation, item_t, read_integer
 
    !> One value as written, repeat counts resolved.
    type :: item_t
@@ -137,7 +137,7 @@ contains
    end subroutine check_range
 
    !> Read a whole number.
-   subroutine read_whole(text, whole, complaint)
+   subroutine read_integer(text, whole, complaint)
       character(len=*), intent(in) :: text               !! What is written
       integer, intent(out) :: whole                      !! The number
       character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is no whole number
@@ -155,7 +155,7 @@ contains
       if (status /= 0 .or. abs(long) > huge(whole)) return
       complaint = ""
       whole = int(long)
-   end subroutine read_whole
+   end subroutine read_integer
 
    !> What a key expects.
    function expectation(key) result(text)

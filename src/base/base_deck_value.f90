@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Values of keys: strict conversion of what is written into numbers, switches and texts in SI.
 module base_deck_value
-   use base_deck_number, only: check_range, convert_number, expectation, item_t, read_whole
+   use base_deck_number, only: check_range, convert_number, expectation, item_t, read_integer
    use base_kinds, only: wp
    use base_namelist, only: token_t
    use base_place_formula, only: convert_formula
@@ -24,7 +24,7 @@ module base_deck_value
       character(len=:), allocatable :: file              !! File of the key
       logical, allocatable :: filled(:)                  !! (place) Has a value
       real(wp), allocatable :: numbers(:)                !! (place) If it is a key of numbers [SI]
-      integer, allocatable :: wholes(:)                  !! (place) If it is one of whole numbers
+      integer, allocatable :: integers(:)                  !! (place) If it is one of whole numbers
       logical, allocatable :: switches(:)                !! (place) If it is a switch
       type(text_t), allocatable :: texts(:)              !! (place) If it is one of texts
    contains
@@ -144,7 +144,7 @@ contains
       case (kind_real)
          if (.not. allocated(value%numbers)) allocate (value%numbers(key%places), source=0.0_wp)
       case (kind_integer)
-         if (.not. allocated(value%wholes)) allocate (value%wholes(key%places), source=0)
+         if (.not. allocated(value%integers)) allocate (value%integers(key%places), source=0)
       case (kind_logical)
          if (.not. allocated(value%switches)) allocate (value%switches(key%places), source=.false.)
       case default
@@ -296,9 +296,9 @@ contains
       case (kind_real)
          call convert_number(key, item, system, value%numbers(place), complaint)
       case (kind_integer)
-         call read_whole(item%text, value%wholes(place), complaint)
+         call read_integer(item%text, value%integers(place), complaint)
          if (complaint == "?") complaint = expectation(key)
-         if (complaint == "") call check_range(key, real(value%wholes(place), wp), complaint)
+         if (complaint == "") call check_range(key, real(value%integers(place), wp), complaint)
       case (kind_logical)
          select case (lower(item%text))
          case (".true.", ".t.", "true", "t")

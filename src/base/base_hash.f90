@@ -8,7 +8,7 @@ module base_hash
    implicit none
    private
 
-   public :: add_hash, digest_text, hash_reals, hash_text, hash_wholes, mix
+   public :: add_hash, digest_text, hash_reals, hash_text, hash_integers, mix
 
    !> Odd numbers of the splitmix64 generator.
    integer(int64), parameter :: golden = int(z"9E3779B97F4A7C15", int64)
@@ -67,7 +67,7 @@ contains
    end function hash_reals
 
    !> Sum of the hashes of whole numbers, each keyed by its owner.
-   pure function hash_wholes(key, owners, values) result(hash)
+   pure function hash_integers(key, owners, values) result(hash)
       integer(int64), intent(in) :: key                 !! What the numbers are
       integer(int64), contiguous, intent(in) :: owners(:) !! Whose they are
       integer(int64), contiguous, intent(in) :: values(:) !! The numbers
@@ -78,7 +78,7 @@ contains
       do index = 1, size(values)
          hash = hash + mix(ieor(mix(ieor(owners(index), key)), values(index)))
       end do
-   end function hash_wholes
+   end function hash_integers
 
    !> A hash as 16 hexadecimal digits.
    pure function digest_text(hash) result(text)

@@ -5,8 +5,8 @@ module constitutive_damage
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_field_requests, only: field_requests_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -46,19 +46,19 @@ module constitutive_damage
       end subroutine read_i
 
       pure subroutine request_i(self, wishes)
-         import :: damage_t, wishes_t
+         import :: damage_t, field_requests_t
          implicit none
          class(damage_t), intent(in) :: self
-         class(wishes_t), intent(inout) :: wishes              !! Fields to be carried
+         class(field_requests_t), intent(inout) :: wishes              !! Fields to be carried
       end subroutine request_i
 
       !> On entry the stress holds the deviator after the law, and pressure and plastic increment
       !! are those after the step.
-      pure subroutine update_i(self, matter, deformation, first, last, dt)
-         import :: damage_t, deformation_t, matter_t, wp
+      pure subroutine update_i(self, state, deformation, first, last, dt)
+         import :: damage_t, deformation_t, material_state_t, wp
          implicit none
          class(damage_t), intent(in) :: self
-         type(matter_t), intent(inout) :: matter               !! State of the store
+         type(material_state_t), intent(inout) :: state               !! State of the store
          type(deformation_t), intent(inout) :: deformation     !! Step of the range
          integer, intent(in) :: first                          !! First particle of the range
          integer, intent(in) :: last                           !! Last particle of the range

@@ -10,7 +10,7 @@ module constitutive_delay
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use base_schema, only: schema_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    implicit none
    private
 
@@ -71,7 +71,7 @@ contains
    !> Overload of particles, if the delay depends on it.
    pure subroutine delay_request(self, wishes)
       class(delay_t), intent(in) :: self             !! The delay
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       if (self%power > 0.0_wp) call wishes%ask("overload", "failure_delay_power", 1)
    end subroutine delay_request

@@ -5,8 +5,8 @@ module constitutive_eos
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use base_schema, only: schema_t
-   use constitutive_field_requests, only: wishes_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_field_requests, only: field_requests_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -31,18 +31,18 @@ module constitutive_eos
 
    abstract interface
       pure subroutine request_i(self, wishes)
-         import :: eos_t, wishes_t
+         import :: eos_t, field_requests_t
          implicit none
          class(eos_t), intent(in) :: self
-         class(wishes_t), intent(inout) :: wishes              !! Fields to be carried
+         class(field_requests_t), intent(inout) :: wishes              !! Fields to be carried
       end subroutine request_i
 
       !> The square of the bulk sound speed [m2/s2] is left in the wave speed.
-      pure subroutine update_i(self, matter, deformation, first, last)
-         import :: deformation_t, eos_t, matter_t
+      pure subroutine update_i(self, state, deformation, first, last)
+         import :: deformation_t, eos_t, material_state_t
          implicit none
          class(eos_t), intent(in) :: self
-         type(matter_t), intent(in) :: matter                  !! State of the store
+         type(material_state_t), intent(in) :: state                  !! State of the store
          type(deformation_t), intent(inout) :: deformation     !! Step of the range
          integer, intent(in) :: first                          !! First particle of the range
          integer, intent(in) :: last                           !! Last particle of the range
@@ -94,9 +94,9 @@ contains
 
    !> Grueneisen number times density at the middle of the step, for the temperature. It is 0 where
    !! the pressure does not depend on energy.
-   pure subroutine eos_gruneisen(self, matter, deformation, first, last)
+   pure subroutine eos_gruneisen(self, state, deformation, first, last)
       class(eos_t), intent(in) :: self                         !! The equation of state
-      type(matter_t), intent(in) :: matter                     !! State of the store
+      type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range
@@ -105,9 +105,9 @@ contains
    end subroutine eos_gruneisen
 
    !> Keep what the step did to the state that belongs to the equation of state, after `update`.
-   pure subroutine eos_remember(self, matter, deformation, first, last)
+   pure subroutine eos_remember(self, state, deformation, first, last)
       class(eos_t), intent(in) :: self                         !! The equation of state
-      type(matter_t), intent(inout) :: matter                  !! State of the store
+      type(material_state_t), intent(inout) :: state                  !! State of the store
       type(deformation_t), intent(in) :: deformation           !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range

@@ -5,34 +5,34 @@ module constitutive_field_requests
    implicit none
    private
 
-   public :: wish_t, wishes_t
+   public :: field_request_t, field_requests_t
 
    !> One field.
-   type :: wish_t
+   type :: field_request_t
       character(len=:), allocatable :: field         !! Name of the field in files
       character(len=:), allocatable :: reason        !! Who asked for it
       integer :: bytes = 0                           !! Bytes a particle
-   end type wish_t
+   end type field_request_t
 
    !> All fields, each once.
-   type :: wishes_t
-      type(wish_t), allocatable :: entries(:)        !! In the order of asking
+   type :: field_requests_t
+      type(field_request_t), allocatable :: entries(:)        !! In the order of asking
    contains
       procedure :: ask => wishes_ask                 !! Ask for a field
       procedure :: asked => wishes_asked             !! True if somebody asked for a field
       procedure :: bytes => wishes_bytes             !! Bytes a particle of all fields
       procedure :: report => wishes_report           !! Table for the user
-   end type wishes_t
+   end type field_requests_t
 
 contains
 
    !> Ask for a field. Who asks for a field that is there already is added to its reasons.
    pure subroutine wishes_ask(self, field, reason, components)
-      class(wishes_t), intent(inout) :: self         !! The list
+      class(field_requests_t), intent(inout) :: self         !! The list
       character(len=*), intent(in) :: field          !! Name of the field
       character(len=*), intent(in) :: reason         !! Who asks
       integer, intent(in) :: components              !! Numbers a particle
-      type(wish_t), allocatable :: longer(:)
+      type(field_request_t), allocatable :: longer(:)
       integer :: i, known
 
       known = 0
@@ -54,7 +54,7 @@ contains
 
    !> True if somebody asked for a field.
    pure logical function wishes_asked(self, field) result(asked)
-      class(wishes_t), intent(in) :: self            !! The list
+      class(field_requests_t), intent(in) :: self            !! The list
       character(len=*), intent(in) :: field          !! Name of the field
       integer :: i
 
@@ -67,7 +67,7 @@ contains
 
    !> Bytes a particle of all fields.
    pure integer function wishes_bytes(self) result(bytes)
-      class(wishes_t), intent(in) :: self            !! The list
+      class(field_requests_t), intent(in) :: self            !! The list
 
       bytes = 0
       if (allocated(self%entries)) bytes = sum(self%entries%bytes)
@@ -75,7 +75,7 @@ contains
 
    !> One line a field: name, bytes a particle, who asked for it.
    pure function wishes_report(self) result(text)
-      class(wishes_t), intent(in) :: self            !! The list
+      class(field_requests_t), intent(in) :: self            !! The list
       character(len=:), allocatable :: text
       character(len=20) :: name
       character(len=32) :: line

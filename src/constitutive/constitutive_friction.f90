@@ -10,9 +10,9 @@ module constitutive_friction
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use base_text, only: brief
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_law, only: law_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    use constitutive_tension, only: stiffen_intact
    implicit none
    private
@@ -102,7 +102,7 @@ contains
    !> Matter that shear loosens carries by how much.
    pure subroutine frictional_request(self, wishes)
       class(frictional_t), intent(in) :: self        !! The law
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       if (self%dilates) call wishes%ask("plastic_dilation", "dilation_angle", 1)
    end subroutine frictional_request
@@ -116,19 +116,19 @@ contains
 
    !> Shear modulus in the square of the wave speed. What has come apart bears no shear; its wave
    !! speed does not grow with its volume, or a cloud of it would shorten the time step.
-   pure subroutine frictional_stiffen(self, matter, deformation, first, last)
+   pure subroutine frictional_stiffen(self, state, deformation, first, last)
       class(frictional_t), intent(in) :: self              !! The law
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      if (allocated(matter%failed)) then
-         call stiffen_intact(first, last, self%shear, matter%failed, matter%mass, matter%volume, &
+      if (allocated(state%failed)) then
+         call stiffen_intact(first, last, self%shear, state%failed, state%mass, state%volume, &
             deformation%wave_speed)
       else
-         call stiffen_joined(first, last, self%shear, self%bulk, self%apex, matter%mass, &
-            matter%volume, deformation%pressure, deformation%wave_speed)
+         call stiffen_joined(first, last, self%shear, self%bulk, self%apex, state%mass, &
+            state%volume, deformation%pressure, deformation%wave_speed)
       end if
    end subroutine frictional_stiffen
 

@@ -6,9 +6,9 @@ module constitutive_law
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: predict_deviator
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    use constitutive_tension, only: stiffen, stiffen_intact
    implicit none
    private
@@ -43,20 +43,20 @@ module constitutive_law
 
    abstract interface
       pure subroutine request_i(self, wishes)
-         import :: law_t, wishes_t
+         import :: law_t, field_requests_t
          implicit none
          class(law_t), intent(in) :: self
-         class(wishes_t), intent(inout) :: wishes              !! Fields to be carried
+         class(field_requests_t), intent(inout) :: wishes              !! Fields to be carried
       end subroutine request_i
 
       !> On entry the stress holds the trial deviator, on return the deviator. Plastic increment and
       !! plastic work are zero on entry. The pressure is that after the step, the wave speed holds
       !! the square of the bulk sound speed. A law that gives the whole stress sets the pressure.
-      pure subroutine update_i(self, matter, deformation, first, last, dt)
-         import :: deformation_t, law_t, matter_t, wp
+      pure subroutine update_i(self, state, deformation, first, last, dt)
+         import :: deformation_t, law_t, material_state_t, wp
          implicit none
          class(law_t), intent(in) :: self
-         type(matter_t), intent(inout) :: matter               !! State of the store
+         type(material_state_t), intent(inout) :: state               !! State of the store
          type(deformation_t), intent(inout) :: deformation     !! Step of the range
          integer, intent(in) :: first                          !! First particle of the range
          integer, intent(in) :: last                           !! Last particle of the range
@@ -141,39 +141,39 @@ contains
    end function law_plastic
 
    !> Elastic trial of the deviator with constant shear modulus and Jaumann rate, and the volume.
-   pure subroutine law_predict(self, matter, deformation, first, last)
+   pure subroutine law_predict(self, state, deformation, first, last)
       class(law_t), intent(in) :: self                         !! The law
-      type(matter_t), intent(inout) :: matter                  !! State of the store
+      type(material_state_t), intent(inout) :: state                  !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range
 
       call predict_deviator(first, last, deformation%plane, self%shear, deformation%gradient, &
-         matter%volume, matter%stress, deformation%old_volume, deformation%dilatation, &
+         state%volume, state%stress, deformation%old_volume, deformation%dilatation, &
          deformation%pressure)
    end subroutine law_predict
 
    !> Add to the square of the wave speed what the law contributes. A law that gives the whole
    !! stress finds 0 and leaves the square of its fastest wave.
-   pure subroutine law_stiffen(self, matter, deformation, first, last)
+   pure subroutine law_stiffen(self, state, deformation, first, last)
       class(law_t), intent(in) :: self                         !! The law
-      type(matter_t), intent(in) :: matter                     !! State of the store
+      type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range
 
-      if (allocated(matter%failed)) then
-         call stiffen_intact(first, last, self%shear, matter%failed, matter%mass, matter%volume, &
+      if (allocated(state%failed)) then
+         call stiffen_intact(first, last, self%shear, state%failed, state%mass, state%volume, &
             deformation%wave_speed)
       else
-         call stiffen(first, last, self%shear, matter%mass, matter%volume, deformation%wave_speed)
+         call stiffen(first, last, self%shear, state%mass, state%volume, deformation%wave_speed)
       end if
    end subroutine law_stiffen
 
    !> Raise the wave speed that limits the time step where the law has a viscosity.
-   pure subroutine law_damp(self, matter, deformation, first, last, spacing)
+   pure subroutine law_damp(self, state, deformation, first, last, spacing)
       class(law_t), intent(in) :: self                         !! The law
-      type(matter_t), intent(in) :: matter                     !! State of the store
+      type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range
@@ -182,17 +182,17 @@ contains
 
    !> Energy [J] stored in the deviator of the stress of one particle; in the whole stress for a law
    !! that gives it.
-   pure real(wp) function law_stored(self, matter, particle) result(energy)
+   pure real(wp) function law_stored(self, state, particle) result(energy)
       class(law_t), intent(in) :: self                         !! The law
-      type(matter_t), intent(in) :: matter                     !! State of the store
+      type(material_state_t), intent(in) :: state                     !! State of the store
       integer, intent(in) :: particle                          !! Which particle
       real(wp) :: mean
 
       energy = 0.0_wp
       if (self%shear <= 0.0_wp) return
-      mean = sum(matter%stress(particle, 1:3))/3.0_wp
-      energy = matter%volume(particle)*(sum((matter%stress(particle, 1:3) - mean)**2) &
-         + 2.0_wp*sum(matter%stress(particle, 4:6)**2))/(4.0_wp*self%shear)
+      mean = sum(state%stress(particle, 1:3))/3.0_wp
+      energy = state%volume(particle)*(sum((state%stress(particle, 1:3) - mean)**2) &
+         + 2.0_wp*sum(state%stress(particle, 4:6)**2))/(4.0_wp*self%shear)
    end function law_stored
 
    !> Least pressure that the law can bear [Pa].

@@ -24,7 +24,7 @@ module constitutive_softening
    use base_text, only: brief
    use constitutive_brittle, only: upper_bound
    use constitutive_principal, only: compose, principal
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -199,34 +199,34 @@ contains
 
    !> Stress that matter with open cracks would have without them. The viscous pressure is no stress
    !! of the matter and stays as it is.
-   pure subroutine softening_recover(self, matter, first, last)
+   pure subroutine softening_recover(self, state, first, last)
       class(softening_t), intent(in) :: self         !! How strength falls
-      type(matter_t), intent(inout) :: matter        !! State of the store
+      type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp) :: tensor(6), values(3), axes(3, 3), viscous
       integer :: k
 
       do k = first, last
-         if (.not. (matter%damage(k) > 0.0_wp .and. matter%damage(k) < 1.0_wp)) cycle
+         if (.not. (state%damage(k) > 0.0_wp .and. state%damage(k) < 1.0_wp)) cycle
          viscous = 0.0_wp
-         if (allocated(matter%viscous_pressure)) viscous = matter%viscous_pressure(k)
-         tensor(:) = matter%stress(k, :)
+         if (allocated(state%viscous_pressure)) viscous = state%viscous_pressure(k)
+         tensor(:) = state%stress(k, :)
          tensor(1:3) = tensor(1:3) + viscous
          call principal(tensor, values, axes)
          if (.not. values(1) > 0.0_wp) cycle
-         values = merge(values/(1.0_wp - matter%damage(k)), values, values > 0.0_wp)
+         values = merge(values/(1.0_wp - state%damage(k)), values, values > 0.0_wp)
          tensor = compose(values, axes)
          tensor(1:3) = tensor(1:3) - viscous
-         matter%stress(k, :) = tensor
+         state%stress(k, :) = tensor
       end do
    end subroutine softening_recover
 
    !> Let cracks open and weaken the tension of what has some. On entry deviator and pressure are
    !! those without cracks, on return those that act. What cracks take is booked as plastic work.
-   pure subroutine softening_open(self, matter, deformation, first, last, spacing)
+   pure subroutine softening_open(self, state, deformation, first, last, spacing)
       class(softening_t), intent(in) :: self             !! How strength falls
-      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
@@ -235,12 +235,12 @@ contains
       integer :: i, k
       logical :: near
 
-      call upper_bound(first, last, matter%stress, deformation%homologous)
+      call upper_bound(first, last, state%stress, deformation%homologous)
       factor = 1.0_wp
       do i = 1, last - first + 1
          k = first - 1 + i
-         if (matter%damage(k) >= 1.0_wp) cycle
-         if (allocated(matter%scatter)) factor = matter%scatter(k)
+         if (state%damage(k) >= 1.0_wp) cycle
+         if (allocated(state%scatter)) factor = state%scatter(k)
          greatest = deformation%homologous(i)
          if (self%limit > 0.0_wp) then
             near = 0.5_wp*greatest/self%shear - deformation%pressure(i)/(3.0_wp*self%bulk) &
@@ -248,9 +248,9 @@ contains
          else
             near = greatest - deformation%pressure(i) >= self%strength*factor
          end if
-         if (.not. (near .or. matter%damage(k) > 0.0_wp)) cycle
-         call crack(self, factor, spacing, matter%volume(k), matter%stress, k, &
-            deformation%pressure(i), matter%damage(k), deformation%plastic_work(i))
+         if (.not. (near .or. state%damage(k) > 0.0_wp)) cycle
+         call crack(self, factor, spacing, state%volume(k), state%stress, k, &
+            deformation%pressure(i), state%damage(k), deformation%plastic_work(i))
       end do
    end subroutine softening_open
 
@@ -295,26 +295,26 @@ contains
 
    !> Energy [J] of a particle with cracks beyond that of the deviator and, if the pressure is not
    !! that of an equation of state, the pressure that act.
-   pure real(wp) function softening_missing(self, matter, particle, of_pressure) result(energy)
+   pure real(wp) function softening_missing(self, state, particle, of_pressure) result(energy)
       class(softening_t), intent(in) :: self         !! How strength falls
-      type(matter_t), intent(in) :: matter           !! State of the store
+      type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                !! Which particle
       logical, intent(in) :: of_pressure             !! No equation of state
-      real(wp) :: tensor(6), values(3), axes(3, 3), whole(3), mean, mean_whole, share
+      real(wp) :: tensor(6), values(3), axes(3, 3), whole(3), mean, mean_integer, share
 
       energy = 0.0_wp
-      share = matter%damage(particle)
+      share = state%damage(particle)
       if (.not. (share > 0.0_wp .and. share < 1.0_wp)) return
-      tensor(:) = matter%stress(particle, :)
-      if (allocated(matter%viscous_pressure)) tensor(1:3) = tensor(1:3) &
-         + matter%viscous_pressure(particle)
+      tensor(:) = state%stress(particle, :)
+      if (allocated(state%viscous_pressure)) tensor(1:3) = tensor(1:3) &
+         + state%viscous_pressure(particle)
       call principal(tensor, values, axes)
       whole = merge(values/(1.0_wp - share), values, values > 0.0_wp)
       mean = sum(values)/3.0_wp
-      mean_whole = sum(whole)/3.0_wp
-      energy = 0.25_wp*(sum((whole - mean_whole)**2) - sum((values - mean)**2))/self%shear
-      if (of_pressure) energy = energy + 0.5_wp*(mean_whole**2 - mean**2)/self%bulk
-      energy = matter%volume(particle)*(energy - 0.5_wp*share*sum(max(whole, 0.0_wp) &
-         *(0.5_wp*(whole - mean_whole)/self%shear + mean_whole/(3.0_wp*self%bulk))))
+      mean_integer = sum(whole)/3.0_wp
+      energy = 0.25_wp*(sum((whole - mean_integer)**2) - sum((values - mean)**2))/self%shear
+      if (of_pressure) energy = energy + 0.5_wp*(mean_integer**2 - mean**2)/self%bulk
+      energy = state%volume(particle)*(energy - 0.5_wp*share*sum(max(whole, 0.0_wp) &
+         *(0.5_wp*(whole - mean_integer)/self%shear + mean_integer/(3.0_wp*self%bulk))))
    end function softening_missing
 end module constitutive_softening

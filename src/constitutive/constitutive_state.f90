@@ -6,11 +6,11 @@ module constitutive_state
    implicit none
    private
 
-   public :: deformation_t, matter_t
+   public :: deformation_t, material_state_t
 
    !> State carried by the particles of one material. A field is allocated if and only if a law, an
    !! effect or an output of the scene asked for it; `allocated` is the one truth about that.
-   type :: matter_t
+   type :: material_state_t
       real(wp), allocatable :: mass(:)               !! [kg] (in axisymmetry of the whole ring)
       real(wp), allocatable :: volume(:)             !! Present volume [m3]
       real(wp), allocatable :: stress(:, :)          !! Cauchy stress with viscous part (:, 6) [Pa]
@@ -33,7 +33,7 @@ module constitutive_state
       integer(int64), allocatable :: failed(:)       !! Failure flag, 0 or 1, never averaged
    contains
       procedure :: walk => matter_walk               !! Shows each allocated field to a worker
-   end type matter_t
+   end type material_state_t
 
    !> What one time step does to the particles of one tile; scratch space. The gradient is filled
    !! by the transfer, all else by the material. Index 1 belongs to the first particle of the range,
@@ -66,7 +66,7 @@ contains
 
    !> Show every allocated field to a worker, always in the same order.
    subroutine matter_walk(self, worker)
-      class(matter_t), intent(inout) :: self         !! The state
+      class(material_state_t), intent(inout) :: self         !! The state
       class(field_worker_t), intent(inout) :: worker !! What is to be done
 
       call worker%scalar("mass", "kg", self%mass)

@@ -16,8 +16,8 @@ module damage_grady_kipp
    use constitutive_brittle, only: exponential, extremes, upper_bound
    use constitutive_damage, only: damage_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_field_requests, only: field_requests_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -83,7 +83,7 @@ contains
    !> Damage, and the weakest flaw.
    pure subroutine grady_kipp_request(self, wishes)
       class(damage_grady_kipp_t), intent(in) :: self !! The model
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       call wishes%ask("damage", "damage model grady_kipp", 1)
       if (self%scatters) call wishes%ask("scatter", "size_scatter", 1)
@@ -107,9 +107,9 @@ contains
    end subroutine grady_kipp_draw
 
    !> Let the flaws of strained particles grow.
-   pure subroutine grady_kipp_update(self, matter, deformation, first, last, dt)
+   pure subroutine grady_kipp_update(self, state, deformation, first, last, dt)
       class(damage_grady_kipp_t), intent(in) :: self       !! The model
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -117,14 +117,14 @@ contains
       integer :: count
 
       count = last - first + 1
-      call upper_bound(first, last, matter%stress, deformation%homologous)
+      call upper_bound(first, last, state%stress, deformation%homologous)
       if (self%scatters) then
-         deformation%loosening(:count) = matter%scatter(first:last)
+         deformation%loosening(:count) = state%scatter(first:last)
       else
          deformation%loosening(:count) = 1.0_wp
       end if
       call grow(self, first, last, dt, deformation%pressure, deformation%homologous, &
-         deformation%loosening, matter%mass, matter%stress, matter%damage)
+         deformation%loosening, state%mass, state%stress, state%damage)
    end subroutine grady_kipp_update
 
    !> Kernel of the above.

@@ -11,9 +11,9 @@ module damage_jh2
    use base_schema, only: schema_t
    use constitutive_damage, only: damage_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_jh2, only: jh2_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    use law_jh2, only: strain_rate
    implicit none
    private
@@ -86,16 +86,16 @@ contains
    !> Damage, and pressure where fracture makes some.
    pure subroutine damage_jh2_request(self, wishes)
       class(damage_jh2_t), intent(in) :: self        !! The model
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       call wishes%ask("damage", "damage model jh2", 1)
       if (self%share > 0.0_wp) call wishes%ask("bulking", "jh2_beta", 1)
    end subroutine damage_jh2_request
 
    !> Let the damage of flowing particles grow.
-   pure subroutine damage_jh2_update(self, matter, deformation, first, last, dt)
+   pure subroutine damage_jh2_update(self, state, deformation, first, last, dt)
       class(damage_jh2_t), intent(in) :: self              !! The model
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -104,13 +104,13 @@ contains
 
       count = last - first + 1
       ! Of use in the bulking: the damage before, and the rate of the strength.
-      deformation%homologous(:count) = matter%damage(first:last)
+      deformation%homologous(:count) = state%damage(first:last)
       call grow(self, first, last, deformation%pressure, deformation%plastic_increment, &
-         matter%damage)
-      if (.not. allocated(matter%bulking)) return
+         state%damage)
+      if (.not. allocated(state%bulking)) return
       call strain_rate(count, deformation%gradient, dt, deformation%loosening)
       call gain_pressure(self, first, last, deformation%homologous, deformation%loosening, &
-         matter%damage, matter%mass, matter%volume, matter%bulking, deformation%pressure)
+         state%damage, state%mass, state%volume, state%bulking, deformation%pressure)
    end subroutine damage_jh2_update
 
    !> Add the share of the step to the damage of the particles that flow.

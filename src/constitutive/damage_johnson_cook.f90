@@ -9,9 +9,9 @@ module damage_johnson_cook
    use base_schema, only: schema_t
    use constitutive_damage, only: damage_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_heat, only: homologous_temperature, melting_range_t, read_range
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -68,7 +68,7 @@ contains
    !> Damage grows with plastic strain, and the strain to failure may depend on temperature.
    pure subroutine johnson_cook_request(self, wishes)
       class(damage_johnson_cook_t), intent(in) :: self !! The model
-      class(wishes_t), intent(inout) :: wishes         !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes         !! Fields to be carried
 
       call wishes%ask("damage", "damage model johnson_cook", 1)
       if (allocated(self%range)) call wishes%ask("temperature", "damage model johnson_cook", 1)
@@ -91,22 +91,22 @@ contains
    end function johnson_cook_failure_strain
 
    !> Let the damage of flowing particles grow.
-   pure subroutine johnson_cook_update(self, matter, deformation, first, last, dt)
+   pure subroutine johnson_cook_update(self, state, deformation, first, last, dt)
       class(damage_johnson_cook_t), intent(in) :: self     !! The model
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
       if (allocated(self%range)) then
-         call homologous_temperature(first, last, self%range, matter%temperature, &
+         call homologous_temperature(first, last, self%range, state%temperature, &
             deformation%homologous)
       else
          deformation%homologous(1:last - first + 1) = 0.0_wp
       end if
-      call grow(self, first, last, dt, matter%stress, deformation%pressure, &
-         deformation%plastic_increment, deformation%homologous, matter%damage)
+      call grow(self, first, last, dt, state%stress, deformation%pressure, &
+         deformation%plastic_increment, deformation%homologous, state%damage)
    end subroutine johnson_cook_update
 
    !> Add the share of the step to the damage of the particles that flow.

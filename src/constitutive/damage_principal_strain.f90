@@ -9,8 +9,8 @@ module damage_principal_strain
    use constitutive_damage, only: damage_t
    use constitutive_delay, only: ages, delay_fault, delay_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_field_requests, only: field_requests_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -86,7 +86,7 @@ contains
    !> Damage, and a strength of its own for each particle.
    pure subroutine principal_request(self, wishes)
       class(damage_principal_strain_t), intent(in) :: self !! The model
-      class(wishes_t), intent(inout) :: wishes         !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes         !! Fields to be carried
 
       call wishes%ask("damage", "damage model principal_strain", 1)
       call self%delay%request(wishes)
@@ -109,9 +109,9 @@ contains
 
    !> Let overloaded particles fail. Few are near their strength, and only these are looked at one
    !! by one.
-   pure subroutine principal_update(self, matter, deformation, first, last, dt)
+   pure subroutine principal_update(self, state, deformation, first, last, dt)
       class(damage_principal_strain_t), intent(in) :: self !! The model
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -119,20 +119,20 @@ contains
       integer :: count
 
       count = last - first + 1
-      call upper_bound(first, last, matter%stress, deformation%homologous)
+      call upper_bound(first, last, state%stress, deformation%homologous)
       if (allocated(self%weibull)) then
-         deformation%loosening(:count) = matter%scatter(first:last)
+         deformation%loosening(:count) = state%scatter(first:last)
       else
          deformation%loosening(:count) = 1.0_wp
       end if
-      if (allocated(matter%overload)) then
+      if (allocated(state%overload)) then
          call find_load(self, first, last, deformation%pressure, deformation%homologous, &
-            matter%stress, matter%overload, deformation%loosening)
-         call self%delay%nucleate(first, last, dt, deformation%loosening, matter%overload, &
-            matter%damage)
+            state%stress, state%overload, deformation%loosening)
+         call self%delay%nucleate(first, last, dt, deformation%loosening, state%overload, &
+            state%damage)
       else
          call overload(self, first, last, dt, deformation%pressure, deformation%homologous, &
-            deformation%loosening, matter%stress, matter%damage)
+            deformation%loosening, state%stress, state%damage)
       end if
    end subroutine principal_update
 

@@ -8,8 +8,8 @@ module eos_ideal_gas
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_eos, only: eos_t
-   use constitutive_field_requests, only: wishes_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_field_requests, only: field_requests_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -59,20 +59,20 @@ contains
    !> The pressure depends on energy.
    pure subroutine ideal_gas_request(self, wishes)
       class(eos_ideal_gas_t), intent(in) :: self     !! The equation of state
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       call wishes%ask("energy", "equation of state ideal_gas", 1)
    end subroutine ideal_gas_request
 
    !> Pressure and square of the sound speed.
-   pure subroutine ideal_gas_update(self, matter, deformation, first, last)
+   pure subroutine ideal_gas_update(self, state, deformation, first, last)
       class(eos_ideal_gas_t), intent(in) :: self           !! The equation of state
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call gas_pressure(first, last, self%heat_ratio, matter%mass, matter%volume, matter%energy, &
+      call gas_pressure(first, last, self%heat_ratio, state%mass, state%volume, state%energy, &
          deformation%pressure, deformation%wave_speed)
    end subroutine ideal_gas_update
 
@@ -100,9 +100,9 @@ contains
 
    !> Grueneisen number gamma - 1 times density at the middle of the step. Equation (A.13) of
    !! doc/theory/matter.md.
-   pure subroutine ideal_gas_gruneisen(self, matter, deformation, first, last)
+   pure subroutine ideal_gas_gruneisen(self, state, deformation, first, last)
       class(eos_ideal_gas_t), intent(in) :: self           !! The equation of state
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -110,8 +110,8 @@ contains
 
       do i = 1, last - first + 1
          k = first - 1 + i
-         deformation%gruneisen(i) = (self%heat_ratio - 1.0_wp)*2.0_wp*matter%mass(k) &
-            /(matter%volume(k) + deformation%old_volume(i))
+         deformation%gruneisen(i) = (self%heat_ratio - 1.0_wp)*2.0_wp*state%mass(k) &
+            /(state%volume(k) + deformation%old_volume(i))
       end do
    end subroutine ideal_gas_gruneisen
 

@@ -9,8 +9,8 @@ module eos_jh2
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_eos, only: eos_t
-   use constitutive_field_requests, only: wishes_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_field_requests, only: field_requests_t
+   use constitutive_state, only: deformation_t, material_state_t
    use eos_linear, only: linear_energy
    implicit none
    private
@@ -85,18 +85,18 @@ contains
    !> The pressure depends on density alone.
    pure subroutine jh2_request(self, wishes)
       class(eos_jh2_t), intent(in) :: self           !! The equation of state
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
    end subroutine jh2_request
 
    !> Pressure and square of the sound speed.
-   pure subroutine jh2_update(self, matter, deformation, first, last)
+   pure subroutine jh2_update(self, state, deformation, first, last)
       class(eos_jh2_t), intent(in) :: self                 !! The equation of state
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call polynomial(first, last, self, matter%mass, matter%volume, deformation%pressure, &
+      call polynomial(first, last, self, state%mass, state%volume, deformation%pressure, &
          deformation%wave_speed)
    end subroutine jh2_update
 

@@ -4,8 +4,8 @@
 module eos_linear
    use base_kinds, only: wp
    use constitutive_eos, only: eos_t
-   use constitutive_field_requests, only: wishes_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_field_requests, only: field_requests_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -24,18 +24,18 @@ contains
    !> The pressure depends on density alone.
    pure subroutine linear_request(self, wishes)
       class(eos_linear_t), intent(in) :: self            !! The equation of state
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
    end subroutine linear_request
 
    !> Pressure and square of the sound speed.
-   pure subroutine linear_update(self, matter, deformation, first, last)
+   pure subroutine linear_update(self, state, deformation, first, last)
       class(eos_linear_t), intent(in) :: self                  !! The equation of state
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call linear_pressure(first, last, self%density, self%bulk, matter%mass, matter%volume, &
+      call linear_pressure(first, last, self%density, self%bulk, state%mass, state%volume, &
          deformation%pressure, deformation%wave_speed)
    end subroutine linear_update
 

@@ -11,8 +11,8 @@ module eos_mie_gruneisen
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_eos, only: eos_t
-   use constitutive_field_requests, only: wishes_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_field_requests, only: field_requests_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -100,21 +100,21 @@ contains
    !> The pressure depends on energy.
    pure subroutine mie_gruneisen_request(self, wishes)
       class(eos_mie_gruneisen_t), intent(in) :: self     !! The equation of state
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       call wishes%ask("energy", "equation of state mie_gruneisen", 1)
    end subroutine mie_gruneisen_request
 
    !> Pressure and square of the sound speed.
-   pure subroutine mie_gruneisen_update(self, matter, deformation, first, last)
+   pure subroutine mie_gruneisen_update(self, state, deformation, first, last)
       class(eos_mie_gruneisen_t), intent(in) :: self           !! The equation of state
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
       call pressure_of_state(first, last, self%density, self%sound, self%slope, self%gamma, &
-         matter%mass, matter%volume, matter%energy, deformation%pressure, deformation%wave_speed)
+         state%mass, state%volume, state%energy, deformation%pressure, deformation%wave_speed)
    end subroutine mie_gruneisen_update
 
    !> Kernel of the above.
@@ -181,14 +181,14 @@ contains
    end subroutine mie_gruneisen_state
 
    !> Grueneisen number times density at the middle of the step. Equation (E.7).
-   pure subroutine mie_gruneisen_gruneisen(self, matter, deformation, first, last)
+   pure subroutine mie_gruneisen_gruneisen(self, state, deformation, first, last)
       class(eos_mie_gruneisen_t), intent(in) :: self       !! The equation of state
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call gamma_density(first, last, self%density, self%gamma, matter%mass, matter%volume, &
+      call gamma_density(first, last, self%density, self%gamma, state%mass, state%volume, &
          deformation%old_volume, deformation%gruneisen)
    end subroutine mie_gruneisen_gruneisen
 

@@ -12,8 +12,8 @@ module eos_p_alpha
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_eos, only: eos_t
-   use constitutive_field_requests, only: wishes_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_field_requests, only: field_requests_t
+   use constitutive_state, only: deformation_t, material_state_t
    use eos_mie_gruneisen, only: eos_mie_gruneisen_t, mie_gruneisen_state
    implicit none
    private
@@ -116,16 +116,16 @@ contains
    !> The pressure depends on energy and on what has been crushed.
    pure subroutine p_alpha_request(self, wishes)
       class(eos_p_alpha_t), intent(in) :: self       !! The equation of state
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       call wishes%ask("energy", "equation of state p_alpha", 1)
       call wishes%ask("distension", "equation of state p_alpha", 1)
    end subroutine p_alpha_request
 
    !> Pressure and square of the sound speed, that at constant distension: no wave is faster.
-   pure subroutine p_alpha_update(self, matter, deformation, first, last)
+   pure subroutine p_alpha_update(self, state, deformation, first, last)
       class(eos_p_alpha_t), intent(in) :: self             !! The equation of state
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -134,12 +134,12 @@ contains
 
       do i = 1, last - first + 1
          k = first - 1 + i
-         density = matter%mass(k)/matter%volume(k)
-         alpha = matter%distension(k)
-         call crush(self, density, matter%energy(k), alpha)
+         density = state%mass(k)/state%volume(k)
+         alpha = state%distension(k)
+         call crush(self, density, state%energy(k), alpha)
          deformation%distension(i) = alpha
          call mie_gruneisen_state(self%solid%density, self%solid%sound, self%solid%slope, &
-            self%solid%gamma, self%solid%density/(alpha*density), matter%energy(k), &
+            self%solid%gamma, self%solid%density/(alpha*density), state%energy(k), &
             deformation%pressure(i), deformation%wave_speed(i))
          deformation%pressure(i) = deformation%pressure(i)/alpha
       end do
@@ -202,14 +202,14 @@ contains
    end function excess
 
    !> Keep the distension.
-   pure subroutine p_alpha_remember(self, matter, deformation, first, last)
+   pure subroutine p_alpha_remember(self, state, deformation, first, last)
       class(eos_p_alpha_t), intent(in) :: self             !! The equation of state
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      matter%distension(first:last) = deformation%distension(:last - first + 1)
+      state%distension(first:last) = deformation%distension(:last - first + 1)
    end subroutine p_alpha_remember
 
    !> The energy is carried by the particles.

@@ -6,8 +6,8 @@ module eos_tait
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_eos, only: eos_t
-   use constitutive_field_requests, only: wishes_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_field_requests, only: field_requests_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -47,19 +47,19 @@ contains
    !> The pressure depends on density alone.
    pure subroutine tait_request(self, wishes)
       class(eos_tait_t), intent(in) :: self          !! The equation of state
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
    end subroutine tait_request
 
    !> Pressure and square of the sound speed.
-   pure subroutine tait_update(self, matter, deformation, first, last)
+   pure subroutine tait_update(self, state, deformation, first, last)
       class(eos_tait_t), intent(in) :: self                !! The equation of state
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call tait_pressure(first, last, self%density, self%bulk, self%exponent, matter%mass, &
-         matter%volume, deformation%pressure, deformation%wave_speed)
+      call tait_pressure(first, last, self%density, self%bulk, self%exponent, state%mass, &
+         state%volume, deformation%pressure, deformation%wave_speed)
    end subroutine tait_update
 
    !> Kernel of the above; the square of the sound speed is K/rho0 (rho/rho0)**(n - 1).

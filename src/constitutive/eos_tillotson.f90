@@ -13,8 +13,8 @@ module eos_tillotson
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_eos, only: eos_t
-   use constitutive_field_requests, only: wishes_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_field_requests, only: field_requests_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -110,15 +110,15 @@ contains
    !> The pressure depends on energy.
    pure subroutine tillotson_request(self, wishes)
       class(eos_tillotson_t), intent(in) :: self     !! The equation of state
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       call wishes%ask("energy", "equation of state tillotson", 1)
    end subroutine tillotson_request
 
    !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de: (E.1).
-   pure subroutine tillotson_update(self, matter, deformation, first, last)
+   pure subroutine tillotson_update(self, state, deformation, first, last)
       class(eos_tillotson_t), intent(in) :: self           !! The equation of state
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -127,8 +127,8 @@ contains
 
       do i = 1, last - first + 1
          k = first - 1 + i
-         density = matter%mass(k)/matter%volume(k)
-         call state(self, density, matter%energy(k), pressure, to_density, to_energy)
+         density = state%mass(k)/state%volume(k)
+         call find_state(self, density, state%energy(k), pressure, to_density, to_energy)
          deformation%pressure(i) = pressure
          deformation%wave_speed(i) = max(least_sound**2*self%bulk/self%density, &
             to_density + pressure/density**2*to_energy)
@@ -137,9 +137,9 @@ contains
 
    !> Grueneisen number (a + b/w**2) of condensed material times density at the middle of the step.
    !! In vapour b/w**2 is small.
-   pure subroutine tillotson_gruneisen(self, matter, deformation, first, last)
+   pure subroutine tillotson_gruneisen(self, state, deformation, first, last)
       class(eos_tillotson_t), intent(in) :: self           !! The equation of state
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -148,14 +148,14 @@ contains
 
       do i = 1, last - first + 1
          k = first - 1 + i
-         density = 2.0_wp*matter%mass(k)/(matter%volume(k) + deformation%old_volume(i))
-         w = 1.0_wp + max(matter%energy(k), 0.0_wp)*(self%density/density)**2/self%energy
+         density = 2.0_wp*state%mass(k)/(state%volume(k) + deformation%old_volume(i))
+         w = 1.0_wp + max(state%energy(k), 0.0_wp)*(self%density/density)**2/self%energy
          deformation%gruneisen(i) = (self%a + self%b/w**2)*density
       end do
    end subroutine tillotson_gruneisen
 
    !> Pressure of a state, and its derivatives to density and energy.
-   pure subroutine state(eos, density, given, pressure, to_density, to_energy)
+   pure subroutine find_state(eos, density, given, pressure, to_density, to_energy)
       type(eos_tillotson_t), intent(in) :: eos       !! Constants
       real(wp), intent(in) :: density                !! [kg/m3]
       real(wp), intent(in) :: given                  !! Energy [J/kg]
@@ -196,7 +196,7 @@ contains
       to_density = (1.0_wp - share)*dense(2) + share*thin(2)
       to_energy = (1.0_wp - share)*dense(3) + share*thin(3)
       if (share < 1.0_wp) to_energy = to_energy + (thin(1) - dense(1))/(eos%vapour - eos%melt)
-   end subroutine state
+   end subroutine find_state
 
    !> The energy is carried by the particles.
    pure real(wp) function tillotson_stored(self, mass, volume, limit) result(energy)

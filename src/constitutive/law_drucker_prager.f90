@@ -13,7 +13,7 @@ module law_drucker_prager
    use constitutive_friction, only: angles_t, declare_angles, fault_of_angles, frictional_t, &
       gain, loosen, read_angles
    use constitutive_law, only: equivalent_stress, strain_trial
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -106,27 +106,27 @@ contains
    end function cone
 
    !> Return to cone or apex.
-   pure subroutine drucker_prager_update(self, matter, deformation, first, last, dt)
+   pure subroutine drucker_prager_update(self, state, deformation, first, last, dt)
       class(law_drucker_prager_t), intent(in) :: self      !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
-      if (allocated(matter%plastic_dilation)) call loosen(first, last, matter%plastic_dilation, &
-         matter%mass, matter%volume, deformation%wave_speed, deformation%pressure, &
+      if (allocated(state%plastic_dilation)) call loosen(first, last, state%plastic_dilation, &
+         state%mass, state%volume, deformation%wave_speed, deformation%pressure, &
          deformation%modulus)
-      call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
-      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
-      if (allocated(matter%plastic_dilation)) then
-         call return_to_cone(first, last, self, matter%mass, matter%volume, deformation%modulus, &
-            matter%stress, deformation%pressure, deformation%plastic_increment, &
+      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
+      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
+      if (allocated(state%plastic_dilation)) then
+         call return_to_cone(first, last, self, state%mass, state%volume, deformation%modulus, &
+            state%stress, deformation%pressure, deformation%plastic_increment, &
             deformation%plastic_work, deformation%loosening)
-         call gain(first, last, deformation%loosening, matter%plastic_dilation)
+         call gain(first, last, deformation%loosening, state%plastic_dilation)
       else
-         call return_to_cone(first, last, self, matter%mass, matter%volume, &
-            deformation%wave_speed, matter%stress, deformation%pressure, &
+         call return_to_cone(first, last, self, state%mass, state%volume, &
+            deformation%wave_speed, state%stress, deformation%pressure, &
             deformation%plastic_increment, deformation%plastic_work, deformation%loosening)
       end if
    end subroutine drucker_prager_update

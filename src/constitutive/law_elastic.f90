@@ -2,9 +2,9 @@
 !> Linear elasticity in rate form: the deviator is the elastic trial.
 module law_elastic
    use base_kinds, only: wp
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_law, only: law_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -30,13 +30,13 @@ contains
    !> An elastic particle remembers nothing but its stress.
    pure subroutine elastic_request(self, wishes)
       class(law_elastic_t), intent(in) :: self           !! The law
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
    end subroutine elastic_request
 
    !> The trial deviator is right already.
-   pure subroutine elastic_update(self, matter, deformation, first, last, dt)
+   pure subroutine elastic_update(self, state, deformation, first, last, dt)
       class(law_elastic_t), intent(in) :: self                 !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range

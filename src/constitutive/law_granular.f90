@@ -13,11 +13,11 @@ module law_granular
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: follow_motion
    use constitutive_law, only: law_stiffen, law_stored, law_t
    use constitutive_relaxation, only: relax_deviator, relax_pressure
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    use constitutive_tension, only: drop_failed
    implicit none
    private
@@ -108,25 +108,25 @@ contains
    !> The stress is all that is remembered.
    pure subroutine granular_request(self, wishes)
       class(law_granular_t), intent(in) :: self      !! The law
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
    end subroutine granular_request
 
    !> Volume after the step; the stress becomes its deviator.
-   pure subroutine granular_predict(self, matter, deformation, first, last)
+   pure subroutine granular_predict(self, state, deformation, first, last)
       class(law_granular_t), intent(in) :: self            !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call follow_motion(first, last, deformation%gradient, matter%volume, matter%stress, &
+      call follow_motion(first, last, deformation%gradient, state%volume, state%stress, &
          deformation%old_volume, deformation%dilatation, deformation%pressure)
    end subroutine granular_predict
 
    !> Deviator after the step, and in mode seed the pressure.
-   pure subroutine granular_update(self, matter, deformation, first, last, dt)
+   pure subroutine granular_update(self, state, deformation, first, last, dt)
       class(law_granular_t), intent(in) :: self            !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -135,43 +135,43 @@ contains
 
       count = last - first + 1
       call relax_deviator(first, last, self%shear, dt*self%slowness, self%fragility, &
-         deformation%gradient, matter%volume, matter%stress, deformation%plastic_increment, &
+         deformation%gradient, state%volume, state%stress, deformation%plastic_increment, &
          deformation%plastic_work)
       if (self%relaxes_pressure) then
-         if (allocated(matter%viscous_pressure)) deformation%pressure(:count) = &
-            deformation%pressure(:count) - matter%viscous_pressure(first:last)
+         if (allocated(state%viscous_pressure)) deformation%pressure(:count) = &
+            deformation%pressure(:count) - state%viscous_pressure(first:last)
          call relax_pressure(first, last, self%bulk, dt*self%slowness, self%fragility, &
-            deformation%gradient, matter%volume, deformation%pressure, deformation%plastic_work)
+            deformation%gradient, state%volume, deformation%pressure, deformation%plastic_work)
       end if
-      if (allocated(matter%failed)) call drop_failed(first, last, matter%failed, matter%stress)
+      if (allocated(state%failed)) call drop_failed(first, last, state%failed, state%stress)
    end subroutine granular_update
 
    !> Shear, and in mode seed the bulk modulus too.
-   pure subroutine granular_stiffen(self, matter, deformation, first, last)
+   pure subroutine granular_stiffen(self, state, deformation, first, last)
       class(law_granular_t), intent(in) :: self            !! The law
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call law_stiffen(self, matter, deformation, first, last)
+      call law_stiffen(self, state, deformation, first, last)
       if (self%relaxes_pressure) deformation%wave_speed(:last - first + 1) = &
          deformation%wave_speed(:last - first + 1) &
-         + self%bulk*matter%volume(first:last)/matter%mass(first:last)
+         + self%bulk*state%volume(first:last)/state%mass(first:last)
    end subroutine granular_stiffen
 
    !> Energy of the contacts that live.
-   pure real(wp) function granular_stored(self, matter, particle) result(energy)
+   pure real(wp) function granular_stored(self, state, particle) result(energy)
       class(law_granular_t), intent(in) :: self      !! The law
-      type(matter_t), intent(in) :: matter           !! State of the store
+      type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                !! Which particle
       real(wp) :: pressure
 
-      energy = law_stored(self, matter, particle)
+      energy = law_stored(self, state, particle)
       if (.not. self%relaxes_pressure) return
-      pressure = -sum(matter%stress(particle, 1:3))/3.0_wp
-      if (allocated(matter%viscous_pressure)) &
-         pressure = pressure - matter%viscous_pressure(particle)
-      energy = energy + matter%volume(particle)*pressure**2/(2.0_wp*self%bulk)
+      pressure = -sum(state%stress(particle, 1:3))/3.0_wp
+      if (allocated(state%viscous_pressure)) &
+         pressure = pressure - state%viscous_pressure(particle)
+      energy = energy + state%volume(particle)*pressure**2/(2.0_wp*self%bulk)
    end function granular_stored
 end module law_granular

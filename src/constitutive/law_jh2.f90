@@ -8,10 +8,10 @@ module law_jh2
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_jh2, only: jh2_t
    use constitutive_law, only: equivalent_stress, law_t, mean_work, strain_trial
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -74,15 +74,15 @@ contains
    !> Pressure that fracture made is no function of the density, so that the energy is carried.
    pure subroutine law_jh2_request(self, wishes)
       class(law_jh2_t), intent(in) :: self           !! The law
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       call wishes%ask("energy", "strength model jh2", 1)
    end subroutine law_jh2_request
 
    !> Return to the yield surface, which does not change in the step.
-   pure subroutine law_jh2_update(self, matter, deformation, first, last, dt)
+   pure subroutine law_jh2_update(self, state, deformation, first, last, dt)
       class(law_jh2_t), intent(in) :: self                 !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -90,16 +90,16 @@ contains
       integer :: count
 
       count = last - first + 1
-      if (allocated(matter%damage)) then
-         deformation%homologous(:count) = matter%damage(first:last)
+      if (allocated(state%damage)) then
+         deformation%homologous(:count) = state%damage(first:last)
       else
          deformation%homologous(:count) = 0.0_wp
       end if
-      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
-      call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
+      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
+      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       call strain_rate(count, deformation%gradient, dt, deformation%loosening)
       call return_to_strength(first, last, self, deformation%homologous, deformation%loosening, &
-         matter%volume, matter%stress, deformation%pressure, deformation%plastic_increment, &
+         state%volume, state%stress, deformation%pressure, deformation%plastic_increment, &
          deformation%plastic_work)
    end subroutine law_jh2_update
 
@@ -161,9 +161,9 @@ contains
 
    !> Shear modulus in the square of the wave speed, also of fractured matter. It does not grow with
    !! the volume, or a cloud of fragments would shorten the time step.
-   pure subroutine law_jh2_stiffen(self, matter, deformation, first, last)
+   pure subroutine law_jh2_stiffen(self, state, deformation, first, last)
       class(law_jh2_t), intent(in) :: self                 !! The law
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -172,7 +172,7 @@ contains
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          deformation%wave_speed(i) = deformation%wave_speed(i) + 4.0_wp/3.0_wp*self%shear &
-            *min(matter%volume(k)/matter%mass(k), 1.0_wp/self%density)
+            *min(state%volume(k)/state%mass(k), 1.0_wp/self%density)
       end do
    end subroutine law_jh2_stiffen
 

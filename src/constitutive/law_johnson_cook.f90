@@ -8,10 +8,10 @@ module law_johnson_cook
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_heat, only: homologous_temperature, melting_range_t, read_range
    use constitutive_law, only: equivalent_stress, law_t, mean_work, strain_trial
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -77,7 +77,7 @@ contains
    !> Hardening needs the plastic strain, softening the temperature.
    pure subroutine johnson_cook_request(self, wishes)
       class(law_johnson_cook_t), intent(in) :: self  !! The law
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       call wishes%ask("plastic_strain", "hardening of johnson_cook", 1)
       if (allocated(self%range)) call wishes%ask("temperature", "softening of johnson_cook", 1)
@@ -85,9 +85,9 @@ contains
 
    !> Return to the yield surface. Few particles flow at a time, and these need powers and
    !! logarithms, so they are treated one by one after a pass over all.
-   pure subroutine johnson_cook_update(self, matter, deformation, first, last, dt)
+   pure subroutine johnson_cook_update(self, state, deformation, first, last, dt)
       class(law_johnson_cook_t), intent(in) :: self        !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -96,21 +96,21 @@ contains
       integer :: i, k
 
       if (allocated(self%range)) then
-         call homologous_temperature(first, last, self%range, matter%temperature, &
+         call homologous_temperature(first, last, self%range, state%temperature, &
             deformation%homologous)
       else
          deformation%homologous(1:last - first + 1) = 0.0_wp
       end if
-      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
-      call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
+      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
+      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       do i = 1, last - first + 1
          associate (trial => deformation%plastic_increment(i))
             k = first - 1 + i
-            call flow(self, trial, matter%plastic_strain(k), dt, deformation%homologous(i), limit, &
+            call flow(self, trial, state%plastic_strain(k), dt, deformation%homologous(i), limit, &
                increment)
-            if (limit < trial) matter%stress(k, :) = limit/trial*matter%stress(k, :)
-            matter%plastic_strain(k) = matter%plastic_strain(k) + increment
-            deformation%plastic_work(i) = matter%volume(k)*mean_work(self%shear, trial, limit, &
+            if (limit < trial) state%stress(k, :) = limit/trial*state%stress(k, :)
+            state%plastic_strain(k) = state%plastic_strain(k) + increment
+            deformation%plastic_work(i) = state%volume(k)*mean_work(self%shear, trial, limit, &
                increment, deformation%plastic_work(i))
             trial = increment
          end associate

@@ -13,7 +13,7 @@ module law_mohr_coulomb
       read_angles
    use constitutive_law, only: equivalent_stress
    use constitutive_principal, only: compose, principal
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -69,9 +69,9 @@ contains
 
    !> Return to the surface. What lies inside the inscribed cone of Drucker and Prager does not
    !! flow; the others are treated one by one, as they need their principal stresses.
-   pure subroutine mohr_coulomb_update(self, matter, deformation, first, last, dt)
+   pure subroutine mohr_coulomb_update(self, state, deformation, first, last, dt)
       class(law_mohr_coulomb_t), intent(in) :: self        !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -79,10 +79,10 @@ contains
       real(wp) :: s(6), strain(6), pressure, bulk, inside, inner, offset
       integer :: i, k
 
-      if (allocated(matter%plastic_dilation)) call loosen(first, last, matter%plastic_dilation, &
-         matter%mass, matter%volume, deformation%wave_speed, deformation%pressure, &
+      if (allocated(state%plastic_dilation)) call loosen(first, last, state%plastic_dilation, &
+         state%mass, state%volume, deformation%wave_speed, deformation%pressure, &
          deformation%modulus)
-      call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
+      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       inner = 1.0_wp/sqrt(1.0_wp + self%friction**2/3.0_wp)
       offset = 0.5_wp*sqrt(3.0_wp)*self%strength*inner
       inner = sqrt(3.0_wp)*self%friction*inner
@@ -92,24 +92,24 @@ contains
          deformation%plastic_increment(i) = 0.0_wp
          deformation%loosening(i) = 0.0_wp
          if (inside >= 0.0_wp) cycle
-         s = matter%stress(k, :)
+         s = state%stress(k, :)
          strain = [deformation%gradient(i, [1, 5, 9]), 0.5_wp*(deformation%gradient(i, [2, 6, 3]) &
             + deformation%gradient(i, [4, 8, 7]))]
          pressure = deformation%pressure(i)
-         bulk = matter%mass(k)/matter%volume(k)
-         if (allocated(matter%plastic_dilation)) then
+         bulk = state%mass(k)/state%volume(k)
+         if (allocated(state%plastic_dilation)) then
             bulk = bulk*deformation%modulus(i)
          else
             bulk = bulk*deformation%wave_speed(i)
          end if
          call flow(self, bulk, strain, s, pressure, deformation%plastic_increment(i), &
             deformation%plastic_work(i), deformation%loosening(i))
-         matter%stress(k, :) = s
+         state%stress(k, :) = s
          deformation%pressure(i) = pressure
-         deformation%plastic_work(i) = deformation%plastic_work(i)*matter%volume(k)
+         deformation%plastic_work(i) = deformation%plastic_work(i)*state%volume(k)
       end do
-      if (allocated(matter%plastic_dilation)) &
-         call gain(first, last, deformation%loosening, matter%plastic_dilation)
+      if (allocated(state%plastic_dilation)) &
+         call gain(first, last, deformation%loosening, state%plastic_dilation)
    end subroutine mohr_coulomb_update
 
    !> One particle: deviator and pressure after the flow, and what the flow took.

@@ -13,7 +13,7 @@ module law_mu_i
    use constitutive_effects, only: effects_t
    use constitutive_friction, only: frictional_t
    use constitutive_law, only: equivalent_stress, strain_trial
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -96,21 +96,21 @@ contains
    end function mu_i_has_grains
 
    !> Return to the flow stress.
-   pure subroutine mu_i_update(self, matter, deformation, first, last, dt)
+   pure subroutine mu_i_update(self, state, deformation, first, last, dt)
       class(law_mu_i_t), intent(in) :: self                !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
-      call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
-      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
-      call return_to_flow(first, last, self, dt, matter%volume, matter%stress, &
+      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
+      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
+      call return_to_flow(first, last, self, dt, state%volume, state%stress, &
          deformation%pressure, deformation%plastic_increment, deformation%plastic_work)
-      if (allocated(matter%inertial_number)) call note_inertial_number(first, last, &
+      if (allocated(state%inertial_number)) call note_inertial_number(first, last, &
          self%grain/dt, deformation%pressure, deformation%plastic_increment, &
-         matter%inertial_number)
+         state%inertial_number)
    end subroutine mu_i_update
 
    !> Inertial number of the step, that of the shear rate of the flow, 0 where no pressure holds

@@ -8,10 +8,10 @@
 !! (Y.9) and (Y.10) of doc/theory/strength.md.
 module law_neo_hookean
    use base_kinds, only: wp
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: deform
    use constitutive_law, only: law_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -52,57 +52,57 @@ contains
    !> A particle remembers how it is deformed.
    pure subroutine neo_hookean_request(self, wishes)
       class(law_neo_hookean_t), intent(in) :: self   !! The law
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       call wishes%ask("deformation_gradient", "strength neo_hookean", 9)
    end subroutine neo_hookean_request
 
    !> Volume and deformation gradient after the step.
-   pure subroutine neo_hookean_predict(self, matter, deformation, first, last)
+   pure subroutine neo_hookean_predict(self, state, deformation, first, last)
       class(law_neo_hookean_t), intent(in) :: self             !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call deform(first, last, deformation%gradient, matter%volume, matter%deformation_gradient, &
+      call deform(first, last, deformation%gradient, state%volume, state%deformation_gradient, &
          deformation%old_volume, deformation%dilatation)
    end subroutine neo_hookean_predict
 
    !> Deviator and pressure of the stress.
-   pure subroutine neo_hookean_update(self, matter, deformation, first, last, dt)
+   pure subroutine neo_hookean_update(self, state, deformation, first, last, dt)
       class(law_neo_hookean_t), intent(in) :: self             !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
       call stress_of_state(first, last, self%bulk - 2.0_wp/3.0_wp*self%shear, self%shear, &
-         matter%deformation_gradient, matter%stress, deformation%pressure)
+         state%deformation_gradient, state%stress, deformation%pressure)
    end subroutine neo_hookean_update
 
    !> Square of the fastest wave speed.
-   pure subroutine neo_hookean_stiffen(self, matter, deformation, first, last)
+   pure subroutine neo_hookean_stiffen(self, state, deformation, first, last)
       class(law_neo_hookean_t), intent(in) :: self             !! The law
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
       call fastest_wave(first, last, self%bulk - 2.0_wp/3.0_wp*self%shear, self%shear, &
-         matter%mass, matter%volume, matter%deformation_gradient, deformation%wave_speed)
+         state%mass, state%volume, state%deformation_gradient, deformation%wave_speed)
    end subroutine neo_hookean_stiffen
 
    !> Energy of a particle, whose reference volume is V/J.
-   pure real(wp) function neo_hookean_stored(self, matter, particle) result(energy)
+   pure real(wp) function neo_hookean_stored(self, state, particle) result(energy)
       class(law_neo_hookean_t), intent(in) :: self   !! The law
-      type(matter_t), intent(in) :: matter           !! State of the store
+      type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                !! Which particle
       real(wp) :: f(9)
 
-      f = matter%deformation_gradient(particle, :)
-      energy = matter%volume(particle)/ratio(f) &
+      f = state%deformation_gradient(particle, :)
+      energy = state%volume(particle)/ratio(f) &
          *neo_hookean_energy(self%bulk - 2.0_wp/3.0_wp*self%shear, self%shear, f)
    end function neo_hookean_stored
 

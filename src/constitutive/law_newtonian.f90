@@ -6,10 +6,10 @@ module law_newtonian
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: dilate
    use constitutive_law, only: law_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    use constitutive_tension, only: drop_failed
    implicit none
    private
@@ -71,33 +71,33 @@ contains
    !> A fluid remembers nothing.
    pure subroutine newtonian_request(self, wishes)
       class(law_newtonian_t), intent(in) :: self     !! The law
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
    end subroutine newtonian_request
 
    !> Volume after the step.
-   pure subroutine newtonian_predict(self, matter, deformation, first, last)
+   pure subroutine newtonian_predict(self, state, deformation, first, last)
       class(law_newtonian_t), intent(in) :: self           !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call dilate(first, last, deformation%gradient, matter%volume, deformation%old_volume, &
+      call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
          deformation%dilatation)
    end subroutine newtonian_predict
 
    !> Viscous stress, and the work that it takes.
-   pure subroutine newtonian_update(self, matter, deformation, first, last, dt)
+   pure subroutine newtonian_update(self, state, deformation, first, last, dt)
       class(law_newtonian_t), intent(in) :: self           !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
-      call shear_stress(first, last, self%viscosity/dt, deformation%gradient, matter%volume, &
-         matter%stress, deformation%plastic_increment, deformation%plastic_work)
-      if (allocated(matter%failed)) call drop_failed(first, last, matter%failed, matter%stress)
+      call shear_stress(first, last, self%viscosity/dt, deformation%gradient, state%volume, &
+         state%stress, deformation%plastic_increment, deformation%plastic_work)
+      if (allocated(state%failed)) call drop_failed(first, last, state%failed, state%stress)
    end subroutine newtonian_update
 
    !> Kernel of the above.
@@ -136,9 +136,9 @@ contains
    end subroutine shear_stress
 
    !> Shear travels by diffusion, not as a wave.
-   pure subroutine newtonian_stiffen(self, matter, deformation, first, last)
+   pure subroutine newtonian_stiffen(self, state, deformation, first, last)
       class(law_newtonian_t), intent(in) :: self           !! The law
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -147,15 +147,15 @@ contains
    !> Explicit steps with a viscosity eta along a wave, here 4/3 of that of shear, are stable up to
    !! h/(Q + sqrt(Q**2 + c**2)) with Q = eta/(rho h), as for the artificial viscosity. Both together
    !! are not less than the wave speed found before plus 2 Q. Equation (Y.14).
-   pure subroutine newtonian_damp(self, matter, deformation, first, last, spacing)
+   pure subroutine newtonian_damp(self, state, deformation, first, last, spacing)
       class(law_newtonian_t), intent(in) :: self           !! The law
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: spacing                      !! Cell size [m]
 
-      call diffuse(first, last, 8.0_wp/3.0_wp*self%viscosity/spacing, matter%mass, matter%volume, &
+      call diffuse(first, last, 8.0_wp/3.0_wp*self%viscosity/spacing, state%mass, state%volume, &
          deformation%wave_speed)
    end subroutine newtonian_damp
 
@@ -176,9 +176,9 @@ contains
    end subroutine diffuse
 
    !> Viscous stress stores nothing.
-   pure real(wp) function newtonian_stored(self, matter, particle) result(energy)
+   pure real(wp) function newtonian_stored(self, state, particle) result(energy)
       class(law_newtonian_t), intent(in) :: self     !! The law
-      type(matter_t), intent(in) :: matter           !! State of the store
+      type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                !! Which particle
 
       energy = 0.0_wp

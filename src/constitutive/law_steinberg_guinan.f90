@@ -14,10 +14,10 @@ module law_steinberg_guinan
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: predict_deviator
    use constitutive_law, only: equivalent_stress, law_stored, law_t, mean_work, strain_trial
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -134,24 +134,24 @@ contains
    !> Hardening needs the plastic strain, softening the temperature.
    pure subroutine steinberg_guinan_request(self, wishes)
       class(law_steinberg_guinan_t), intent(in) :: self !! The law
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       call wishes%ask("plastic_strain", "hardening of steinberg_guinan", 1)
       if (allocated(self%curve)) call wishes%ask("temperature", "softening of steinberg_guinan", 1)
    end subroutine steinberg_guinan_request
 
    !> Shear modulus of a particle over that of the reference state, 0 if it has melted.
-   pure real(wp) function steinberg_guinan_modulus(self, matter, particle, pressure) result(ratio)
+   pure real(wp) function steinberg_guinan_modulus(self, state, particle, pressure) result(ratio)
       class(law_steinberg_guinan_t), intent(in) :: self !! The law
-      type(matter_t), intent(in) :: matter           !! State of the store
+      type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                !! Which particle
       real(wp), intent(in) :: pressure               !! Its pressure [Pa]
       real(wp) :: compression, melting
 
-      compression = matter%mass(particle)/(self%density*matter%volume(particle))
+      compression = state%mass(particle)/(self%density*state%volume(particle))
       ratio = 1.0_wp + self%stiffening*pressure/compression**(1.0_wp/3.0_wp)
       if (allocated(self%curve)) then
-         associate (curve => self%curve, temperature => matter%temperature(particle))
+         associate (curve => self%curve, temperature => state%temperature(particle))
             ratio = ratio - curve%softening*(temperature - 300.0_wp)
             melting = curve%reference*exp(2.0_wp*curve%volume*(1.0_wp - 1.0_wp/compression)) &
                *compression**(2.0_wp*(curve%gamma - curve%volume - 1.0_wp/3.0_wp))
@@ -163,24 +163,24 @@ contains
 
    !> Elastic trial with the modulus of the state before the step. The trial is linear in stress and
    !! modulus, so that with r = G/G0 it is r times that of the stress over r with G0.
-   pure subroutine steinberg_guinan_predict(self, matter, deformation, first, last)
+   pure subroutine steinberg_guinan_predict(self, state, deformation, first, last)
       class(law_steinberg_guinan_t), intent(in) :: self    !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp) :: pressure
       integer :: i, k
 
-      associate (ratio => deformation%modulus, stress => matter%stress)
+      associate (ratio => deformation%modulus, stress => state%stress)
          do i = 1, last - first + 1
             k = first - 1 + i
             pressure = -(stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
-            ratio(i) = max(self%modulus(matter, k, pressure), least_modulus)
+            ratio(i) = max(self%modulus(state, k, pressure), least_modulus)
             stress(k, :) = stress(k, :)/ratio(i)
          end do
          call predict_deviator(first, last, deformation%plane, self%shear, deformation%gradient, &
-            matter%volume, stress, deformation%old_volume, deformation%dilatation, &
+            state%volume, stress, deformation%old_volume, deformation%dilatation, &
             deformation%pressure)
          do i = 1, last - first + 1
             k = first - 1 + i
@@ -192,9 +192,9 @@ contains
 
    !> Return to the yield surface of the new pressure. Few particles flow at a time, so they are
    !! treated one by one.
-   pure subroutine steinberg_guinan_update(self, matter, deformation, first, last, dt)
+   pure subroutine steinberg_guinan_update(self, state, deformation, first, last, dt)
       class(law_steinberg_guinan_t), intent(in) :: self    !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -202,19 +202,19 @@ contains
       real(wp) :: ratio, limit, increment, stiffness
       integer :: i, k
 
-      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
-      call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
+      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
+      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       do i = 1, last - first + 1
          k = first - 1 + i
          associate (trial => deformation%plastic_increment(i))
-            ratio = self%modulus(matter, k, deformation%pressure(i))
+            ratio = self%modulus(state, k, deformation%pressure(i))
             ! matter that freezes has the modulus after the step: its trial had almost none
             stiffness = 3.0_wp*self%shear*merge(deformation%modulus(i), ratio, &
                deformation%modulus(i) > least_modulus)
-            call flow(self, trial, matter%plastic_strain(k), ratio, stiffness, limit, increment)
-            if (limit < trial) matter%stress(k, :) = limit/trial*matter%stress(k, :)
-            matter%plastic_strain(k) = matter%plastic_strain(k) + increment
-            deformation%plastic_work(i) = matter%volume(k)*mean_work( &
+            call flow(self, trial, state%plastic_strain(k), ratio, stiffness, limit, increment)
+            if (limit < trial) state%stress(k, :) = limit/trial*state%stress(k, :)
+            state%plastic_strain(k) = state%plastic_strain(k) + increment
+            deformation%plastic_work(i) = state%volume(k)*mean_work( &
                stiffness/3.0_wp, trial, limit, increment, deformation%plastic_work(i))
             trial = increment
          end associate
@@ -257,39 +257,39 @@ contains
    end subroutine flow
 
    !> Modulus of the state in the square of the wave speed.
-   pure subroutine steinberg_guinan_stiffen(self, matter, deformation, first, last)
+   pure subroutine steinberg_guinan_stiffen(self, state, deformation, first, last)
       class(law_steinberg_guinan_t), intent(in) :: self    !! The law
-      type(matter_t), intent(in) :: matter                 !! State of the store
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       integer :: i, k
 
       do i = 1, last - first + 1
-         deformation%modulus(i) = self%modulus(matter, first - 1 + i, deformation%pressure(i))
+         deformation%modulus(i) = self%modulus(state, first - 1 + i, deformation%pressure(i))
       end do
-      if (allocated(matter%failed)) then
+      if (allocated(state%failed)) then
          do concurrent (i=1:last - first + 1)
             deformation%modulus(i) = merge(0.0_wp, deformation%modulus(i), &
-               matter%failed(first - 1 + i) /= 0)
+               state%failed(first - 1 + i) /= 0)
          end do
       end if
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          deformation%wave_speed(i) = deformation%wave_speed(i) &
-            + 4.0_wp/3.0_wp*self%shear*deformation%modulus(i)*matter%volume(k)/matter%mass(k)
+            + 4.0_wp/3.0_wp*self%shear*deformation%modulus(i)*state%volume(k)/state%mass(k)
       end do
    end subroutine steinberg_guinan_stiffen
 
    !> Energy in the deviator with the modulus of the state.
-   pure real(wp) function steinberg_guinan_stored(self, matter, particle) result(energy)
+   pure real(wp) function steinberg_guinan_stored(self, state, particle) result(energy)
       class(law_steinberg_guinan_t), intent(in) :: self !! The law
-      type(matter_t), intent(in) :: matter           !! State of the store
+      type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                !! Which particle
       real(wp) :: pressure
 
-      pressure = -sum(matter%stress(particle, 1:3))/3.0_wp
-      energy = law_stored(self, matter, particle) &
-         /max(self%modulus(matter, particle, pressure), least_modulus)
+      pressure = -sum(state%stress(particle, 1:3))/3.0_wp
+      energy = law_stored(self, state, particle) &
+         /max(self%modulus(state, particle, pressure), least_modulus)
    end function steinberg_guinan_stored
 end module law_steinberg_guinan

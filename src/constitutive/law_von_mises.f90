@@ -6,9 +6,9 @@ module law_von_mises
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_law, only: equivalent_stress, law_t, mean_work, strain_trial
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -53,28 +53,28 @@ contains
    !> Perfect plasticity needs no memory, hardening needs the plastic strain.
    pure subroutine von_mises_request(self, wishes)
       class(law_von_mises_t), intent(in) :: self         !! The law
-      class(wishes_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
 
       if (self%hardening > 0.0_wp) call wishes%ask("plastic_strain", "hardening of von_mises", 1)
    end subroutine von_mises_request
 
    !> Return to the yield surface.
-   pure subroutine von_mises_update(self, matter, deformation, first, last, dt)
+   pure subroutine von_mises_update(self, state, deformation, first, last, dt)
       class(law_von_mises_t), intent(in) :: self               !! The law
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
-      call strain_trial(first, last, deformation%gradient, matter%stress, deformation%plastic_work)
-      call equivalent_stress(first, last, matter%stress, deformation%plastic_increment)
-      if (allocated(matter%plastic_strain)) then
+      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
+      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
+      if (allocated(state%plastic_strain)) then
          call return_hardening(first, last, self%shear, self%yield, self%hardening, &
-            matter%volume, matter%stress, matter%plastic_strain, deformation%plastic_increment, &
+            state%volume, state%stress, state%plastic_strain, deformation%plastic_increment, &
             deformation%plastic_work)
       else
-         call return_perfect(first, last, self%shear, self%yield, matter%volume, matter%stress, &
+         call return_perfect(first, last, self%shear, self%yield, state%volume, state%stress, &
             deformation%plastic_increment, deformation%plastic_work)
       end if
    end subroutine von_mises_update

@@ -10,7 +10,7 @@ module quadrature_point
    use transfer_edges, only: gather_edge_gradient
    use transfer_gather, only: gather_dual_gradient
    use transfer_scatter, only: scatter_dual_force
-   use transfer_shape_data, only: places_t
+   use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
@@ -33,7 +33,7 @@ contains
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
-      type(places_t), intent(inout) :: places                !! What the maps need
+      type(shape_data_t), intent(inout) :: places                !! What the maps need
 
       call find_alpha(grid, self%alpha, self%alpha_centre, store%count(tile), places%local, &
          places%alpha)
@@ -50,7 +50,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -66,7 +66,7 @@ contains
       class(quadrature_point_t), intent(in) :: self          !! The rule
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]

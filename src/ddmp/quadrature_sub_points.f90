@@ -10,7 +10,7 @@ module quadrature_sub_points
    use ddmp_quadrature, only: quadrature_t
    use mesh_grid, only: grid_t
    use particle_store, only: store_t, traits_t
-   use transfer_shape_data, only: line, places_t
+   use transfer_shape_data, only: line, shape_data_t
    use transfer_spline_gather_plane, only: collect_plane
    use transfer_spline_kernels, only: collect_lines, spread_lines
    implicit none
@@ -58,7 +58,7 @@ contains
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
-      type(places_t), intent(inout) :: places                !! What the maps need
+      type(shape_data_t), intent(inout) :: places                !! What the maps need
       integer :: direction, cell, from, to
 
       call places%reserve_split(store%count(tile))
@@ -91,7 +91,7 @@ contains
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: from, to                        !! Particles of the cell, in the tile
       real(wp), contiguous, intent(in) :: extent(:, :)       !! (particle, 3) Half edges [m]
-      type(places_t), intent(inout) :: places                !! Gets the means
+      type(shape_data_t), intent(inout) :: places                !! Gets the means
       real(wp) :: low, high, half, x, y, alpha, value(0:1), part
       integer :: p, n, k, node
 
@@ -129,7 +129,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -163,7 +163,7 @@ contains
       class(quadrature_sub_points_t), intent(in) :: self     !! The rule
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
@@ -198,7 +198,7 @@ contains
    !! the
    !! basis.
    pure subroutine put_on(places, count, basis, low)
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(inout) :: basis(:, :, :)  !! (particle of the tile, node, 3)
       integer, contiguous, intent(inout) :: low(:, :)        !! (particle of the tile, 3)
@@ -220,7 +220,7 @@ contains
    pure subroutine collect_vector(grid, start, places, nodes, skip)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(inout) :: places                !! Of the tile; gets them as values
+      type(shape_data_t), intent(inout) :: places                !! Of the tile; gets them as values
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
       integer, intent(in) :: skip                            !! Columns of the values before them
       real(wp), allocatable :: values(:, :)

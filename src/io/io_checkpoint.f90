@@ -11,7 +11,7 @@ module io_checkpoint
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
    use base_field_worker, only: field_worker_t
-   use base_hash, only: add_hash, hash_reals, hash_text, hash_wholes, mix
+   use base_hash, only: add_hash, hash_integers, hash_reals, hash_text, mix
    use base_kinds, only: int64, wp
    use io_digest, only: field_key
    use io_file, only: join_path, list_folder, longest_name, longest_path, remove_file
@@ -154,8 +154,8 @@ contains
       do index = 1, size(state%entries)
          if (allocated(state%entries(index)%reals)) &
             bytes = bytes + heading + number*size(state%entries(index)%reals)
-         if (allocated(state%entries(index)%wholes)) &
-            bytes = bytes + heading + number*size(state%entries(index)%wholes)
+         if (allocated(state%entries(index)%integers)) &
+            bytes = bytes + heading + number*size(state%entries(index)%integers)
       end do
    end subroutine measure
 
@@ -206,11 +206,12 @@ contains
                state%entries(index)%reals)
             check = hash_reals(field_key("state", name, 1), owners, state%entries(index)%reals)
          else
-            rows = size(state%entries(index)%wholes)
+            rows = size(state%entries(index)%integers)
             call count_up(rows, owners)
             call write_data(file, name, rows_of_root(file%communicator, rows), &
-               state%entries(index)%wholes)
-            check = hash_wholes(field_key("state", name, 1), owners, state%entries(index)%wholes)
+               state%entries(index)%integers)
+            check = hash_integers(field_key("state", name, 1), owners, &
+               state%entries(index)%integers)
          end if
          call file%attribute(name, "check", check)
       end do
@@ -385,7 +386,7 @@ contains
       end do
       path = "/particles/"//self%store//"/"//name
       call write_data(self%file, path, self%rows, rows)
-      call self%book(path, unit, hash_wholes(field_key(self%store, name, 1), self%owners, rows))
+      call self%book(path, unit, hash_integers(field_key(self%store, name, 1), self%owners, rows))
    end subroutine writer_whole
 
    !> Count a field of numbers.

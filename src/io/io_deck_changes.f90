@@ -47,7 +47,7 @@ module io_deck_changes
       character(len=:), allocatable :: extent            !! Keys that change its files and limits
       character(len=:), allocatable :: nothing           !! Keys that change no result
    contains
-      procedure :: matter => changes_matter              !! Will results differ?
+      procedure :: state => changes_matter              !! Will results differ?
    end type changes_t
 
 contains
@@ -122,10 +122,10 @@ contains
    end function plain_value
 
    !> True if results before the end depend on one of the keys that differ.
-   pure logical function changes_matter(self) result(matter)
+   pure logical function changes_matter(self) result(state)
       class(changes_t), intent(in) :: self               !! The keys that differ
 
-      matter = len(self%refused) + len(self%physics) + len(self%extent) > 0
+      state = len(self%refused) + len(self%physics) + len(self%extent) > 0
    end function changes_matter
 
    !> Compare the keys of a group that both decks have.

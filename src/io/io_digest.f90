@@ -9,7 +9,7 @@ module io_digest
    use base_communicator, only: communicator_t
    use base_error, only: error_t
    use base_field_worker, only: field_worker_t
-   use base_hash, only: add_hash, digest_text, hash_reals, hash_text, hash_wholes, mix
+   use base_hash, only: add_hash, digest_text, hash_integers, hash_reals, hash_text, mix
    use base_kinds, only: int64, wp
    use io_hdf5_read, only: data_info_t, hdf5_source_t
    use io_hdf5_write, only: even_rows, rows_t
@@ -143,7 +143,7 @@ contains
       integer(int64), contiguous, intent(in) :: owners(:) !! Identities of the rows
       integer(int64), intent(inout) :: sum               !! Sum of hashes
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
-      integer(int64), allocatable :: wholes(:)
+      integer(int64), allocatable :: integers(:)
       real(wp), allocatable :: column(:), reals(:, :)
       character(len=:), allocatable :: path
       integer :: component
@@ -151,10 +151,10 @@ contains
       path = "/particles/"//store//"/"//trim(field%name)
       allocate (column(size(owners)))
       if (.not. field%is_real) then
-         allocate (wholes(size(owners)))
-         call source%read(path, before, wholes, error)
+         allocate (integers(size(owners)))
+         call source%read(path, before, integers, error)
          if (allocated(error)) return
-         sum = add_hash(sum, hash_wholes(field_key(store, trim(field%name), 1), owners, wholes))
+         sum = add_hash(sum, hash_integers(field_key(store, trim(field%name), 1), owners, integers))
       else if (field%dimensions == 1) then
          call source%read(path, before, column, error)
          if (allocated(error)) return
@@ -242,7 +242,7 @@ contains
       integer(int64), allocatable :: column(:)
 
       call pick(values, self%order, column)
-      self%sum = add_hash(self%sum, hash_wholes(field_key(self%store, name, 1), self%owners, &
+      self%sum = add_hash(self%sum, hash_integers(field_key(self%store, name, 1), self%owners, &
          column))
    end subroutine digester_whole
 end module io_digest

@@ -10,7 +10,7 @@ module io_fields
    implicit none
    private
 
-   public :: choose_columns, column_t, fill_reals, fill_wholes, picks_t
+   public :: choose_columns, column_t, fill_reals, fill_integers, picks_t
 
    integer, parameter, public :: field_name_length = 32  !! Longest name of a field
    !> All names that `fields` of an output may hold, beside "default" and "state".
@@ -61,7 +61,7 @@ module io_fields
       integer, allocatable :: order(:)                   !! Places of the particles
       integer :: before = 0                              !! Rows before the first
       real(wp), allocatable :: reals(:, :)               !! (component, row)
-      integer(int64), allocatable :: wholes(:)           !! (row)
+      integer(int64), allocatable :: integers(:)           !! (row)
    contains
       procedure :: scalar => fetcher_scalar              !! Copy a field of numbers
       procedure :: vector => fetcher_vector              !! Copy a field of vectors or tensors
@@ -215,7 +215,7 @@ contains
    end subroutine fill_reals
 
    !> Values of a column of whole numbers, store after store; 0 where a material lacks the field.
-   subroutine fill_wholes(stores, picks, column, values)
+   subroutine fill_integers(stores, picks, column, values)
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       type(column_t), intent(in) :: column               !! What is wanted
@@ -225,7 +225,7 @@ contains
 
       values = 0
       before = 0
-      if (.not. column%derived) call move_alloc(values, fetcher%wholes)
+      if (.not. column%derived) call move_alloc(values, fetcher%integers)
       do store = 1, size(stores)
          last = before + size(picks(store)%order)
          if (column%name == "fragment") then
@@ -240,8 +240,8 @@ contains
          end if
          before = last
       end do
-      if (.not. column%derived) call move_alloc(fetcher%wholes, values)
-   end subroutine fill_wholes
+      if (.not. column%derived) call move_alloc(fetcher%integers, values)
+   end subroutine fill_integers
 
    !> Copy the places of a store.
    pure subroutine copy_order(picks, order)
@@ -263,7 +263,7 @@ contains
 
       do row = 1, size(picks%order)
          particle = picks%order(row)
-         associate (value => values(1, before + row), stress => store%matter%stress)
+         associate (value => values(1, before + row), stress => store%state%stress)
             select case (name)
             case ("pressure")
                value = -(stress(particle, xx) + stress(particle, yy) + stress(particle, zz))/3.0_wp
@@ -274,7 +274,7 @@ contains
                   3.0_wp*(stress(particle, xy)**2 + stress(particle, yz)**2 + &
                   stress(particle, xz)**2))
             case ("density")
-               value = store%matter%mass(particle)/store%matter%volume(particle)
+               value = store%state%mass(particle)/store%state%volume(particle)
             case default
                value = sqrt(store%velocity(particle, 1)**2 + store%velocity(particle, 2)**2 + &
                   store%velocity(particle, 3)**2)
@@ -369,7 +369,7 @@ contains
 
       if (name /= self%name) return
       do row = 1, size(self%order)
-         self%wholes(self%before + row) = values(self%order(row))
+         self%integers(self%before + row) = values(self%order(row))
       end do
    end subroutine fetcher_whole
 end module io_fields

@@ -47,14 +47,14 @@ contains
                velocity = [stores(store)%velocity(p, 1), stores(store)%velocity(p, 2), &
                   stores(store)%velocity(p, 3)]
                filled = filled + 1
-               associate (total => sums(:, cells%of_row(filled)), matter => stores(store)%matter)
+               associate (total => sums(:, cells%of_row(filled)), state => stores(store)%state)
                   if (pass == 1) then
-                     call add_particle(matter%mass(p), matter%volume(p), position, velocity, total)
+                     call add_particle(state%mass(p), state%volume(p), position, velocity, total)
                      total(21) = min(total(21), real(stores(store)%identity(p), wp))
-                     if (allocated(matter%failed)) total(20) = total(20) &
-                        + matter%mass(p)*real(min(matter%failed(p), 1_int64), wp)
+                     if (allocated(state%failed)) total(20) = total(20) &
+                        + state%mass(p)*real(min(state%failed(p), 1_int64), wp)
                   else
-                     total(11:13) = total(11:13) + matter%mass(p)*cross( &
+                     total(11:13) = total(11:13) + state%mass(p)*cross( &
                         position - total(4:6)/total(2), velocity - total(7:9)/total(2))
                   end if
                end associate

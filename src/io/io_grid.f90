@@ -220,11 +220,11 @@ contains
       filled = 0
       do store = 1, size(stores)
          do row = 1, size(picks(store)%order)
-            associate (p => picks(store)%order(row), matter => stores(store)%matter)
+            associate (p => picks(store)%order(row), state => stores(store)%state)
                if (kind == by_volume) then
-                  weight(filled + row) = matter%volume(p)
+                  weight(filled + row) = state%volume(p)
                else
-                  weight(filled + row) = matter%mass(p)
+                  weight(filled + row) = state%mass(p)
                end if
             end associate
          end do

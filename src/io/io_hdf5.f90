@@ -60,9 +60,9 @@ module io_hdf5
       procedure :: settle => hdf5_settle                  !! Share what went wrong
       procedure :: works => hdf5_works                    !! Nothing has gone wrong
       procedure, private :: attach_text, attach_real, attach_reals, attach_shorts, &
-         attach_whole, attach
+         attach_integer, attach
       !> Attach an attribute to a group or data set. Must be the same on all ranks.
-      generic :: attribute => attach_text, attach_real, attach_reals, attach_shorts, attach_whole
+      generic :: attribute => attach_text, attach_real, attach_reals, attach_shorts, attach_integer
    end type hdf5_file_t
 
 contains
@@ -322,7 +322,7 @@ contains
    end subroutine attach_shorts
 
    !> Attach a whole number.
-   subroutine attach_whole(self, object, name, value)
+   subroutine attach_integer(self, object, name, value)
       class(hdf5_file_t), intent(inout) :: self           !! The file
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
@@ -331,5 +331,5 @@ contains
 
       copy = value
       call self%attach(object, name, h5t_std_i64le, 0, c_loc(copy))
-   end subroutine attach_whole
+   end subroutine attach_integer
 end module io_hdf5

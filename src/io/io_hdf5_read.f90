@@ -47,11 +47,12 @@ module io_hdf5_read
       procedure :: layers => source_layers               !! Some layers of a data set
       procedure :: list => source_list                   !! Numbers of an attribute
       procedure :: names => source_names                 !! Texts of a data set
-      procedure, private :: source_real, source_whole, source_reals, source_vectors, source_wholes
+      procedure, private :: source_real, source_integer, source_reals, source_vectors, &
+         source_integers
       !> Read an attribute.
-      generic :: attribute => source_real, source_whole
+      generic :: attribute => source_real, source_integer
       !> Read rows of a data set.
-      generic :: read => source_reals, source_vectors, source_wholes
+      generic :: read => source_reals, source_vectors, source_integers
    end type hdf5_source_t
 
 contains
@@ -215,7 +216,7 @@ contains
    end subroutine source_real
 
    !> Read an attribute that is a whole number.
-   subroutine source_whole(self, object, name, value, error)
+   subroutine source_integer(self, object, name, value, error)
       class(hdf5_source_t), intent(in) :: self           !! The file
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
@@ -226,7 +227,7 @@ contains
       copy = 0
       call read_attribute(self, object, name, h5t_std_i64le, c_loc(copy), error)
       value = copy
-   end subroutine source_whole
+   end subroutine source_integer
 
    !> Read rows of a data set of any type. The data set must have the rows asked for.
    subroutine read_any(self, name, before, extent, kind, address, error)
@@ -309,7 +310,7 @@ contains
    end subroutine source_vectors
 
    !> Read whole numbers.
-   subroutine source_wholes(self, name, before, values, error)
+   subroutine source_integers(self, name, before, values, error)
       class(hdf5_source_t), intent(in) :: self           !! The file
       character(len=*), intent(in) :: name               !! From the root
       integer(int64), intent(in) :: before               !! Rows before the first wanted
@@ -321,7 +322,7 @@ contains
       if (size(values) == 0 .or. allocated(error)) return
       extent(1) = size(values, 1)
       call read_any(self, name, before, extent, h5t_std_i64le, c_loc(values), error)
-   end subroutine source_wholes
+   end subroutine source_integers
 
    !> Read the bytes of a data set as a text.
    subroutine source_text(self, name, text, error)

@@ -35,7 +35,7 @@ module io_hdf5_write
    !> Write a data set: numbers (row) or vectors and tensors (component, row). Collective.
    interface write_data
       module procedure write_reals, write_vectors, write_singles, write_single_vectors
-      module procedure write_wholes, write_whole_vectors, write_shorts
+      module procedure write_integers, write_whole_vectors, write_shorts
    end interface write_data
 
    !> Write a data set of more dimensions: (all of a row, row). Collective.
@@ -230,7 +230,7 @@ contains
    end subroutine write_single_vectors
 
    !> Write whole numbers.
-   subroutine write_wholes(file, name, rows, values)
+   subroutine write_integers(file, name, rows, values)
       class(hdf5_file_t), intent(inout) :: file          !! The file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
@@ -240,7 +240,7 @@ contains
       address = c_null_ptr
       if (size(values) > 0) address = c_loc(values)
       call write_any(file, name, rows, plain, h5t_std_i64le, address)
-   end subroutine write_wholes
+   end subroutine write_integers
 
    !> Write vectors of whole numbers.
    subroutine write_whole_vectors(file, name, rows, values)

@@ -9,7 +9,7 @@ module io_history
    use base_text, only: buffer_t
    use base_units, only: output_units_t
    use io_file, only: file_exists, output_file_t, read_file, write_file
-   use io_text, only: real_text, whole_text
+   use io_text, only: integer_text, real_text
    implicit none
    private
 
@@ -170,7 +170,7 @@ contains
       do column = 1, size(values)
          if (column > 1) line = line//","
          if (self%whole(before + column)) then
-            line = line//whole_text(nint(values(column), int64))
+            line = line//integer_text(nint(values(column), int64))
          else
             line = line//real_text(self%units%shown(values(column), &
                trim(self%unit(before + column))))

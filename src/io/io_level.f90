@@ -11,7 +11,7 @@ module io_level
    implicit none
    private
 
-   public :: even_chunks, level_reals, level_rows, level_wholes
+   public :: even_chunks, level_reals, level_rows, level_integers
 
    integer, parameter :: heading = 2                     !! Words before the rows of a message
 
@@ -103,7 +103,7 @@ contains
    end subroutine level_reals
 
    !> Share out whole numbers. Collective.
-   subroutine level_wholes(communicator, rows, even, values)
+   subroutine level_integers(communicator, rows, even, values)
       type(communicator_t), intent(inout) :: communicator !! The ranks
       type(rows_t), intent(in) :: rows                   !! As the values are
       type(rows_t), intent(in) :: even                   !! From `level_rows`
@@ -117,7 +117,7 @@ contains
       deallocate (values)
       allocate (values(size(words, 2)))
       values(:) = words(1, :)
-   end subroutine level_wholes
+   end subroutine level_integers
 
    !> Share out words. Collective.
    subroutine level(communicator, rows, even, words)

@@ -4,7 +4,7 @@
 module io_means
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: int64, wp
-   use io_fields, only: choose_columns, column_t, field_name_length, fill_reals, fill_wholes, &
+   use io_fields, only: choose_columns, column_t, field_name_length, fill_integers, fill_reals, &
       picks_t
    use particle_store, only: store_t
    implicit none
@@ -152,7 +152,7 @@ contains
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       type(column_t), intent(in) :: column               !! What is wanted
       real(wp), allocatable, intent(out) :: values(:, :) !! (component, row)
-      integer(int64), allocatable :: wholes(:)
+      integer(int64), allocatable :: integers(:)
       integer :: rows, store
 
       rows = 0
@@ -163,9 +163,9 @@ contains
       if (column%is_real) then
          call fill_reals(stores, picks, column, values)
       else
-         allocate (wholes(rows))
-         call fill_wholes(stores, picks, column, wholes)
-         values(1, :) = real(wholes, wp)
+         allocate (integers(rows))
+         call fill_integers(stores, picks, column, integers)
+         values(1, :) = real(integers, wp)
       end if
    end subroutine fill_mean
 end module io_means

@@ -68,8 +68,8 @@ contains
       if (.not. taken) return
       if (allocated(self%bodies) .and. allocated(store%body)) &
          taken = any(self%bodies == store%body(p))
-      if (self%intact .and. allocated(store%matter%failed)) &
-         taken = taken .and. store%matter%failed(p) == 0_int64
+      if (self%intact .and. allocated(store%state%failed)) &
+         taken = taken .and. store%state%failed(p) == 0_int64
       position = [store%position(p, 1), store%position(p, 2), store%position(p, 3)]
       if (self%axis > 0) taken = taken .and. position(self%axis) >= self%lower .and. &
          position(self%axis) < self%upper

@@ -200,11 +200,11 @@ contains
       else if (allocated(store%domain)) then
          half = abs(store%domain(p, 3)) + abs(store%domain(p, 6)) + abs(store%domain(p, 9))
       else if (grid%dimensions == 3) then
-         half = 0.5_wp*store%matter%volume(p)**(1.0_wp/3.0_wp)
+         half = 0.5_wp*store%state%volume(p)**(1.0_wp/3.0_wp)
       else
          width = grid%upper(2) - grid%lower(2)
          if (grid%axisymmetric) width = 2.0_wp*pi*max(store%position(p, 1), tiny(width))
-         half = 0.5_wp*sqrt(store%matter%volume(p)/width)
+         half = 0.5_wp*sqrt(store%state%volume(p)/width)
       end if
    end function half_height
 
@@ -233,8 +233,8 @@ contains
                   /(profile%upper - profile%lower)*real(profile%bins, wp)
                bin(filled) = min(max(floor(min(max(place, 0.0_wp), real(profile%bins, wp))), 0), &
                   profile%bins - 1) + 1
-               mass(filled) = stores(store)%matter%mass(p)
-               volume(filled) = stores(store)%matter%volume(p)
+               mass(filled) = stores(store)%state%mass(p)
+               volume(filled) = stores(store)%state%volume(p)
             end associate
          end do
       end do

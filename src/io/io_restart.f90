@@ -5,7 +5,7 @@ module io_restart
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
    use base_field_worker, only: field_worker_t
-   use base_hash, only: add_hash, hash_reals, hash_text, hash_wholes
+   use base_hash, only: add_hash, hash_integers, hash_reals, hash_text
    use base_kinds, only: int64, wp
    use io_checkpoint, only: checkpoint_newest, checkpoint_place_t, head_check
    use io_deck_changes, only: changes_t, compare_decks
@@ -218,7 +218,7 @@ contains
       type(data_info_t), intent(in) :: member             !! Its data set
       type(state_t), intent(inout) :: state               !! The entry is set
       type(error_t), allocatable, intent(out) :: error    !! Damaged
-      integer(int64), allocatable :: owners(:), wholes(:)
+      integer(int64), allocatable :: owners(:), integers(:)
       real(wp), allocatable :: reals(:)
       integer(int64) :: check, found
       character(len=:), allocatable :: name
@@ -237,11 +237,11 @@ contains
          found = hash_reals(field_key("state", name, 1), owners, reals)
          call state%set(trim(member%name), reals)
       else
-         allocate (wholes(member%rows))
-         call source%read(name, 0_int64, wholes, error)
+         allocate (integers(member%rows))
+         call source%read(name, 0_int64, integers, error)
          if (allocated(error)) return
-         found = hash_wholes(field_key("state", name, 1), owners, wholes)
-         call state%set(trim(member%name), wholes)
+         found = hash_integers(field_key("state", name, 1), owners, integers)
+         call state%set(trim(member%name), integers)
       end if
       call source%attribute(name, "check", check, error)
       if (allocated(error)) return
@@ -425,7 +425,7 @@ contains
       if (self%look(name)) then
          call self%source%read(path, self%before, values, error)
          if (.not. allocated(error)) &
-            check = hash_wholes(field_key(self%store, name, 1), self%owners, values)
+            check = hash_integers(field_key(self%store, name, 1), self%owners, values)
       end if
       call self%verify(path, check, error)
    end subroutine reader_whole

@@ -9,7 +9,7 @@ module io_seal
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
-   use base_hash, only: add_hash, digest_text, hash_wholes, mix
+   use base_hash, only: add_hash, digest_text, hash_integers, mix
    use base_kinds, only: int64
    use io_file, only: file_size, output_file_t
    use io_libc, only: failure_text
@@ -122,7 +122,7 @@ contains
          do n = 1, filled
             places(n) = first/word_bytes + n
          end do
-         sum = add_hash(sum, hash_wholes(0_int64, places(:filled), words(:filled)))
+         sum = add_hash(sum, hash_integers(0_int64, places(:filled), words(:filled)))
          block = block + communicator%size
       end do
       if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"'")

@@ -9,11 +9,11 @@ module io_snapshot
    use base_kinds, only: int32, int64, wp
    use base_units, only: output_units_t, system_si
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-   use io_fields, only: choose_columns, column_t, fill_reals, fill_wholes, picks_t
+   use io_fields, only: choose_columns, column_t, fill_integers, fill_reals, picks_t
    use io_fragments, only: labels_t
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_write, only: data_bytes, rows_of_root, rows_t, write_bytes, write_data, write_names
-   use io_level, only: even_chunks, level_reals, level_rows, level_wholes
+   use io_level, only: even_chunks, level_integers, level_reals, level_rows
    use io_order, only: store_rows
    use io_pick, only: pick_rule_t
    use, intrinsic :: iso_fortran_env, only: real32
@@ -203,20 +203,20 @@ contains
       type(rows_t) :: even
       character(len=:), allocatable :: name
       integer(int32), allocatable :: shorts(:)
-      integer(int64), allocatable :: wholes(:)
+      integer(int64), allocatable :: integers(:)
       real(wp), allocatable :: numbers(:), reals(:, :)
 
       name = root//"/PointData/"//trim(column%name)
       even = level_rows(file%communicator, rows)
       if (.not. column%is_real) then
-         allocate (wholes(sum(rows%count)))
-         call fill_wholes(stores, picks, column, wholes)
-         call level_wholes(file%communicator, rows, even, wholes)
+         allocate (integers(sum(rows%count)))
+         call fill_integers(stores, picks, column, integers)
+         call level_integers(file%communicator, rows, even, integers)
          if (column%name == "identity") then
-            call write_data(file, name, even, wholes)
+            call write_data(file, name, even, integers)
          else
-            allocate (shorts(size(wholes)))
-            shorts(:) = int(wholes, int32)
+            allocate (shorts(size(integers)))
+            shorts(:) = int(integers, int32)
             call write_data(file, name, even, shorts)
          end if
       else

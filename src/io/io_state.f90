@@ -12,7 +12,7 @@ module io_state
    type :: entry_t
       character(len=:), allocatable :: name               !! Unique
       real(wp), allocatable :: reals(:)                   !! Allocated if real
-      integer(int64), allocatable :: wholes(:)            !! Allocated if whole
+      integer(int64), allocatable :: integers(:)            !! Allocated if whole
    end type entry_t
 
    !> State of a run beside its particles. The same on all ranks.
@@ -24,11 +24,11 @@ module io_state
    contains
       procedure :: place => state_place                   !! Where an entry is, 0 if there is none
       procedure :: has => state_has                       !! Is there an entry of this name
-      procedure, private :: set_reals, set_wholes, get_reals, get_wholes, make_room
+      procedure, private :: set_reals, set_integers, get_reals, get_integers, make_room
       !> Keep numbers under a name.
-      generic :: set => set_reals, set_wholes
+      generic :: set => set_reals, set_integers
       !> Look numbers up.
-      generic :: get => get_reals, get_wholes
+      generic :: get => get_reals, get_integers
    end type state_t
 
 contains
@@ -70,13 +70,13 @@ contains
          do index = 1, place - 1
             call move_alloc(self%entries(index)%name, larger(index)%name)
             call move_alloc(self%entries(index)%reals, larger(index)%reals)
-            call move_alloc(self%entries(index)%wholes, larger(index)%wholes)
+            call move_alloc(self%entries(index)%integers, larger(index)%integers)
          end do
          call move_alloc(larger, self%entries)
       end if
       self%entries(place)%name = name
       if (allocated(self%entries(place)%reals)) deallocate (self%entries(place)%reals)
-      if (allocated(self%entries(place)%wholes)) deallocate (self%entries(place)%wholes)
+      if (allocated(self%entries(place)%integers)) deallocate (self%entries(place)%integers)
    end subroutine make_room
 
    !> Keep real numbers under a name.
@@ -92,16 +92,16 @@ contains
    end subroutine set_reals
 
    !> Keep whole numbers under a name.
-   subroutine set_wholes(self, name, values)
+   subroutine set_integers(self, name, values)
       class(state_t), intent(inout) :: self               !! The state
       character(len=*), intent(in) :: name                !! Name of the entry
       integer(int64), intent(in) :: values(:)             !! What is kept
       integer :: place
 
       call self%make_room(name, place)
-      allocate (self%entries(place)%wholes(size(values)))
-      self%entries(place)%wholes(:) = values
-   end subroutine set_wholes
+      allocate (self%entries(place)%integers(size(values)))
+      self%entries(place)%integers(:) = values
+   end subroutine set_integers
 
    !> Look real numbers up.
    subroutine get_reals(self, name, values, error)
@@ -122,7 +122,7 @@ contains
    end subroutine get_reals
 
    !> Look whole numbers up.
-   subroutine get_wholes(self, name, values, error)
+   subroutine get_integers(self, name, values, error)
       class(state_t), intent(in) :: self                  !! The state
       character(len=*), intent(in) :: name                !! Name of the entry
       integer(int64), allocatable, intent(out) :: values(:) !! What was kept
@@ -131,11 +131,11 @@ contains
 
       place = self%place(name)
       if (place > 0) then
-         if (allocated(self%entries(place)%wholes)) then
-            allocate (values, source=self%entries(place)%wholes)
+         if (allocated(self%entries(place)%integers)) then
+            allocate (values, source=self%entries(place)%integers)
             return
          end if
       end if
       call fail(error, exit_file, "the checkpoint holds no whole numbers '"//name//"'")
-   end subroutine get_wholes
+   end subroutine get_integers
 end module io_state

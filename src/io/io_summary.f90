@@ -5,7 +5,7 @@ module io_summary
    use base_kinds, only: int32, int64, wp
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use io_file, only: write_file
-   use io_text, only: real_text, whole_text
+   use io_text, only: integer_text, real_text
    implicit none
    private
 
@@ -21,10 +21,11 @@ module io_summary
       procedure :: end => json_end                       !! End that object
       procedure :: text => json_text                     !! All of it
       procedure :: write => json_write                   !! Write it to a file
-      procedure, private :: add_text, add_real, add_whole, add_short, add_logical, add_reals, &
+      procedure, private :: add_text, add_real, add_integer, add_short, add_logical, add_reals, &
          add_texts, add_raw
       !> Add a member.
-      generic :: add => add_text, add_real, add_whole, add_short, add_logical, add_reals, add_texts
+      generic :: add => add_text, add_real, add_integer, add_short, add_logical, add_reals, &
+         add_texts
    end type json_t
 
 contains
@@ -140,13 +141,13 @@ contains
    end subroutine add_real
 
    !> Add a whole number.
-   subroutine add_whole(self, name, value)
+   subroutine add_integer(self, name, value)
       class(json_t), intent(inout) :: self               !! The object
       character(len=*), intent(in) :: name               !! Name of the member
       integer(int64), intent(in) :: value                !! Its value
 
-      call self%add_raw(name, whole_text(value))
-   end subroutine add_whole
+      call self%add_raw(name, integer_text(value))
+   end subroutine add_integer
 
    !> Add a short whole number.
    subroutine add_short(self, name, value)
@@ -154,7 +155,7 @@ contains
       character(len=*), intent(in) :: name               !! Name of the member
       integer(int32), intent(in) :: value                !! Its value
 
-      call self%add_raw(name, whole_text(int(value, int64)))
+      call self%add_raw(name, integer_text(int(value, int64)))
    end subroutine add_short
 
    !> Add a condition.

@@ -6,7 +6,7 @@ module io_text
    implicit none
    private
 
-   public :: real_text, whole_text
+   public :: real_text, integer_text
 
 contains
 
@@ -49,12 +49,12 @@ contains
    end function without_zeros
 
    !> A whole number.
-   pure function whole_text(number) result(text)
+   pure function integer_text(number) result(text)
       integer(int64), intent(in) :: number               !! Any number
       character(len=:), allocatable :: text
       character(len=24) :: line
 
       write (line, "(i0)") number
       text = trim(line)
-   end function whole_text
+   end function integer_text
 end module io_text

@@ -10,7 +10,7 @@ module io_xdmf
    use io_file, only: join_path, list_folder, longest_name, name_of, write_file
    use io_hdf5_index, only: read_snapshot, snapshot_info_t, write_index
    use io_hdf5_read, only: data_info_t
-   use io_text, only: real_text, whole_text
+   use io_text, only: integer_text, real_text
    implicit none
    private
 
@@ -209,7 +209,7 @@ contains
       integer :: field
 
       file = name_of(step%path)
-      count = whole_text(step%points)
+      count = integer_text(step%points)
       text = "<Grid Name=""particles"" GridType=""Uniform"">"//new_line("a")// &
          "<Time Value="""//real_text(step%time)//"""/>"//new_line("a")// &
          "<Topology TopologyType=""Polyvertex"" NumberOfElements="""//count// &
@@ -233,7 +233,7 @@ contains
       character(len=:), allocatable :: text
       character(len=:), allocatable :: components, extent, kind
 
-      components = whole_text(int(info%components, int64))
+      components = integer_text(int(info%components, int64))
       kind = "Scalar"
       extent = count
       if (info%dimensions > 1) then
@@ -262,7 +262,7 @@ contains
       kind = "Int"
       if (is_real) kind = "Float"
       text = "<DataItem Format=""HDF"" NumberType="""//kind//""" Precision="""// &
-         whole_text(int(bytes, int64))//""" Dimensions="""//extent//""">"//file//":/VTKHDF/"// &
+         integer_text(int(bytes, int64))//""" Dimensions="""//extent//""">"//file//":/VTKHDF/"// &
          name//"</DataItem>"//new_line("a")
    end function item_text
 end module io_xdmf

@@ -6,7 +6,7 @@
 module material_effect_timers
    use base_kinds, only: int64, wp
    use base_timer, only: timer_t, wall_seconds
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    use material_failed, only: share_t
    use material_models, only: chain_effects
    use material_update, only: chain_stages, chain_t, effect_of_stage
@@ -57,10 +57,10 @@ contains
 
    !> One time step of a range of particles by the chain, in steps that are timed with a look at the
    !! clock after each stage.
-   subroutine laps_update(self, chain, matter, deformation, first, last, dt, spacing)
+   subroutine laps_update(self, chain, state, deformation, first, last, dt, spacing)
       class(laps_t), intent(inout) :: self           !! Of this thread
       class(chain_t), intent(in) :: chain            !! The material
-      type(matter_t), intent(inout) :: matter        !! State of the store
+      type(material_state_t), intent(inout) :: state        !! State of the store
       type(deformation_t), intent(inout) :: deformation !! Step of the range
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -72,12 +72,12 @@ contains
 
       if (last < first) return
       if (.not. self%on) then
-         call chain%update(matter, deformation, first, last, dt, spacing)
+         call chain%update(state, deformation, first, last, dt, spacing)
          return
       end if
       began = wall_seconds()
       do stage = 1, chain_stages
-         call chain%advance(stage, matter, deformation, first, last, dt, spacing, share)
+         call chain%advance(stage, state, deformation, first, last, dt, spacing, share)
          now = wall_seconds()
          associate (effect => self%effect(effect_of_stage(stage)))
             effect = effect + now - began

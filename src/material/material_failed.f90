@@ -13,36 +13,36 @@ module material_failed
    use base_schema, only: schema_t
    use constitutive_friction, only: angles_t
    use constitutive_law, only: law_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    use law_drucker_prager, only: law_drucker_prager_t
    use law_granular, only: law_granular_t
    implicit none
    private
 
-   public :: choose_remains, declare_remains, remains_t, share_t, vanish
+   public :: choose_failed_law, declare_failed_law, failed_law_t, share_t, vanish
 
    !> The law of failed matter.
-   type :: remains_t
+   type :: failed_law_t
       class(law_t), allocatable :: law               !! The law
    contains
       procedure :: collect => remains_collect        !! Gathers the failed particles of a range
       procedure :: follow => remains_follow          !! Lets them follow the law
       procedure :: give_back => remains_give_back    !! Puts them back
-   end type remains_t
+   end type failed_law_t
 
    !> The failed particles of a range.
    type :: share_t
       integer :: count = 0                           !! How many
       integer, allocatable :: place(:)               !! Their places in the range
       real(wp), allocatable :: released(:)           !! Work that loosening them sets free [J]
-      type(matter_t) :: matter                       !! Their state
+      type(material_state_t) :: state                       !! Their state
       type(deformation_t) :: deformation             !! Their step
    end type share_t
 
 contains
 
    !> Declare the keys.
-   subroutine declare_remains(schema)
+   subroutine declare_failed_law(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       character(len=*), parameter :: owner = "effects.damage & failed_as = "
 
@@ -57,15 +57,15 @@ contains
          "relaxes at rest", unit="s", range="> 0", owner=owner//"granular")
       call schema%real("material", "failed_gamma_c", "strain that a contact of failed matter "// &
          "survives", range="> 0", owner=owner//"granular")
-   end subroutine declare_remains
+   end subroutine declare_failed_law
 
    !> The law of failed matter, if it has one of its own.
-   subroutine choose_remains(group, shear, bulk, density, remains)
+   subroutine choose_failed_law(group, shear, bulk, density, remains)
       type(group_t), intent(in) :: group             !! &material
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
-      type(remains_t), allocatable, intent(out) :: remains !! Not allocated: no such law
+      type(failed_law_t), allocatable, intent(out) :: remains !! Not allocated: no such law
       type(law_granular_t) :: granular
       type(law_drucker_prager_t) :: frictional
       type(angles_t) :: angles
@@ -97,13 +97,13 @@ contains
       remains%law%shear = shear
       remains%law%bulk = bulk
       remains%law%density = density
-   end subroutine choose_remains
+   end subroutine choose_failed_law
 
    !> Gather the failed particles of a range before the step, and make the elastic trial of their
    !! law.
-   pure subroutine remains_collect(self, matter, deformation, first, last, share)
-      class(remains_t), intent(in) :: self                 !! The law
-      type(matter_t), intent(in) :: matter                 !! State of the store
+   pure subroutine remains_collect(self, state, deformation, first, last, share)
+      class(failed_law_t), intent(in) :: self                 !! The law
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -112,26 +112,26 @@ contains
 
       n = 0
       do k = first, last
-         n = n + int(matter%failed(k))
+         n = n + int(state%failed(k))
       end do
       share%count = n
       if (n == 0) return
-      allocate (share%place(n), share%released(n), share%matter%mass(n), share%matter%volume(n), &
-         share%matter%stress(n, 6))
+      allocate (share%place(n), share%released(n), share%state%mass(n), share%state%volume(n), &
+         share%state%stress(n, 6))
       call share%deformation%reserve(n)
       n = 0
       do i = 1, last - first + 1
-         if (matter%failed(first - 1 + i) == 0) cycle
+         if (state%failed(first - 1 + i) == 0) cycle
          n = n + 1
          share%place(n) = i
       end do
       do i = 1, n
-         share%matter%mass(i) = matter%mass(first - 1 + share%place(i))
-         share%matter%volume(i) = matter%volume(first - 1 + share%place(i))
+         share%state%mass(i) = state%mass(first - 1 + share%place(i))
+         share%state%volume(i) = state%volume(first - 1 + share%place(i))
       end do
       do column = 1, 6
          do i = 1, n
-            share%matter%stress(i, column) = matter%stress(first - 1 + share%place(i), column)
+            share%state%stress(i, column) = state%stress(first - 1 + share%place(i), column)
          end do
       end do
       do column = 1, 9
@@ -139,9 +139,9 @@ contains
             share%deformation%gradient(i, column) = deformation%gradient(share%place(i), column)
          end do
       end do
-      call find_release(n, self%law%shear, share%matter%volume, share%matter%stress, &
+      call find_release(n, self%law%shear, share%state%volume, share%state%stress, &
          share%deformation%gradient, share%released)
-      call self%law%predict(share%matter, share%deformation, 1, n)
+      call self%law%predict(share%state, share%deformation, 1, n)
    end subroutine remains_collect
 
    !> Energy that a deviator of stress releases which ends in the step: what it stores, and the work
@@ -172,9 +172,9 @@ contains
 
    !> Let the failed particles follow their law, with volume, pressure and wave speed after the
    !! step.
-   pure subroutine remains_follow(self, matter, deformation, first, dt, share)
-      class(remains_t), intent(in) :: self                 !! The law
-      type(matter_t), intent(in) :: matter                 !! State of the store
+   pure subroutine remains_follow(self, state, deformation, first, dt, share)
+      class(failed_law_t), intent(in) :: self                 !! The law
+      type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
@@ -183,16 +183,16 @@ contains
 
       if (share%count == 0) return
       do i = 1, share%count
-         share%matter%volume(i) = matter%volume(first - 1 + share%place(i))
+         share%state%volume(i) = state%volume(first - 1 + share%place(i))
          share%deformation%pressure(i) = max(0.0_wp, deformation%pressure(share%place(i)))
          share%deformation%wave_speed(i) = deformation%wave_speed(share%place(i))
          share%deformation%plastic_increment(i) = 0.0_wp
          share%deformation%plastic_work(i) = 0.0_wp
       end do
-      call self%law%update(share%matter, share%deformation, 1, share%count, dt)
-      call loosen(share%count, share%released, share%deformation%pressure, share%matter%stress, &
+      call self%law%update(share%state, share%deformation, 1, share%count, dt)
+      call loosen(share%count, share%released, share%deformation%pressure, share%state%stress, &
          share%deformation%plastic_work)
-      call self%law%stiffen(share%matter, share%deformation, 1, share%count)
+      call self%law%stiffen(share%state, share%deformation, 1, share%count)
    end subroutine remains_follow
 
    !> Failed material that is not pressed has separated and supports no shear. The energy of the
@@ -215,17 +215,17 @@ contains
    end subroutine loosen
 
    !> Put the failed particles back into their range.
-   pure subroutine remains_give_back(self, share, matter, deformation, first)
-      class(remains_t), intent(in) :: self                 !! The law
+   pure subroutine remains_give_back(self, share, state, deformation, first)
+      class(failed_law_t), intent(in) :: self                 !! The law
       type(share_t), intent(in) :: share                   !! The failed ones
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer :: i, column
 
       do column = 1, 6
          do i = 1, share%count
-            matter%stress(first - 1 + share%place(i), column) = share%matter%stress(i, column)
+            state%stress(first - 1 + share%place(i), column) = share%state%stress(i, column)
          end do
       end do
       do i = 1, share%count

@@ -4,13 +4,13 @@ module material_models
    use base_kinds, only: int64, wp
    use constitutive_damage, only: damage_t
    use constitutive_eos, only: eos_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use constitutive_heat, only: heat_t
    use constitutive_law, only: law_t
    use constitutive_softening, only: softening_t
-   use constitutive_state, only: matter_t
+   use constitutive_state, only: material_state_t
    use constitutive_tension, only: fracture_t, spall_t
-   use material_failed, only: remains_t
+   use material_failed, only: failed_law_t
    use material_record, only: record_t
    use material_viscosity, only: viscosity_t
    use material_voids, only: voids_t
@@ -39,7 +39,7 @@ module material_models
       type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
       type(spall_t), allocatable :: spall            !! Tension cut-off without memory
       type(fracture_t), allocatable :: fracture      !! Failure for good
-      type(remains_t), allocatable :: remains        !! Law of failed matter
+      type(failed_law_t), allocatable :: remains        !! Law of failed matter
       type(voids_t), allocatable :: voids            !! Voids open and close
       logical :: elastic_pressure = .false. !! The eos is K (rho/rho0 - 1) as the effect is off
       logical :: repacks = .false.                   !! The fill of nodes corrects volumes
@@ -63,7 +63,7 @@ contains
    !> The fields that the chain needs its particles to carry.
    pure function models_wishes(self) result(wishes)
       class(models_t), intent(in) :: self            !! The material
-      type(wishes_t) :: wishes
+      type(field_requests_t) :: wishes
 
       call wishes%ask("mass", "every material", 1)
       call wishes%ask("volume", "every material", 1)
@@ -87,82 +87,82 @@ contains
    !> Do its particles carry an internal energy?
    pure logical function models_carries_energy(self) result(carries)
       class(models_t), intent(in) :: self            !! The material
-      type(wishes_t) :: wishes
+      type(field_requests_t) :: wishes
 
       wishes = self%wishes()
       carries = wishes%asked("energy")
    end function models_carries_energy
 
    !> Allocate exactly the fields that the chain needs.
-   pure subroutine models_request(self, matter, particles)
+   pure subroutine models_request(self, state, particles)
       class(models_t), intent(in) :: self            !! The material
-      type(matter_t), intent(out) :: matter          !! State of its particles
+      type(material_state_t), intent(out) :: state          !! State of its particles
       integer, optional, intent(in) :: particles     !! Room for so many; none if not given
-      type(wishes_t) :: wishes
+      type(field_requests_t) :: wishes
       integer :: n
 
       n = 0
       if (present(particles)) n = particles
       wishes = self%wishes()
-      allocate (matter%mass(n), matter%volume(n), matter%stress(n, 6))
-      if (wishes%asked("viscous_pressure")) allocate (matter%viscous_pressure(n))
-      if (wishes%asked("energy")) allocate (matter%energy(n))
-      if (wishes%asked("temperature")) allocate (matter%temperature(n))
-      if (wishes%asked("plastic_strain")) allocate (matter%plastic_strain(n))
-      if (wishes%asked("plastic_rate")) allocate (matter%plastic_rate(n))
-      if (wishes%asked("plastic_dilation")) allocate (matter%plastic_dilation(n))
-      if (wishes%asked("distension")) allocate (matter%distension(n))
-      if (wishes%asked("damage")) allocate (matter%damage(n))
-      if (wishes%asked("scatter")) allocate (matter%scatter(n))
-      if (wishes%asked("overload")) allocate (matter%overload(n))
-      if (wishes%asked("bulking")) allocate (matter%bulking(n))
-      if (wishes%asked("solid_fraction")) allocate (matter%solid_fraction(n))
-      if (wishes%asked("deformation_gradient")) allocate (matter%deformation_gradient(n, 9))
-      if (wishes%asked("equivalent_strain")) allocate (matter%equivalent_strain(n))
-      if (wishes%asked("inertial_number")) allocate (matter%inertial_number(n))
-      if (wishes%asked("failed")) allocate (matter%failed(n))
+      allocate (state%mass(n), state%volume(n), state%stress(n, 6))
+      if (wishes%asked("viscous_pressure")) allocate (state%viscous_pressure(n))
+      if (wishes%asked("energy")) allocate (state%energy(n))
+      if (wishes%asked("temperature")) allocate (state%temperature(n))
+      if (wishes%asked("plastic_strain")) allocate (state%plastic_strain(n))
+      if (wishes%asked("plastic_rate")) allocate (state%plastic_rate(n))
+      if (wishes%asked("plastic_dilation")) allocate (state%plastic_dilation(n))
+      if (wishes%asked("distension")) allocate (state%distension(n))
+      if (wishes%asked("damage")) allocate (state%damage(n))
+      if (wishes%asked("scatter")) allocate (state%scatter(n))
+      if (wishes%asked("overload")) allocate (state%overload(n))
+      if (wishes%asked("bulking")) allocate (state%bulking(n))
+      if (wishes%asked("solid_fraction")) allocate (state%solid_fraction(n))
+      if (wishes%asked("deformation_gradient")) allocate (state%deformation_gradient(n, 9))
+      if (wishes%asked("equivalent_strain")) allocate (state%equivalent_strain(n))
+      if (wishes%asked("inertial_number")) allocate (state%inertial_number(n))
+      if (wishes%asked("failed")) allocate (state%failed(n))
    end subroutine models_request
 
    !> Initial state of particles: at rest without stress. Mass and volume are set by the caller.
-   pure subroutine models_start(self, matter, first, last, temperature)
+   pure subroutine models_start(self, state, first, last, temperature)
       class(models_t), intent(in) :: self            !! The material
-      type(matter_t), intent(inout) :: matter        !! State of the store
+      type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: temperature            !! Initial temperature [K]
 
-      matter%stress(first:last, :) = 0.0_wp
-      if (allocated(matter%viscous_pressure)) matter%viscous_pressure(first:last) = 0.0_wp
-      if (allocated(matter%energy)) matter%energy(first:last) = 0.0_wp
-      if (allocated(matter%temperature)) matter%temperature(first:last) = temperature
-      if (allocated(matter%plastic_strain)) matter%plastic_strain(first:last) = 0.0_wp
-      if (allocated(matter%plastic_rate)) matter%plastic_rate(first:last) = 0.0_wp
-      if (allocated(matter%plastic_dilation)) matter%plastic_dilation(first:last) = 0.0_wp
-      if (allocated(matter%distension)) matter%distension(first:last) = self%eos%distension
-      if (allocated(matter%damage)) matter%damage(first:last) = 0.0_wp
-      if (allocated(matter%scatter)) matter%scatter(first:last) = 1.0_wp
-      if (allocated(matter%overload)) matter%overload(first:last) = -1.0_wp
-      if (allocated(matter%bulking)) matter%bulking(first:last) = 0.0_wp
-      if (allocated(matter%solid_fraction)) matter%solid_fraction(first:last) = self%voids%start
-      if (allocated(matter%deformation_gradient)) then
-         matter%deformation_gradient(first:last, :) = 0.0_wp
-         matter%deformation_gradient(first:last, [1, 5, 9]) = 1.0_wp
+      state%stress(first:last, :) = 0.0_wp
+      if (allocated(state%viscous_pressure)) state%viscous_pressure(first:last) = 0.0_wp
+      if (allocated(state%energy)) state%energy(first:last) = 0.0_wp
+      if (allocated(state%temperature)) state%temperature(first:last) = temperature
+      if (allocated(state%plastic_strain)) state%plastic_strain(first:last) = 0.0_wp
+      if (allocated(state%plastic_rate)) state%plastic_rate(first:last) = 0.0_wp
+      if (allocated(state%plastic_dilation)) state%plastic_dilation(first:last) = 0.0_wp
+      if (allocated(state%distension)) state%distension(first:last) = self%eos%distension
+      if (allocated(state%damage)) state%damage(first:last) = 0.0_wp
+      if (allocated(state%scatter)) state%scatter(first:last) = 1.0_wp
+      if (allocated(state%overload)) state%overload(first:last) = -1.0_wp
+      if (allocated(state%bulking)) state%bulking(first:last) = 0.0_wp
+      if (allocated(state%solid_fraction)) state%solid_fraction(first:last) = self%voids%start
+      if (allocated(state%deformation_gradient)) then
+         state%deformation_gradient(first:last, :) = 0.0_wp
+         state%deformation_gradient(first:last, [1, 5, 9]) = 1.0_wp
       end if
-      if (allocated(matter%equivalent_strain)) matter%equivalent_strain(first:last) = 0.0_wp
-      if (allocated(matter%inertial_number)) matter%inertial_number(first:last) = 0.0_wp
-      if (allocated(matter%failed)) matter%failed(first:last) = 0
+      if (allocated(state%equivalent_strain)) state%equivalent_strain(first:last) = 0.0_wp
+      if (allocated(state%inertial_number)) state%inertial_number(first:last) = 0.0_wp
+      if (allocated(state%failed)) state%failed(first:last) = 0
    end subroutine models_start
 
    !> Random strength of new particles. Their mass is known, and who they are decides.
-   pure subroutine models_scatter(self, matter, identity, first, last)
+   pure subroutine models_scatter(self, state, identity, first, last)
       class(models_t), intent(in) :: self            !! The material
-      type(matter_t), intent(inout) :: matter        !! State of the store
+      type(material_state_t), intent(inout) :: state        !! State of the store
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
 
-      if (allocated(matter%scatter)) call self%damage%draw(self%seed, identity, first, last, &
-         matter%mass, matter%scatter)
+      if (allocated(state%scatter)) call self%damage%draw(self%seed, identity, first, last, &
+         state%mass, state%scatter)
    end subroutine models_scatter
 
    !> True if the mean stress follows the dilatation, without equation of state and without a law

@@ -5,7 +5,7 @@
 !! Where the energy is carried it gets the work of the mean of the stresses before and after a step.
 module material_point
    use base_kinds, only: wp
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    use material_update, only: chain_t
    implicit none
    private
@@ -24,7 +24,7 @@ module material_point
       real(wp) :: speed = 0.0_wp                     !! Greatest particle speed of shocks [m/s]
       real(wp) :: temperature = 293.0_wp             !! At the start [K]
       real(wp) :: volume = 1.0e-9_wp                 !! At the start [m3]
-      type(matter_t) :: matter                       !! State
+      type(material_state_t) :: state                       !! State
       type(deformation_t) :: deformation             !! Step
    contains
       procedure :: start => point_start              !! Puts the point at rest
@@ -42,13 +42,13 @@ contains
       class(point_t), intent(inout) :: self          !! The point
       class(chain_t), intent(in) :: chain            !! Its material
 
-      call chain%request(self%matter, 1)
+      call chain%request(self%state, 1)
       call self%deformation%reserve(1)
-      self%matter%volume = self%volume
-      self%matter%mass = chain%density*self%volume
-      call chain%start(self%matter, 1, 1, self%temperature)
+      self%state%volume = self%volume
+      self%state%mass = chain%density*self%volume
+      call chain%start(self%state, 1, 1, self%temperature)
       self%deformation%gradient = 0.0_wp
-      self%deformation%wave_speed(1) = chain%signal_speed(self%matter, 1, 1)
+      self%deformation%wave_speed(1) = chain%signal_speed(self%state, 1, 1)
       select case (self%path)
       case ("uniaxial_strain", "triaxial")
          self%direction = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
@@ -87,7 +87,7 @@ contains
          if (self%path == "triaxial") then
             call balance(self, chain, increment*self%direction, [5, 9], dt, lateral)
          else
-            call advance(chain, increment*self%direction, dt, self%matter, self%deformation)
+            call advance(chain, increment*self%direction, dt, self%state, self%deformation)
          end if
          done = done + increment
          table(:, step + 1) = self%row(real(step, wp)*dt, done)
@@ -95,27 +95,27 @@ contains
    end subroutine point_run
 
    !> One step with a gradient that is referred to its middle.
-   pure subroutine advance(chain, gradient, dt, matter, deformation)
+   pure subroutine advance(chain, gradient, dt, state, deformation)
       class(chain_t), intent(in) :: chain                !! The material
       real(wp), intent(in) :: gradient(9)                !! dt du_k/dx_l [1]
       real(wp), intent(in) :: dt                         !! Time step [s]
-      type(matter_t), intent(inout) :: matter            !! State of the point
+      type(material_state_t), intent(inout) :: state            !! State of the point
       type(deformation_t), intent(inout) :: deformation  !! Step of the point
       real(wp), parameter :: spacing = 1.0e-3_wp !! Of a cell, for the width of cracks [m]
-      type(matter_t) :: before
+      type(material_state_t) :: before
       real(wp) :: volume, power
       integer :: pass
 
-      before = matter
+      before = state
       volume = before%volume(1)*(1.0_wp + 0.5_wp*(gradient(1) + gradient(5) + gradient(9)))
       do pass = 1, 4
-         if (pass > 1 .and. .not. allocated(matter%energy)) exit
-         power = 0.5_wp*(work(before%stress(1, :), gradient) + work(matter%stress(1, :), gradient))
-         matter = before
-         if (allocated(matter%energy)) &
-            matter%energy(1) = before%energy(1) + volume*power/matter%mass(1)
+         if (pass > 1 .and. .not. allocated(state%energy)) exit
+         power = 0.5_wp*(work(before%stress(1, :), gradient) + work(state%stress(1, :), gradient))
+         state = before
+         if (allocated(state%energy)) &
+            state%energy(1) = before%energy(1) + volume*power/state%mass(1)
          deformation%gradient(1, :) = gradient
-         call chain%update(matter, deformation, 1, 1, dt, spacing)
+         call chain%update(state, deformation, 1, 1, dt, spacing)
       end do
    end subroutine advance
 
@@ -138,11 +138,11 @@ contains
       integer, intent(in) :: places(:)               !! Which components are found
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(inout) :: lateral             !! Last and new value [1]
-      type(matter_t) :: before
+      type(material_state_t) :: before
       real(wp) :: whole(9), low, high, excess, width, slope
       integer :: iteration
 
-      before = point%matter
+      before = point%state
       whole = gradient
       slope = chain%bulk + 4.0_wp/3.0_wp*chain%shear
       width = 4.0_wp*(maxval(abs(gradient)) + abs(lateral)) &
@@ -152,9 +152,9 @@ contains
       do iteration = 1, most_iterations
          lateral = 0.5_wp*(low + high)
          whole(places) = lateral
-         point%matter = before
-         call advance(chain, whole, dt, point%matter, point%deformation)
-         excess = point%matter%stress(1, 2) + point%confinement
+         point%state = before
+         call advance(chain, whole, dt, point%state, point%deformation)
+         excess = point%state%stress(1, 2) + point%confinement
          if (abs(excess) <= 1.0e-12_wp*slope*width) exit
          if (excess > 0.0_wp) then
             high = lateral
@@ -199,10 +199,10 @@ contains
          do iteration = 1, most_iterations
             ratio = 0.5_wp*(low + high)
             call point%start(chain)
-            point%matter%volume = point%volume*ratio
-            if (allocated(point%matter%energy)) point%matter%energy = 0.5_wp*speed**2
-            call chain%settle(point%matter, 1, 1)
-            pressure = -sum(point%matter%stress(1, 1:3))/3.0_wp
+            point%state%volume = point%volume*ratio
+            if (allocated(point%state%energy)) point%state%energy = 0.5_wp*speed**2
+            call chain%settle(point%state, 1, 1)
+            pressure = -sum(point%state%stress(1, 1:3))/3.0_wp
             if (pressure*(1.0_wp - ratio) > chain%density*speed**2) then
                low = ratio
             else
@@ -224,13 +224,13 @@ contains
          return
       end if
       text = "time,strain,density,xx,yy,zz,xy,yz,xz,pressure,mises,wave_speed"
-      if (allocated(self%matter%energy)) text = text//",energy"
-      if (allocated(self%matter%temperature)) text = text//",temperature"
-      if (allocated(self%matter%plastic_strain)) text = text//",plastic_strain"
-      if (allocated(self%matter%damage)) text = text//",damage"
-      if (allocated(self%matter%failed)) text = text//",failed"
-      if (allocated(self%matter%distension)) text = text//",distension"
-      if (allocated(self%matter%solid_fraction)) text = text//",solid_fraction"
+      if (allocated(self%state%energy)) text = text//",energy"
+      if (allocated(self%state%temperature)) text = text//",temperature"
+      if (allocated(self%state%plastic_strain)) text = text//",plastic_strain"
+      if (allocated(self%state%damage)) text = text//",damage"
+      if (allocated(self%state%failed)) text = text//",failed"
+      if (allocated(self%state%distension)) text = text//",distension"
+      if (allocated(self%state%solid_fraction)) text = text//",solid_fraction"
    end function point_header
 
    !> The state as numbers.
@@ -241,19 +241,19 @@ contains
       real(wp), allocatable :: row(:)
       real(wp) :: pressure, mises
 
-      associate (matter => self%matter)
-         pressure = -sum(matter%stress(1, 1:3))/3.0_wp
-         mises = sqrt(1.5_wp*(sum((matter%stress(1, 1:3) + pressure)**2) &
-            + 2.0_wp*sum(matter%stress(1, 4:6)**2)))
-         row = [time, strain, matter%mass(1)/matter%volume(1), matter%stress(1, :), pressure, &
+      associate (state => self%state)
+         pressure = -sum(state%stress(1, 1:3))/3.0_wp
+         mises = sqrt(1.5_wp*(sum((state%stress(1, 1:3) + pressure)**2) &
+            + 2.0_wp*sum(state%stress(1, 4:6)**2)))
+         row = [time, strain, state%mass(1)/state%volume(1), state%stress(1, :), pressure, &
             mises, self%deformation%wave_speed(1)]
-         if (allocated(matter%energy)) row = [row, matter%energy(1)]
-         if (allocated(matter%temperature)) row = [row, matter%temperature(1)]
-         if (allocated(matter%plastic_strain)) row = [row, matter%plastic_strain(1)]
-         if (allocated(matter%damage)) row = [row, matter%damage(1)]
-         if (allocated(matter%failed)) row = [row, real(matter%failed(1), wp)]
-         if (allocated(matter%distension)) row = [row, matter%distension(1)]
-         if (allocated(matter%solid_fraction)) row = [row, matter%solid_fraction(1)]
+         if (allocated(state%energy)) row = [row, state%energy(1)]
+         if (allocated(state%temperature)) row = [row, state%temperature(1)]
+         if (allocated(state%plastic_strain)) row = [row, state%plastic_strain(1)]
+         if (allocated(state%damage)) row = [row, state%damage(1)]
+         if (allocated(state%failed)) row = [row, real(state%failed(1), wp)]
+         if (allocated(state%distension)) row = [row, state%distension(1)]
+         if (allocated(state%solid_fraction)) row = [row, state%solid_fraction(1)]
       end associate
    end function point_row
 end module material_point

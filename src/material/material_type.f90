@@ -11,7 +11,7 @@ module material_type
    use constitutive_softening, only: softening_fault
    use material_catalogue, only: choose_damage, choose_eos, choose_law, damage_names, eos_names, &
       law_names
-   use material_failed, only: choose_remains, declare_remains
+   use material_failed, only: choose_failed_law, declare_failed_law
    use material_presets, only: aluminium, glass, grains, metals
    use material_update, only: chain_t
    use material_voids, only: declare_voids, voids_t
@@ -133,7 +133,7 @@ contains
          call choose_damage(damage_names(i), damage)
          call damage%declare(schema)
       end do
-      call declare_remains(schema)
+      call declare_failed_law(schema)
       call declare_voids(schema)
    end subroutine declare_models
 
@@ -182,7 +182,7 @@ contains
          if (allocated(material%law)) call material%law%select(group)
       end if
       call group%get("eos_model", word)
-      if (effects%eos .and. .not. gives_whole(material)) call choose_eos(word, material%eos)
+      if (effects%eos .and. .not. gives_integer(material)) call choose_eos(word, material%eos)
       if (allocated(material%law) .and. .not. effects%eos) &
          material%elastic_pressure = material%law%follows_density()
       if (material%elastic_pressure) call choose_eos("linear", material%eos)
@@ -193,12 +193,12 @@ contains
    end subroutine choose_models
 
    !> True if the law gives the whole stress.
-   pure logical function gives_whole(material) result(whole)
+   pure logical function gives_integer(material) result(whole)
       class(material_t), intent(in) :: material      !! The material with its law chosen
 
       whole = .false.
       if (allocated(material%law)) whole = material%law%whole()
-   end function gives_whole
+   end function gives_integer
 
    !> True if the material has a shear modulus.
    pure logical function has_shear(material) result(has)
@@ -283,8 +283,8 @@ contains
       if (group%given("jc_rate") .and. abs(rate - 1.0_wp) > 0.0_wp .and. &
          strength /= "johnson_cook" .and. damage /= "johnson_cook") &
          call deck%complain(group, "jc_rate is given but no model of Johnson and Cook", "jc_rate")
-      if (gives_whole(material)) then
-         call check_whole(material, group, deck)
+      if (gives_integer(material)) then
+         call check_integer(material, group, deck)
          return
       end if
       if (.not. effects%thermal) return
@@ -358,7 +358,7 @@ contains
    end subroutine check_failure
 
    !> A law that gives the whole stress stands alone.
-   subroutine check_whole(material, group, deck)
+   subroutine check_integer(material, group, deck)
       class(material_t), intent(in) :: material      !! The material with its models chosen
       type(group_t), intent(in) :: group             !! &material
       type(deck_t), intent(inout) :: deck            !! Notes what is wrong
@@ -379,7 +379,7 @@ contains
          "spall is not used by strength_model = '"//strength//"'; remove it", "spall")
       if (group%given("t_melt")) call deck%complain(group, "t_melt is not used by "// &
          "strength_model = '"//strength//"', which does not melt; remove it", "t_melt")
-   end subroutine check_whole
+   end subroutine check_integer
 
    !> True if strength or damage follows the temperature up to melting.
    logical function needs_melting(material, group) result(needed)
@@ -450,7 +450,7 @@ contains
          if (group%given("conductivity")) &
             call group%get("conductivity", material%heat%conductivity)
       end if
-      if (effects%melting .and. .not. gives_whole(material)) then
+      if (effects%melting .and. .not. gives_integer(material)) then
          allocate (material%melting)
          call group%get("t_melt", material%melting)
       end if
@@ -489,7 +489,7 @@ contains
       allocate (material%fracture)
       if (group%given("spall")) call group%get("spall", material%fracture%strength)
       call group%get("failed_as", word)
-      call choose_remains(group, material%shear, material%bulk, material%density, &
+      call choose_failed_law(group, material%shear, material%bulk, material%density, &
          material%remains)
       material%fracture%leaves_nothing = word == "nothing"
       material%fracture%leaves_strength = allocated(material%remains)

@@ -5,7 +5,7 @@ module material_update
    use base_kinds, only: int64, wp
    use constitutive_heat, only: heat, melt
    use constitutive_kinematics, only: dilate
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    use constitutive_tension, only: break, cut_tension, drop_failed, drop_melted, fail, open_voids
    use material_failed, only: share_t, vanish
    use material_models, only: effect_damage, effect_eos, effect_strength, effect_thermal, &
@@ -39,9 +39,9 @@ contains
 
    !> Stress of particles at rest whose volume, energy, deformation gradient or deviator of stress
    !! were set from outside: a step without deformation that takes no time.
-   pure subroutine chain_settle(self, matter, first, last)
+   pure subroutine chain_settle(self, state, first, last)
       class(chain_t), intent(in) :: self             !! The material
-      type(matter_t), intent(inout) :: matter        !! State of the store
+      type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       ! Short beside every time of matter, and still a divisor that leaves numbers.
@@ -52,18 +52,18 @@ contains
       call deformation%reserve(last - first + 1)
       deformation%gradient = 0.0_wp
       deformation%jump = 0.0_wp
-      call self%update(matter, deformation, first, last, instant, 1.0_wp)
+      call self%update(state, deformation, first, last, instant, 1.0_wp)
    end subroutine chain_settle
 
    !> Fastest signal [m/s] of a range of particles in their present state, for the first time step
    !! of matter that does not start in the reference state.
-   pure real(wp) function chain_signal_speed(self, matter, first, last) result(speed)
+   pure real(wp) function chain_signal_speed(self, state, first, last) result(speed)
       class(chain_t), intent(in) :: self             !! The material
-      type(matter_t), intent(in) :: matter           !! State of the store
+      type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       type(deformation_t) :: deformation
-      type(matter_t) :: squeezed
+      type(material_state_t) :: squeezed
       integer :: count
 
       speed = 0.0_wp
@@ -72,26 +72,26 @@ contains
       call deformation%reserve(count)
       deformation%wave_speed(:count) = 0.0_wp
       if (allocated(self%voids)) then
-         squeezed = matter
+         squeezed = state
          deformation%share(:count) = 1.0_wp
          call self%voids%squeeze(squeezed, deformation, first, last)
          call self%eos%update(squeezed, deformation, first, last)
          call self%voids%relax(squeezed, deformation, first, last)
       else if (allocated(self%eos)) then
-         call self%eos%update(matter, deformation, first, last)
+         call self%eos%update(state, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
-         deformation%wave_speed(:count) = self%bulk*matter%volume(first:last) &
-            /matter%mass(first:last)
+         deformation%wave_speed(:count) = self%bulk*state%volume(first:last) &
+            /state%mass(first:last)
       end if
-      if (allocated(self%law)) call self%law%stiffen(matter, deformation, first, last)
+      if (allocated(self%law)) call self%law%stiffen(state, deformation, first, last)
       speed = sqrt(maxval(deformation%wave_speed(:count)))
    end function chain_signal_speed
 
    !> One time step of a range of particles, with the gradient given and the work of the stress of
    !! the force already in the energy: all stages in their order.
-   pure subroutine chain_update(self, matter, deformation, first, last, dt, spacing)
+   pure subroutine chain_update(self, state, deformation, first, last, dt, spacing)
       class(chain_t), intent(in) :: self                 !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
@@ -102,17 +102,17 @@ contains
 
       if (last < first) return
       do stage = 1, chain_stages
-         call self%advance(stage, matter, deformation, first, last, dt, spacing, share)
+         call self%advance(stage, state, deformation, first, last, dt, spacing, share)
       end do
    end subroutine chain_update
 
    !> One stage of that, so that a caller can take the time between them. The order of the chain is
    !! that of the cases.
    ! gate: long kernel because the chain is one list
-   pure subroutine chain_advance(self, stage, matter, deformation, first, last, dt, spacing, share)
+   pure subroutine chain_advance(self, stage, state, deformation, first, last, dt, spacing, share)
       class(chain_t), intent(in) :: self                 !! The material
       integer, intent(in) :: stage                       !! From 1 to `chain_stages`
-      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle, not before it
@@ -124,53 +124,53 @@ contains
       count = last - first + 1
       select case (stage)
       case (1)
-         if (allocated(self%softening)) call self%softening%recover(matter, first, last)
+         if (allocated(self%softening)) call self%softening%recover(state, first, last)
          if (allocated(self%remains)) &
-            call self%remains%collect(matter, deformation, first, last, share)
+            call self%remains%collect(state, deformation, first, last, share)
       case (2)
-         if (allocated(self%voids)) call self%voids%choose(matter, deformation, first, last)
+         if (allocated(self%voids)) call self%voids%choose(state, deformation, first, last)
       case (3)
          deformation%plastic_work(:count) = 0.0_wp
          deformation%viscous_work(:count) = 0.0_wp
          deformation%plastic_increment(:count) = 0.0_wp
-         if (allocated(matter%equivalent_strain)) call add_strain(first, last, deformation%plane, &
-            deformation%gradient, matter%equivalent_strain)
+         if (allocated(state%equivalent_strain)) call add_strain(first, last, deformation%plane, &
+            deformation%gradient, state%equivalent_strain)
          if (allocated(self%law)) then
-            call self%law%predict(matter, deformation, first, last)
+            call self%law%predict(state, deformation, first, last)
          else
-            call dilate(first, last, deformation%gradient, matter%volume, deformation%old_volume, &
+            call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
                deformation%dilatation)
          end if
       case (4)
-         if (allocated(self%voids)) call self%voids%open(matter, deformation, first, last)
+         if (allocated(self%voids)) call self%voids%open(state, deformation, first, last)
       case (5)
-         call update_pressure(self, matter, deformation, first, last)
+         call update_pressure(self, state, deformation, first, last)
       case (6)
          if (allocated(self%remains)) &
-            call self%remains%follow(matter, deformation, first, dt, share)
+            call self%remains%follow(state, deformation, first, dt, share)
       case (7)
-         if (allocated(self%law)) call update_deviator(self, matter, deformation, first, last, dt)
+         if (allocated(self%law)) call update_deviator(self, state, deformation, first, last, dt)
       case (8)
          if (allocated(self%remains)) &
-            call self%remains%give_back(share, matter, deformation, first)
+            call self%remains%give_back(share, state, deformation, first)
          if (allocated(self%softening)) &
-            call self%softening%open(matter, deformation, first, last, spacing)
-         if (allocated(self%damage)) call self%damage%update(matter, deformation, first, last, dt)
-         call limit_tension(self, matter, deformation, first, last)
+            call self%softening%open(state, deformation, first, last, spacing)
+         if (allocated(self%damage)) call self%damage%update(state, deformation, first, last, dt)
+         call limit_tension(self, state, deformation, first, last)
       case (9)
-         if (allocated(self%viscosity)) call viscous_losses(first, last, matter%viscous_pressure, &
+         if (allocated(self%viscosity)) call viscous_losses(first, last, state%viscous_pressure, &
             deformation%old_volume, deformation%dilatation, deformation%viscous_work)
       case (10)
-         if (allocated(self%heat)) call update_temperature(self, matter, deformation, first, last)
+         if (allocated(self%heat)) call update_temperature(self, state, deformation, first, last)
       case (11)
          if (allocated(self%viscosity)) then
             if (self%viscosity%limited) then
-               call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
-                  deformation%jump, matter%viscous_pressure, deformation%pressure, &
+               call resist(first, last, self%viscosity, dt, spacing, state%mass, state%volume, &
+                  deformation%jump, state%viscous_pressure, deformation%pressure, &
                   deformation%wave_speed)
             else
-               call resist(first, last, self%viscosity, dt, spacing, matter%mass, matter%volume, &
-                  deformation%dilatation, matter%viscous_pressure, deformation%pressure, &
+               call resist(first, last, self%viscosity, dt, spacing, state%mass, state%volume, &
+                  deformation%dilatation, state%viscous_pressure, deformation%pressure, &
                   deformation%wave_speed)
             end if
          else
@@ -178,52 +178,52 @@ contains
          end if
       case (12)
          if (allocated(self%law)) then
-            call self%law%damp(matter, deformation, first, last, spacing)
-            call assemble(first, last, deformation%pressure, matter%stress)
+            call self%law%damp(state, deformation, first, last, spacing)
+            call assemble(first, last, deformation%pressure, state%stress)
          else
-            call assemble_isotropic(first, last, deformation%pressure, matter%stress)
+            call assemble_isotropic(first, last, deformation%pressure, state%stress)
          end if
       case default
-         call leave_nothing(self, matter, deformation, first, last)
+         call leave_nothing(self, state, deformation, first, last)
       end select
    end subroutine chain_advance
 
    !> Take all stress from failed particles, if nothing is left of them.
-   pure subroutine leave_nothing(self, matter, deformation, first, last)
+   pure subroutine leave_nothing(self, state, deformation, first, last)
       class(chain_t), intent(in) :: self                 !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
       if (.not. allocated(self%fracture)) return
       if (.not. self%fracture%leaves_nothing) return
-      call vanish(first, last, matter%failed, matter%stress, deformation%wave_speed)
-      if (allocated(self%viscosity)) matter%viscous_pressure(first:last) = &
-         merge(0.0_wp, matter%viscous_pressure(first:last), matter%failed(first:last) /= 0)
+      call vanish(first, last, state%failed, state%stress, deformation%wave_speed)
+      if (allocated(self%viscosity)) state%viscous_pressure(first:last) = &
+         merge(0.0_wp, state%viscous_pressure(first:last), state%failed(first:last) /= 0)
    end subroutine leave_nothing
 
    !> Pressure of the material, and the square of its wave speed without strength.
-   pure subroutine update_pressure(self, matter, deformation, first, last)
+   pure subroutine update_pressure(self, state, deformation, first, last)
       class(chain_t), intent(in) :: self                 !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
       if (allocated(self%voids)) then
-         call self%voids%squeeze(matter, deformation, first, last)
-         call self%eos%update(matter, deformation, first, last)
-         call add_bulking(matter, deformation, first, last)
-         call self%voids%relax(matter, deformation, first, last)
+         call self%voids%squeeze(state, deformation, first, last)
+         call self%eos%update(state, deformation, first, last)
+         call add_bulking(state, deformation, first, last)
+         call self%voids%relax(state, deformation, first, last)
       else if (allocated(self%eos)) then
-         call self%eos%update(matter, deformation, first, last)
-         call add_bulking(matter, deformation, first, last)
-         call self%eos%remember(matter, deformation, first, last)
+         call self%eos%update(state, deformation, first, last)
+         call add_bulking(state, deformation, first, last)
+         call self%eos%remember(state, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
          if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
-            deformation%pressure(:last - first + 1) - matter%viscous_pressure(first:last)
-         call follow_rate(first, last, self%bulk, matter%mass, matter%volume, &
+            deformation%pressure(:last - first + 1) - state%viscous_pressure(first:last)
+         call follow_rate(first, last, self%bulk, state%mass, state%volume, &
             deformation%dilatation, deformation%pressure, deformation%wave_speed)
       else
          deformation%wave_speed(:last - first + 1) = 0.0_wp
@@ -231,31 +231,31 @@ contains
    end subroutine update_pressure
 
    !> Add the pressure that fracture made to that of the equation of state, where there is any.
-   pure subroutine add_bulking(matter, deformation, first, last)
-      type(matter_t), intent(in) :: matter               !! State of the store
+   pure subroutine add_bulking(state, deformation, first, last)
+      type(material_state_t), intent(in) :: state               !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
-      if (allocated(matter%bulking)) deformation%pressure(:last - first + 1) = &
-         deformation%pressure(:last - first + 1) + matter%bulking(first:last)
+      if (allocated(state%bulking)) deformation%pressure(:last - first + 1) = &
+         deformation%pressure(:last - first + 1) + state%bulking(first:last)
    end subroutine add_bulking
 
    !> Deviator of stress, and what strength adds to the square of the wave speed.
-   pure subroutine update_deviator(self, matter, deformation, first, last, dt)
+   pure subroutine update_deviator(self, state, deformation, first, last, dt)
       class(chain_t), intent(in) :: self                 !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
 
       ! Before the law, so that what has no strength does not flow plastically.
-      if (drops(self)) call drop_failed(first, last, matter%failed, matter%stress)
+      if (drops(self)) call drop_failed(first, last, state%failed, state%stress)
       if (allocated(self%melting)) &
-         call drop_melted(first, last, self%melting, matter%temperature, matter%stress)
-      call self%law%update(matter, deformation, first, last, dt)
-      call self%law%stiffen(matter, deformation, first, last)
+         call drop_melted(first, last, self%melting, state%temperature, state%stress)
+      call self%law%update(state, deformation, first, last, dt)
+      call self%law%stiffen(state, deformation, first, last)
    end subroutine update_deviator
 
    !> True if the law of strength must not see failed matter.
@@ -268,36 +268,36 @@ contains
    end function drops
 
    !> Let particles fail.
-   pure subroutine break_or_fail(self, matter, deformation, first, last)
+   pure subroutine break_or_fail(self, state, deformation, first, last)
       class(chain_t), intent(in) :: self                 !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
       if (self%fracture%leaves_strength) then
-         call fail(first, last, self%fracture%strength, self%bulk, matter%volume, &
-            deformation%pressure, deformation%pressure_floor, matter%damage, matter%failed, &
+         call fail(first, last, self%fracture%strength, self%bulk, state%volume, &
+            deformation%pressure, deformation%pressure_floor, state%damage, state%failed, &
             deformation%plastic_work)
       else
-         call break(first, last, self%fracture%strength, self%shear, self%bulk, matter%volume, &
-            matter%stress, deformation%pressure, deformation%pressure_floor, matter%damage, &
-            matter%failed, deformation%plastic_work)
+         call break(first, last, self%fracture%strength, self%shear, self%bulk, state%volume, &
+            state%stress, deformation%pressure, deformation%pressure_floor, state%damage, &
+            state%failed, deformation%plastic_work)
       end if
    end subroutine break_or_fail
 
    !> Cut the tension or let particles fail.
-   pure subroutine limit_tension(self, matter, deformation, first, last)
+   pure subroutine limit_tension(self, state, deformation, first, last)
       class(chain_t), intent(in) :: self                 !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
       if (allocated(self%fracture)) then
-         call break_or_fail(self, matter, deformation, first, last)
+         call break_or_fail(self, state, deformation, first, last)
          if (.not. allocated(self%eos)) call open_voids(first, last, self%density, self%bulk, &
-            matter%mass, matter%volume, matter%failed, deformation%pressure, &
+            state%mass, state%volume, state%failed, deformation%pressure, &
             deformation%wave_speed)
       else if (allocated(self%spall)) then
          call cut_tension(first, last, self%spall%strength, deformation%pressure, &
@@ -305,14 +305,14 @@ contains
       else if (allocated(self%heat)) then
          deformation%pressure_floor(:last - first + 1) = -huge(1.0_wp)
       end if
-      if (allocated(self%melting)) call melt(first, last, self%melting, matter%temperature, &
+      if (allocated(self%melting)) call melt(first, last, self%melting, state%temperature, &
          deformation%pressure, deformation%pressure_floor)
    end subroutine limit_tension
 
    !> Temperature after the step.
-   pure subroutine update_temperature(self, matter, deformation, first, last)
+   pure subroutine update_temperature(self, state, deformation, first, last)
       class(chain_t), intent(in) :: self                 !! The material
-      type(matter_t), intent(inout) :: matter            !! State of the store
+      type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
@@ -326,35 +326,35 @@ contains
       end if
       ! Nobody needs the homologous temperature any more in this step.
       if (allocated(self%voids)) &
-         deformation%homologous(:last - first + 1) = matter%temperature(first:last)
-      if (allocated(self%voids)) call self%voids%squeeze_both(matter, deformation, first, last)
+         deformation%homologous(:last - first + 1) = state%temperature(first:last)
+      if (allocated(self%voids)) call self%voids%squeeze_both(state, deformation, first, last)
       deformation%gruneisen(:last - first + 1) = 0.0_wp
-      if (allocated(self%eos)) call self%eos%gruneisen(matter, deformation, first, last)
-      call heat(first, last, self%heat%specific_heat, share, deformation%gruneisen, matter%mass, &
-         matter%volume, deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
-         deformation%plastic_work, deformation%viscous_work, matter%temperature)
+      if (allocated(self%eos)) call self%eos%gruneisen(state, deformation, first, last)
+      call heat(first, last, self%heat%specific_heat, share, deformation%gruneisen, state%mass, &
+         state%volume, deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
+         deformation%plastic_work, deformation%viscous_work, state%temperature)
       if (.not. allocated(self%voids)) return
-      matter%volume(first:last) = deformation%whole_volume(:last - first + 1)
-      call expand_grains(first, last, self%voids%expansion, matter%temperature, &
-         deformation%homologous, matter%solid_fraction)
+      state%volume(first:last) = deformation%whole_volume(:last - first + 1)
+      call expand_grains(first, last, self%voids%expansion, state%temperature, &
+         deformation%homologous, state%solid_fraction)
    end subroutine update_temperature
 
    !> True if nothing is left of a particle that bears stress.
-   pure logical function gone(self, matter, particle) result(is_gone)
+   pure logical function gone(self, state, particle) result(is_gone)
       class(chain_t), intent(in) :: self             !! The material
-      type(matter_t), intent(in) :: matter           !! State of the store
+      type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                !! Which particle
 
       is_gone = .false.
       if (.not. allocated(self%fracture)) return
-      is_gone = self%fracture%leaves_nothing .and. matter%failed(particle) /= 0
+      is_gone = self%fracture%leaves_nothing .and. state%failed(particle) /= 0
    end function gone
 
    !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.
    !! Equation (L.2) of doc/theory/ledger.md.
-   pure subroutine chain_stored_energy(self, matter, first, last, energy)
+   pure subroutine chain_stored_energy(self, state, first, last, energy)
       class(chain_t), intent(in) :: self             !! The material
-      type(matter_t), intent(in) :: matter           !! State of the store
+      type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(inout) :: energy(:) !! (range) [J]
@@ -363,31 +363,31 @@ contains
 
       do i = 1, last - first + 1
          k = first - 1 + i
-         if (allocated(matter%energy)) then
-            energy(i) = matter%mass(k)*matter%energy(k)
+         if (allocated(state%energy)) then
+            energy(i) = state%mass(k)*state%energy(k)
             cycle
          end if
          energy(i) = 0.0_wp
-         if (gone(self, matter, k)) cycle
+         if (gone(self, state, k)) cycle
          limit = -huge(1.0_wp)
          if (allocated(self%law)) then
-            energy(i) = self%law%stored(matter, k)
+            energy(i) = self%law%stored(state, k)
             limit = self%law%least_pressure()
          end if
          if (allocated(self%eos)) then
             if (allocated(self%spall)) limit = max(limit, -self%spall%strength)
-            if (allocated(matter%failed)) limit = merge(0.0_wp, limit, matter%failed(k) /= 0)
-            volume = matter%volume(k)
-            if (allocated(matter%solid_fraction)) volume = volume*matter%solid_fraction(k)
-            if (allocated(matter%plastic_dilation)) volume = volume*exp(-matter%plastic_dilation(k))
-            energy(i) = energy(i) + self%eos%stored(matter%mass(k), volume, limit)
+            if (allocated(state%failed)) limit = merge(0.0_wp, limit, state%failed(k) /= 0)
+            volume = state%volume(k)
+            if (allocated(state%solid_fraction)) volume = volume*state%solid_fraction(k)
+            if (allocated(state%plastic_dilation)) volume = volume*exp(-state%plastic_dilation(k))
+            energy(i) = energy(i) + self%eos%stored(state%mass(k), volume, limit)
          else if (self%bulk_in_rate_form()) then
-            pressure = -sum(matter%stress(k, 1:3))/3.0_wp
-            if (allocated(matter%viscous_pressure)) pressure = pressure - matter%viscous_pressure(k)
-            energy(i) = energy(i) + matter%volume(k)*pressure**2/(2.0_wp*self%bulk)
+            pressure = -sum(state%stress(k, 1:3))/3.0_wp
+            if (allocated(state%viscous_pressure)) pressure = pressure - state%viscous_pressure(k)
+            energy(i) = energy(i) + state%volume(k)*pressure**2/(2.0_wp*self%bulk)
          end if
          if (allocated(self%softening)) energy(i) = energy(i) &
-            + self%softening%missing(matter, k, .not. allocated(self%eos))
+            + self%softening%missing(state, k, .not. allocated(self%eos))
       end do
    end subroutine chain_stored_energy
 end module material_update

@@ -14,7 +14,7 @@ module material_voids
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use base_schema, only: schema_t
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
@@ -102,9 +102,9 @@ contains
    end subroutine voids_read
 
    !> Which share of the dilatation the matter takes in the step, from the stress before it.
-   pure subroutine voids_choose(self, matter, deformation, first, last)
+   pure subroutine voids_choose(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self                   !! The rules
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -112,16 +112,16 @@ contains
 
       count = last - first + 1
       deformation%homologous(:count) = merge(1.0_wp, 0.0_wp, self%loose)
-      if (allocated(matter%failed)) deformation%homologous(:count) = &
-         max(deformation%homologous(:count), real(matter%failed(first:last), wp))
+      if (allocated(state%failed)) deformation%homologous(:count) = &
+         max(deformation%homologous(:count), real(state%failed(first:last), wp))
       do k = first, last
-         deformation%loosening(k - first + 1) = -(matter%stress(k, 1) + matter%stress(k, 2) &
-            + matter%stress(k, 3))/3.0_wp
+         deformation%loosening(k - first + 1) = -(state%stress(k, 1) + state%stress(k, 2) &
+            + state%stress(k, 3))/3.0_wp
       end do
-      if (allocated(matter%viscous_pressure)) deformation%loosening(:count) = &
-         deformation%loosening(:count) - matter%viscous_pressure(first:last)
+      if (allocated(state%viscous_pressure)) deformation%loosening(:count) = &
+         deformation%loosening(:count) - state%viscous_pressure(first:last)
       call choose(first, last, self, deformation%gradient, deformation%homologous, &
-         deformation%loosening, matter%solid_fraction, deformation%share)
+         deformation%loosening, state%solid_fraction, deformation%share)
    end subroutine voids_choose
 
    !> Kernel of the above, with the voids that shear opens. Equations (F.19) and (F.20).
@@ -161,15 +161,15 @@ contains
    end subroutine choose
 
    !> Open and close voids, with the volume before and after the step.
-   pure subroutine voids_open(self, matter, deformation, first, last)
+   pure subroutine voids_open(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self                   !! The rules
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call open_or_close(first, last, self%critical, matter%volume, deformation%old_volume, &
-         deformation%share, matter%solid_fraction)
+      call open_or_close(first, last, self%critical, state%volume, deformation%old_volume, &
+         deformation%share, state%solid_fraction)
    end subroutine voids_open
 
    !> Kernel of the above. What closes voids beyond the touching of grains is left to the matter.
@@ -194,45 +194,45 @@ contains
    end subroutine open_or_close
 
    !> Give laws of the matter its own volume.
-   pure subroutine voids_squeeze(self, matter, deformation, first, last)
+   pure subroutine voids_squeeze(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self                   !! The rules
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      deformation%whole_volume(:last - first + 1) = matter%volume(first:last)
-      matter%volume(first:last) = matter%volume(first:last)*matter%solid_fraction(first:last)
+      deformation%whole_volume(:last - first + 1) = state%volume(first:last)
+      state%volume(first:last) = state%volume(first:last)*state%solid_fraction(first:last)
    end subroutine voids_squeeze
 
    !> Volumes before and after the step become those of the material itself, which takes its part of
    !! the dilatation. The volume of the motion is left in `whole_volume`.
-   pure subroutine voids_squeeze_both(self, matter, deformation, first, last)
+   pure subroutine voids_squeeze_both(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self                   !! The rules
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      associate (volume => matter%volume(first:last), old => deformation%old_volume( &
+      associate (volume => state%volume(first:last), old => deformation%old_volume( &
          :last - first + 1), share => deformation%share(:last - first + 1))
-         old = matter%solid_fraction(first:last)*(volume + share*(old - volume))
+         old = state%solid_fraction(first:last)*(volume + share*(old - volume))
       end associate
-      call self%squeeze(matter, deformation, first, last)
+      call self%squeeze(state, deformation, first, last)
    end subroutine voids_squeeze_both
 
    !> Volume becomes that of the motion again, and the pressure that on a whole surface. Where voids
    !! open or close there is none: round-off of it would stop the opening.
-   pure subroutine voids_relax(self, matter, deformation, first, last)
+   pure subroutine voids_relax(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self                   !! The rules
-      type(matter_t), intent(inout) :: matter              !! State of the store
+      type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      matter%volume(first:last) = deformation%whole_volume(:last - first + 1)
+      state%volume(first:last) = deformation%whole_volume(:last - first + 1)
       deformation%pressure(:last - first + 1) = merge(deformation%pressure(:last - first + 1) &
-         *matter%solid_fraction(first:last), 0.0_wp, deformation%share(:last - first + 1) > 0.0_wp)
+         *state%solid_fraction(first:last), 0.0_wp, deformation%share(:last - first + 1) > 0.0_wp)
    end subroutine voids_relax
 
    !> Let heated grains fill voids: B = expansion dT/dt. Equation (F.20).

@@ -41,7 +41,7 @@ contains
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       type(rule_t) :: rule
       real(wp) :: decay(3)
-      integer :: nodes(grid%tile_nodes), number, n, face, node, normal, matter
+      integer :: nodes(grid%tile_nodes), number, n, face, node, normal, state
 
       do face = 1, 6
          if (.not. allocated(self%face(face)%beyond)) cycle
@@ -49,12 +49,12 @@ contains
          normal = (face + 1)/2
          do n = 1, number
             node = nodes(n)
-            matter = matter_beyond(self%face(face), grid, coordinate, normal, node)
-            if (matter == 0) cycle
+            state = matter_beyond(self%face(face), grid, coordinate, normal, node)
+            if (state == 0) cycle
             rule = boundary%rule_at(grid, coordinate, face, node)
             if (rule%kind /= face_absorbing) cycle
-            decay = self%face(face)%decay(2, matter)
-            decay(normal) = self%face(face)%decay(1, matter)
+            decay = self%face(face)%decay(2, state)
+            decay(normal) = self%face(face)%decay(1, state)
             acceleration(:, node) = (acceleration(:, node) - decay*velocity(:, node)) &
                /(1.0_wp + 0.5_wp*dt*decay)
          end do
@@ -63,7 +63,7 @@ contains
 
    !> Number of the material beyond a node on a face, 0 = none; outside of the box that of the next
    !! node on the face.
-   pure integer function matter_beyond(dashpots, grid, coordinate, normal, node) result(matter)
+   pure integer function matter_beyond(dashpots, grid, coordinate, normal, node) result(state)
       type(dashpots_t), intent(in) :: dashpots       !! Of the face
       type(grid_t), intent(in) :: grid               !! The grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
@@ -74,6 +74,6 @@ contains
       place = coordinate*grid%width + grid%node_position(node)
       place = min(max(place, 0), merge(grid%cells, 0, grid%active))
       place(normal) = 0
-      matter = dashpots%beyond(place(1), place(2), place(3))
+      state = dashpots%beyond(place(1), place(2), place(3))
    end function matter_beyond
 end module mesh_absorbing

@@ -10,7 +10,7 @@ module mesh_halo
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use mesh_grid, only: grid_t
-   use mesh_packed_patch, only: boxes_t, pieces_t
+   use mesh_packed_patch, only: node_boxes_t, packed_patch_t
    use mesh_patch, only: ensure_patch, extent_of
    use mesh_tiles, only: neighbors, tiles_t
    implicit none
@@ -205,8 +205,8 @@ contains
       type(communicator_t), intent(inout) :: communicator !! The ranks
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
-      type(boxes_t), intent(in) :: boxes             !! Their boxes
-      type(pieces_t), intent(in) :: pieces(:)        !! What is sent
+      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
+      type(packed_patch_t), intent(in) :: pieces(:)        !! What is sent
       real(wp), allocatable :: patch(:, :)
       integer :: entry, words, at, n
 
@@ -233,8 +233,8 @@ contains
       type(communicator_t), intent(inout) :: communicator !! The ranks
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
-      type(boxes_t), intent(inout) :: boxes          !! Get those of the ghosts, whole tiles
-      type(pieces_t), intent(inout) :: pieces(:)     !! Get those of the ghosts
+      type(node_boxes_t), intent(inout) :: boxes          !! Get those of the ghosts, whole tiles
+      type(packed_patch_t), intent(inout) :: pieces(:)     !! Get those of the ghosts
       real(wp), allocatable :: patch(:, :)
       integer :: words, length, message, at, n, tile, margin(3)
 

@@ -10,7 +10,7 @@ module mesh_hilbert
    implicit none
    private
 
-   public :: curve_coordinate, curve_key
+   public :: hilbert_coordinate, hilbert_key
 
    integer, parameter, public :: curve_bits = 21     !! Coordinates lie in 0 to 2^21 - 1
    !> Masks that spread bits over every second and over every third place, step by step.
@@ -25,7 +25,7 @@ module mesh_hilbert
 contains
 
    !> Place of a tile on the curve, 0 or more.
-   pure integer(int64) function curve_key(coordinate, dimensions) result(key)
+   pure integer(int64) function hilbert_key(coordinate, dimensions) result(key)
       integer, intent(in) :: coordinate(3)           !! Place of the tile, each 0 to 2^21 - 1
       integer, intent(in) :: dimensions              !! 1 of x, 2 of x and z, or 3
 
@@ -37,10 +37,10 @@ contains
       case default
          key = key_space(coordinate(1), coordinate(2), coordinate(3))
       end select
-   end function curve_key
+   end function hilbert_key
 
-   !> The tile at a place on the curve; the inverse of curve_key.
-   pure function curve_coordinate(key, dimensions) result(coordinate)
+   !> The tile at a place on the curve; the inverse of hilbert_key.
+   pure function hilbert_coordinate(key, dimensions) result(coordinate)
       integer(int64), intent(in) :: key              !! Place on the curve
       integer, intent(in) :: dimensions              !! 1 of x, 2 of x and z, or 3
       integer :: coordinate(3)                       !! Place of the tile, 0 where not active
@@ -54,7 +54,7 @@ contains
       case default
          call point_space(key, coordinate(1), coordinate(2), coordinate(3))
       end select
-   end function curve_coordinate
+   end function hilbert_coordinate
 
    !> Key in two dimensions.
    pure integer(int64) function key_plane(x, z) result(key)

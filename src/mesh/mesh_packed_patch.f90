@@ -13,10 +13,10 @@ module mesh_packed_patch
    implicit none
    private
 
-   public :: boxes_t, move_pieces, pieces_t
+   public :: node_boxes_t, move_packed_patches, packed_patch_t
 
    !> Boxes of nodes of tiles, and where their pieces lie.
-   type :: boxes_t
+   type :: node_boxes_t
       integer, allocatable :: box(:, :, :)           !! (3, lowest or highest node, tile)
       integer, allocatable :: before(:)              !! (tile + 1) Nodes of the tiles before
    contains
@@ -24,10 +24,10 @@ module mesh_packed_patch
       procedure :: line_up => boxes_line_up          !! Find where the pieces lie
       procedure :: nodes => boxes_nodes              !! Nodes of all tiles
       procedure :: move_to => boxes_move_to          !! Hand over to another holder
-   end type boxes_t
+   end type node_boxes_t
 
    !> Pieces of the patches of tiles.
-   type :: pieces_t
+   type :: packed_patch_t
       integer :: rows = 0                            !! Rows of a whole patch
       integer, allocatable :: row(:)                 !! Those that are kept
       real(wp), allocatable :: values(:)             !! Node by node, tile by tile
@@ -40,13 +40,13 @@ module mesh_packed_patch
       procedure :: get => pieces_get                 !! Make a whole patch of it
       procedure :: assemble => pieces_assemble       !! Sum of all tiles around the nodes of one
       procedure :: length => pieces_length           !! Numbers that there is room for
-   end type pieces_t
+   end type packed_patch_t
 
 contains
 
    !> Make room for the boxes of tiles; those that are there stay.
    pure subroutine boxes_ensure(self, tiles)
-      class(boxes_t), intent(inout) :: self          !! The boxes
+      class(node_boxes_t), intent(inout) :: self          !! The boxes
       integer, intent(in) :: tiles                   !! Number of tiles
       integer, allocatable :: box(:, :, :)
       integer :: kept
@@ -66,7 +66,7 @@ contains
 
    !> Find where the pieces of tiles lie. What boxes hold beyond the ends of thin tiles is cut.
    pure subroutine boxes_line_up(self, grid, tiles)
-      class(boxes_t), intent(inout) :: self          !! The boxes
+      class(node_boxes_t), intent(inout) :: self          !! The boxes
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles, perhaps more than have boxes
       integer :: tile
@@ -82,8 +82,8 @@ contains
 
    !> Hand all over to another holder, without a copy.
    pure subroutine boxes_move_to(self, other)
-      class(boxes_t), intent(inout) :: self          !! Empty afterwards
-      type(boxes_t), intent(inout) :: other          !! Gets it
+      class(node_boxes_t), intent(inout) :: self          !! Empty afterwards
+      type(node_boxes_t), intent(inout) :: other          !! Gets it
 
       call move_alloc(self%box, other%box)
       call move_alloc(self%before, other%before)
@@ -91,14 +91,14 @@ contains
 
    !> Nodes of the boxes of all tiles.
    pure integer function boxes_nodes(self) result(nodes)
-      class(boxes_t), intent(in) :: self             !! The boxes
+      class(node_boxes_t), intent(in) :: self             !! The boxes
 
       nodes = self%before(size(self%before))
    end function boxes_nodes
 
    !> Choose the rows that are kept.
    pure subroutine pieces_keep(self, rows, kept)
-      class(pieces_t), intent(inout) :: self         !! The pieces
+      class(packed_patch_t), intent(inout) :: self         !! The pieces
       integer, intent(in) :: rows                    !! Rows of a whole patch
       logical, intent(in) :: kept(:)                 !! (row) Which can be other than zero
       integer :: row
@@ -109,7 +109,7 @@ contains
 
    !> Make room for nodes. What was there is lost.
    pure subroutine pieces_ensure(self, nodes)
-      class(pieces_t), intent(inout) :: self         !! The pieces
+      class(packed_patch_t), intent(inout) :: self         !! The pieces
       integer, intent(in) :: nodes                   !! Nodes of all tiles
       integer(int64) :: needed
 
@@ -123,7 +123,7 @@ contains
 
    !> Make room for nodes of further tiles. What is there stays.
    pure subroutine pieces_grow(self, nodes)
-      class(pieces_t), intent(inout) :: self         !! The pieces
+      class(packed_patch_t), intent(inout) :: self         !! The pieces
       integer, intent(in) :: nodes                   !! Nodes of all tiles
       real(wp), allocatable :: values(:)
       integer(int64) :: needed
@@ -137,8 +137,8 @@ contains
 
    !> Hand all over to another holder, without a copy.
    pure subroutine pieces_move_to(self, other)
-      class(pieces_t), intent(inout) :: self         !! Empty afterwards
-      type(pieces_t), intent(inout) :: other         !! Gets it
+      class(packed_patch_t), intent(inout) :: self         !! Empty afterwards
+      type(packed_patch_t), intent(inout) :: other         !! Gets it
 
       other%rows = self%rows
       call move_alloc(self%row, other%row)
@@ -147,25 +147,25 @@ contains
 
    !> Numbers that there is room for.
    elemental integer(int64) function pieces_length(self) result(numbers)
-      class(pieces_t), intent(in) :: self            !! The pieces
+      class(packed_patch_t), intent(in) :: self            !! The pieces
 
       numbers = 0
       if (allocated(self%values)) numbers = size(self%values, kind=int64)
    end function pieces_length
 
    !> Hand over memory, whatever it holds, to pieces that are needed only afterwards.
-   pure subroutine move_pieces(from, to)
-      type(pieces_t), intent(inout) :: from          !! No longer needed
-      type(pieces_t), intent(inout) :: to            !! Must be given room before use
+   pure subroutine move_packed_patches(from, to)
+      type(packed_patch_t), intent(inout) :: from          !! No longer needed
+      type(packed_patch_t), intent(inout) :: to            !! Must be given room before use
 
       if (allocated(from%values)) call move_alloc(from%values, to%values)
-   end subroutine move_pieces
+   end subroutine move_packed_patches
 
    !> Keep what is in the box of a tile. A box that is the whole tile is one line.
    pure subroutine pieces_put(self, grid, boxes, tile, first, patch)
-      class(pieces_t), intent(inout) :: self         !! The pieces
+      class(packed_patch_t), intent(inout) :: self         !! The pieces
       type(grid_t), intent(in) :: grid               !! The grid
-      type(boxes_t), intent(in) :: boxes             !! Boxes of the tiles
+      type(node_boxes_t), intent(in) :: boxes             !! Boxes of the tiles
       integer, intent(in) :: tile                    !! Which tile
       integer, intent(in) :: first                   !! Row of the patch with which these begin
       real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node) Whole
@@ -191,7 +191,7 @@ contains
 
    !> Keep the rows of the nodes of a line.
    pure subroutine put_line(self, before, at, node, nodes, patch)
-      class(pieces_t), intent(inout) :: self         !! The pieces
+      class(packed_patch_t), intent(inout) :: self         !! The pieces
       integer, intent(in) :: before                  !! Rows of the patch before those of the pieces
       integer, intent(in) :: at                      !! Nodes of the pieces before the line
       integer, intent(in) :: node                    !! Nodes of the patch before the line
@@ -272,9 +272,9 @@ contains
 
    !> Make a whole patch of what is kept of a tile.
    pure subroutine pieces_get(self, grid, boxes, tile, patch)
-      class(pieces_t), intent(in) :: self            !! The pieces
+      class(packed_patch_t), intent(in) :: self            !! The pieces
       type(grid_t), intent(in) :: grid               !! The grid
-      type(boxes_t), intent(in) :: boxes             !! Boxes of the tiles
+      type(node_boxes_t), intent(in) :: boxes             !! Boxes of the tiles
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       integer(int64) :: at
@@ -303,10 +303,10 @@ contains
    !! places of the tiles. Where some rows are missing and most nodes are touched, sums of the kept
    !! rows are found first, because lines of them are added as vectors.
    pure subroutine pieces_assemble(self, grid, tiles, boxes, tile, total)
-      class(pieces_t), intent(in) :: self            !! The pieces
+      class(packed_patch_t), intent(in) :: self            !! The pieces
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
-      type(boxes_t), intent(in) :: boxes             !! Their boxes
+      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
 
@@ -321,10 +321,10 @@ contains
 
    !> Sum the rows that are kept and bring them to their places.
    pure subroutine assemble_kept(self, grid, tiles, boxes, tile, total)
-      class(pieces_t), intent(in) :: self            !! The pieces
+      class(packed_patch_t), intent(in) :: self            !! The pieces
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
-      type(boxes_t), intent(in) :: boxes             !! Their boxes
+      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Zero in rows not kept
       real(wp) :: sums(size(self%row), size(total, 2))
@@ -362,10 +362,10 @@ contains
 
    !> Add the pieces of the tiles around.
    pure subroutine sum_places(self, grid, tiles, boxes, tile, total)
-      class(pieces_t), intent(in) :: self            !! The pieces
+      class(packed_patch_t), intent(in) :: self            !! The pieces
       type(grid_t), intent(in) :: grid               !! The grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
-      type(boxes_t), intent(in) :: boxes             !! Their boxes
+      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all or kept rows
       integer :: place, other, direction, shift(3), extent(3), origin(3, -1:1), margin(3), low(3), &

@@ -4,7 +4,7 @@ module mesh_rigid
    use base_kinds, only: int64, wp
    use mesh_boundary, only: boundary_t, lets_out
    use mesh_grid, only: grid_t
-   use mesh_surface_normal, only: find_outward, touches
+   use mesh_surface_normal, only: find_surface_normal, touches
    use mesh_wall, only: face_friction, face_periodic, face_slip, face_stick, face_symmetry, &
       face_velocity, node_place, wall_t
    implicit none
@@ -144,7 +144,7 @@ contains
       integer :: k, kind, face, global(3)
       logical :: found
 
-      call find_outward(self%wall, grid, place, normal, found)
+      call find_surface_normal(self%wall, grid, place, normal, found)
       if (.not. found) normal = 0.0_wp
       global = coordinate*grid%width + grid%node_position(node)
       do k = 1, 3

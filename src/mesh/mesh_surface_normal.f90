@@ -10,7 +10,7 @@ module mesh_surface_normal
    implicit none
    private
 
-   public :: covers, find_outward, touches
+   public :: covers, find_surface_normal, touches
 
    real(wp), parameter :: pace = 0.5_wp              !! Of the search along a ray [cells]
    integer, parameter :: paces = 8                   !! So far it is looked for a way out
@@ -27,7 +27,7 @@ contains
    !> Outward normal of the surface nearest to a place that touches the walls. Rays in all
    !! directions give a first guess, the mean of the shortest ways out; the slopes of the surface
    !! where the normal leaves it give a better one.
-   pure subroutine find_outward(walls, grid, place, normal, found)
+   pure subroutine find_surface_normal(walls, grid, place, normal, found)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid               !! The box
       real(wp), intent(in) :: place(3)               !! [m]
@@ -48,7 +48,7 @@ contains
          call improve(walls, grid, inside, normal, smooth)
          if (.not. smooth .or. maxval(abs(normal - before)) < settled) exit
       end do
-   end subroutine find_outward
+   end subroutine find_surface_normal
 
    !> True if a wall covers a place, or one less than half a cell away.
    pure logical function touches(wall, grid, place) result(touch)

@@ -6,7 +6,7 @@ module mesh_tiles
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
    use mesh_hash_table, only: key_table_t
-   use mesh_hilbert, only: curve_coordinate, curve_key
+   use mesh_hilbert, only: hilbert_coordinate, hilbert_key
    implicit none
    private
 
@@ -59,7 +59,7 @@ contains
             renumbered(former(tile)) = tile
             coordinate(:, tile) = self%coordinate(:, former(tile))
          else
-            coordinate(:, tile) = curve_coordinate(self%key(tile), grid%dimensions)
+            coordinate(:, tile) = hilbert_coordinate(self%key(tile), grid%dimensions)
          end if
       end do
       call self%table%clear(2*self%all)
@@ -152,7 +152,7 @@ contains
       coordinate = self%coordinate(:, tile) + shift
       where (grid%periodic .and. grid%active) coordinate = modulo(coordinate, grid%tiles)
       if (any(coordinate < 0 .or. coordinate >= grid%tiles)) return
-      key = curve_key(coordinate, grid%dimensions)
+      key = hilbert_key(coordinate, grid%dimensions)
    end function tiles_around
 
    !> Rank that owns a key.

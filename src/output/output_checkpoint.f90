@@ -11,7 +11,7 @@ module output_checkpoint
    use output_streams, only: outputs_t
    use scene_particles, only: distribute
    use step_exact_error, only: load_errors, save_errors
-   use step_gravity, only: note_gravity
+   use step_gravity, only: update_gravity
    use step_simulation, only: simulation_t
    use step_trust_record, only: load_trust, save_trust
    implicit none
@@ -108,7 +108,7 @@ contains
       call state%get("last_step_length", length, error)
       if (allocated(error)) return
       simulation%dt = length(1)
-      call note_gravity(simulation)
+      call update_gravity(simulation)
       simulation%guard%longest = length(size(length))
       call outputs%load(state)
       call load_errors(simulation, state)

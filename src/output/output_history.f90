@@ -219,7 +219,7 @@ contains
          associate (store => simulation%stores(index))
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  call total%add(-store%matter%mass(p) &
+                  call total%add(-store%state%mass(p) &
                      *dot_product(simulation%gravity, store%position(p, :)))
                end do
             end do

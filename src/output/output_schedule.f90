@@ -4,7 +4,7 @@
 module output_schedule
    use base_constants, only: unset
    use base_deck, only: group_t
-   use base_deck_group, only: unset_whole
+   use base_deck_group, only: unset_integer
    use base_kinds, only: int64, wp
    implicit none
    private
@@ -35,9 +35,9 @@ contains
       call group%get("dt", schedule%interval)
       if (schedule%interval <= unset) schedule%interval = 0.0_wp
       call group%get("every", number)
-      if (number /= unset_whole) schedule%every = number
+      if (number /= unset_integer) schedule%every = number
       call group%get("count", number)
-      if (number /= unset_whole .and. number > 0) schedule%interval = time_end/real(number, wp)
+      if (number /= unset_integer .and. number > 0) schedule%interval = time_end/real(number, wp)
       call group%list("times", schedule%times)
       if (size(schedule%times) == 0) deallocate (schedule%times)
    end subroutine read_schedule

@@ -323,9 +323,9 @@ contains
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   speed = sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 &
                      + store%velocity(p, 3)**2)
-                  pressure = -(store%matter%stress(p, 1) + store%matter%stress(p, 2) &
-                     + store%matter%stress(p, 3))/3.0_wp
-                  density = store%matter%mass(p)/store%matter%volume(p)
+                  pressure = -(store%state%stress(p, 1) + store%state%stress(p, 2) &
+                     + store%state%stress(p, 3))/3.0_wp
+                  density = store%state%mass(p)/store%state%volume(p)
                   range = max(range, [speed, -pressure, pressure, -density, density])
                end do
             end do

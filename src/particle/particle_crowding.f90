@@ -69,9 +69,9 @@ contains
       logical :: open
 
       open = loose
-      if (allocated(store%matter%failed)) open = open .or. store%matter%failed(p) /= 0
-      volume = store%matter%volume(p)
-      if (open) volume = min(volume, store%matter%mass(p)/density)
+      if (allocated(store%state%failed)) open = open .or. store%state%failed(p) /= 0
+      volume = store%state%volume(p)
+      if (open) volume = min(volume, store%state%mass(p)/density)
    end function claimed_volume
 
    !> Volume that particles claim around some nodes, and how much of it there is. Equation (L.8) of
@@ -115,8 +115,8 @@ contains
       who = 0
       lanes_used = 2**grid%dimensions
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-         if (allocated(store%matter%failed)) then
-            if (store%matter%failed(p) /= 0) cycle
+         if (allocated(store%state%failed)) then
+            if (store%state%failed(p) /= 0) cycle
          end if
          call find_nodes(grid, coordinate, store, p, node, weight)
          if (.not. all(alone(node(:lanes_used)))) cycle
@@ -126,10 +126,10 @@ contains
                mean = mean + weight(lane)*patch(2, node(lane))/patch(1, node(lane))
          end do
          pressure = pressure_of(store, p)
-         sums(1) = sums(1) + store%matter%volume(p)
-         sums(2) = sums(2) + store%matter%volume(p)*pressure**2
-         sums(3) = sums(3) + store%matter%volume(p)*(pressure - mean)**2
-         sums(4) = sums(4) + 0.5_wp*store%matter%mass(p)*(store%velocity(p, 1)**2 &
+         sums(1) = sums(1) + store%state%volume(p)
+         sums(2) = sums(2) + store%state%volume(p)*pressure**2
+         sums(3) = sums(3) + store%state%volume(p)*(pressure - mean)**2
+         sums(4) = sums(4) + 0.5_wp*store%state%mass(p)*(store%velocity(p, 1)**2 &
             + store%velocity(p, 2)**2 + store%velocity(p, 3)**2)
          if (.not. abs(pressure - mean) > sums(5)) cycle
          sums(5) = abs(pressure - mean)
@@ -142,8 +142,8 @@ contains
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: p                       !! Which one
 
-      pressure = -(store%matter%stress(p, 1) + store%matter%stress(p, 2) &
-         + store%matter%stress(p, 3))/3.0_wp
+      pressure = -(store%state%stress(p, 1) + store%state%stress(p, 2) &
+         + store%state%stress(p, 3))/3.0_wp
    end function pressure_of
 
    !> Nodes of the cell of a particle and their linear functions there.

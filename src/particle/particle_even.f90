@@ -6,7 +6,7 @@ module particle_even
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
-   use mesh_hilbert, only: curve_coordinate
+   use mesh_hilbert, only: hilbert_coordinate
    use particle_body, only: belongs, body_t, site_position, tile_sites
    use particle_fill, only: candidate_tiles, site_volume
    implicit none
@@ -36,7 +36,7 @@ contains
          !$omp parallel do default(none) shared(communicator, grid, bodies, body, key, sums) &
          !$omp private(tile) schedule(dynamic, 4)
          do tile = communicator%rank + 1, size(key), communicator%size
-            call weigh_tile(grid, bodies, body, curve_coordinate(key(tile), grid%dimensions), &
+            call weigh_tile(grid, bodies, body, hilbert_coordinate(key(tile), grid%dimensions), &
                sums(:, tile))
          end do
          !$omp end parallel do

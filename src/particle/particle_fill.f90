@@ -11,7 +11,7 @@ module particle_fill
    use base_random, only: random_uniform
    use base_sort, only: sort_order
    use mesh_grid, only: grid_t
-   use mesh_hilbert, only: curve_coordinate, curve_key
+   use mesh_hilbert, only: hilbert_coordinate, hilbert_key
    use particle_body, only: belongs, body_t, cell_of, site_position, tile_sites
    use particle_store, only: store_t
    implicit none
@@ -40,7 +40,7 @@ contains
       do tile = communicator%rank + 1, size(all_keys), communicator%size
          do body = 1, size(bodies)
             counts(body, tile) = count_sites(grid, bodies, body, &
-               curve_coordinate(all_keys(tile), grid%dimensions))
+               hilbert_coordinate(all_keys(tile), grid%dimensions))
          end do
       end do
       !$omp end parallel do
@@ -78,7 +78,7 @@ contains
             do y = first(2), last(2)
                do x = first(1), last(1)
                   n = n + 1
-                  found(n) = curve_key([x, y, z], grid%dimensions)
+                  found(n) = hilbert_key([x, y, z], grid%dimensions)
                end do
             end do
          end do
@@ -356,8 +356,8 @@ contains
       store%home(p) = home
       store%position(p, :) = position
       store%velocity(p, :) = bodies(body)%velocity
-      store%matter%volume(p) = volume
-      store%matter%mass(p) = bodies(body)%density*volume
+      store%state%volume(p) = volume
+      store%state%mass(p) = bodies(body)%density*volume
    end subroutine add_particle
 
    !> Number of a cell of a tile.

@@ -6,11 +6,11 @@ module particle_migrate
    use base_sort, only: sort_order
    use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
-   use mesh_hilbert, only: curve_key
+   use mesh_hilbert, only: hilbert_key
    use mesh_tiles, only: tiles_t
    use particle_place, only: find_place
-   use particle_sort_store, only: arrange_store
-   use particle_sort_tile, only: many, row_packer_t, settle_tile, settler_t
+   use particle_sort_store, only: sort_store
+   use particle_sort_tile, only: many, row_packer_t, sort_tile, tile_sorter_t
    use particle_store, only: moved_away, store_t
    implicit none
    private
@@ -177,7 +177,7 @@ contains
       logical :: lost
 
       call find_place(grid, boundary, position, owner, cells, lost)
-      key = curve_key(owner, grid%dimensions)
+      key = hilbert_key(owner, grid%dimensions)
       cell = cells(1) + grid%width(1)*(cells(2) + grid%width(2)*cells(3))
    end subroutine destination
 
@@ -394,7 +394,7 @@ contains
    subroutine settle_store(store, come)
       type(store_t), intent(inout) :: store          !! The particles
       type(newcomers_t), target, intent(in) :: come  !! Newcomers
-      type(settler_t) :: settler
+      type(tile_sorter_t) :: settler
       integer, allocatable :: wish(:), now(:)
       integer :: tile
 
@@ -404,7 +404,7 @@ contains
             - come%before(tile)
       end do
       if (.not. store%fits(wish)) then
-         call arrange_store(store, wish, come%rows, come%before, come%row, come%cell)
+         call sort_store(store, wish, come%rows, come%before, come%row, come%cell)
          return
       end if
       call store%reserve(wish, now)
@@ -414,7 +414,7 @@ contains
       do tile = 1, size(wish)
          if (.not. store%restless(tile) .and. come%before(tile + 1) == come%before(tile) .and. &
             store%first(tile) == now(tile)) cycle
-         call settle_tile(store, settler, tile, now(tile), &
+         call sort_tile(store, settler, tile, now(tile), &
             come%row(come%before(tile) + 1:come%before(tile + 1)), come%cell)
       end do
       !$omp end do

@@ -54,8 +54,8 @@ contains
       length = -1.0_wp
       if (.not. allocated(store%domain)) call self%fill(lattices, store, tile)
       do p = 1, store%count(tile)
-         if (allocated(store%matter%failed)) then
-            if (store%matter%failed(store%first(tile) + p - 1) /= 0) cycle
+         if (allocated(store%state%failed)) then
+            if (store%state%failed(store%first(tile) + p - 1) /= 0) cycle
          end if
          if (allocated(store%domain)) then
             call own_edges(grid, store, store%first(tile) + p - 1, edge)
@@ -88,8 +88,8 @@ contains
             self%key(p) = identity - lattices(self%body(p))%first + lattices(self%body(p))%origin
          end associate
          if (.not. lattices(self%body(p))%regular) self%key(p) = -1
-         if (allocated(store%matter%failed)) then
-            if (store%matter%failed(store%first(tile) + p - 1) /= 0) self%key(p) = -1
+         if (allocated(store%state%failed)) then
+            if (store%state%failed(store%first(tile) + p - 1) /= 0) self%key(p) = -1
          end if
          if (self%key(p) < 0) cycle
          place = place_of(self, self%key(p))

@@ -4,7 +4,7 @@ module particle_points
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use mesh_grid, only: grid_t
-   use mesh_hilbert, only: curve_key
+   use mesh_hilbert, only: hilbert_key
    use particle_body, only: cell_of, given_t
    use particle_shape, only: shape_t, transform_point
    implicit none
@@ -105,7 +105,7 @@ contains
       points%rows = rows
       allocate (key(size(row)))
       do n = 1, size(row)
-         key(n) = curve_key(cell_of(grid, position(:, n))/grid%width, grid%dimensions)
+         key(n) = hilbert_key(cell_of(grid, position(:, n))/grid%width, grid%dimensions)
       end do
       order = sort_order(key)
       allocate (points%position(3, size(row)))
@@ -138,7 +138,7 @@ contains
       integer(int64) :: key
       integer :: first, last
 
-      key = curve_key(coordinate, grid%dimensions)
+      key = hilbert_key(coordinate, grid%dimensions)
       first = before(self%key, key)
       last = before(self%key, key + 1)
       position = self%position(:, first + 1:last)

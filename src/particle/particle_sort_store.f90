@@ -7,12 +7,12 @@
 module particle_sort_store
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
-   use particle_sort_tile, only: many, order_tile, settler_t
+   use particle_sort_tile, only: many, order_tile, tile_sorter_t
    use particle_store, only: store_t
    implicit none
    private
 
-   public :: arrange_store
+   public :: sort_store
 
    !> Makes new arrays of fields from the places where their values are.
    type, extends(field_worker_t) :: arranger_t
@@ -28,7 +28,7 @@ module particle_sort_store
 contains
 
    !> Arrange all tiles of a store: particles that stay and newcomers, by cell and then by identity.
-   subroutine arrange_store(store, wish, rows, before, row, home)
+   subroutine sort_store(store, wish, rows, before, row, home)
       type(store_t), intent(inout) :: store           !! The particles
       integer, intent(in) :: wish(:)                  !! (tile) Coming counts
       integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
@@ -51,7 +51,7 @@ contains
       store%count = wish
       store%restless = .false.
       store%leaving = 0
-   end subroutine arrange_store
+   end subroutine sort_store
 
    !> Where the particle of each place comes from, and its cell.
    ! gate: long kernel because newcomers are told by their rows, groups and cells
@@ -64,7 +64,7 @@ contains
       integer, intent(in) :: home(:)                  !! (row) Their cells
       integer, intent(inout) :: source(:)             !! (place) Particle > 0, row < 0
       integer, intent(inout) :: cells(:)              !! (place) Cells
-      type(settler_t) :: settler
+      type(tile_sorter_t) :: settler
       integer :: tile, at, p
 
       !$omp parallel default(none) shared(store, first, rows, before, row, home, source, cells) &

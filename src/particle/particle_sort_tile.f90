@@ -7,7 +7,7 @@ module particle_sort_tile
    implicit none
    private
 
-   public :: order_tile, settle_tile, settler_t, row_packer_t
+   public :: order_tile, sort_tile, tile_sorter_t, row_packer_t
 
    integer, parameter, public :: many = 1000          !! Particles that are worth several threads
 
@@ -23,7 +23,7 @@ module particle_sort_tile
    end type row_packer_t
 
    !> Brings the particles of one tile into their new order; scratch of one thread.
-   type, extends(field_worker_t) :: settler_t
+   type, extends(field_worker_t) :: tile_sorter_t
       integer :: first = 0                            !! First particle of the new range
       integer :: count = 0                            !! Particles of the new range
       integer :: word = 0                             !! Words of the rows used so far
@@ -32,20 +32,20 @@ module particle_sort_tile
       integer, allocatable :: order(:)                !! Scratch
       integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers
       real(wp), allocatable :: buffer(:)              !! Scratch
-      integer(int64), allocatable :: whole_buffer(:)  !! Scratch
+      integer(int64), allocatable :: integer_buffer(:)  !! Scratch
    contains
       procedure :: scalar => settler_scalar           !! Reorders numbers
       procedure :: vector => settler_vector           !! Reorders vectors
-      procedure :: whole => settler_whole             !! Reorders whole numbers
+      procedure :: whole => sorter_integer             !! Reorders whole numbers
       procedure :: make_room => settler_make_room     !! Sizes the scratch
-   end type settler_t
+   end type tile_sorter_t
 
 contains
 
    !> Reorder one tile: particles that stay and newcomers, by cell and then by identity.
-   subroutine settle_tile(store, settler, tile, now, newcomer, home)
+   subroutine sort_tile(store, settler, tile, now, newcomer, home)
       type(store_t), intent(inout) :: store           !! The particles; count becomes the new one
-      class(settler_t), intent(inout) :: settler      !! Scratch, with the rows
+      class(tile_sorter_t), intent(inout) :: settler      !! Scratch, with the rows
       integer, intent(in) :: tile                     !! Which tile
       integer, intent(in) :: now                      !! First particle as they lie now
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
@@ -64,12 +64,12 @@ contains
       store%count(tile) = settler%count
       store%restless(tile) = .false.
       store%leaving(tile) = 0
-   end subroutine settle_tile
+   end subroutine sort_tile
 
    !> Find where each particle of the new range of a tile comes from, and the range of each cell.
    subroutine order_tile(store, settler, tile, now, newcomer, home)
       type(store_t), intent(inout) :: store           !! The particles; gets the ranges of cells
-      class(settler_t), intent(inout) :: settler      !! Scratch, with the rows; gets the sources
+      class(tile_sorter_t), intent(inout) :: settler !! Scratch, with the rows; gets the sources
       integer, intent(in) :: tile                     !! Which tile
       integer, intent(in) :: now                      !! First particle as they lie now
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
@@ -101,7 +101,7 @@ contains
 
    !> Group the sources of a tile by cell, each cell in the order in which they are listed.
    pure subroutine order_by_cell(settler, number, start)
-      class(settler_t), intent(inout) :: settler      !! Holds the list and gets the sources
+      class(tile_sorter_t), intent(inout) :: settler      !! Holds the list and gets the sources
       integer, intent(in) :: number                   !! Particles on the list
       integer, contiguous, intent(inout) :: start(0:) !! (0:cells) Particles before each cell
       integer :: p, cell, place
@@ -130,7 +130,7 @@ contains
    !> Sort the sources of one cell by identity; they are few and nearly in order.
    pure subroutine order_by_identity(store, settler, first, last, identity_word)
       type(store_t), intent(in) :: store              !! The particles
-      class(settler_t), intent(inout) :: settler      !! Holds the sources
+      class(tile_sorter_t), intent(inout) :: settler      !! Holds the sources
       integer, intent(in) :: first                    !! First source of the cell
       integer, intent(in) :: last                     !! Last source of the cell
       integer, intent(in) :: identity_word            !! Word of the rows that holds the identity
@@ -165,22 +165,22 @@ contains
 
    !> Size the scratch for a number of particles.
    pure subroutine settler_make_room(self, number)
-      class(settler_t), intent(inout) :: self         !! The scratch
+      class(tile_sorter_t), intent(inout) :: self         !! The scratch
       integer, intent(in) :: number                   !! Particles
       integer :: room
 
       if (allocated(self%source)) then
          if (size(self%source) >= number) return
-         deallocate (self%source, self%cell, self%order, self%buffer, self%whole_buffer)
+         deallocate (self%source, self%cell, self%order, self%buffer, self%integer_buffer)
       end if
       room = number + number/4 + 16
       allocate (self%source(room), self%cell(room), self%order(room), self%buffer(room), &
-         self%whole_buffer(room))
+         self%integer_buffer(room))
    end subroutine settler_make_room
 
    !> Bring a field of numbers into the new order.
    subroutine settler_scalar(self, name, unit, values)
-      class(settler_t), intent(inout) :: self         !! Sources and scratch
+      class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       character(len=*), intent(in) :: name            !! Name in files
       character(len=*), intent(in) :: unit            !! SI unit
       real(wp), allocatable, intent(inout) :: values(:) !! (particle)
@@ -191,7 +191,7 @@ contains
 
    !> Bring a field of vectors or tensors into the new order.
    subroutine settler_vector(self, name, unit, values)
-      class(settler_t), intent(inout) :: self         !! Sources and scratch
+      class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       character(len=*), intent(in) :: name            !! Name in files
       character(len=*), intent(in) :: unit            !! SI unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
@@ -204,8 +204,8 @@ contains
    end subroutine settler_vector
 
    !> Bring a field of whole numbers into the new order.
-   subroutine settler_whole(self, name, unit, values)
-      class(settler_t), intent(inout) :: self         !! Sources and scratch
+   subroutine sorter_integer(self, name, unit, values)
+      class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       character(len=*), intent(in) :: name            !! Name in files
       character(len=*), intent(in) :: unit            !! SI unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
@@ -214,17 +214,17 @@ contains
       self%word = self%word + 1
       do p = 1, self%count
          if (self%source(p) > 0) then
-            self%whole_buffer(p) = values(self%source(p))
+            self%integer_buffer(p) = values(self%source(p))
          else
-            self%whole_buffer(p) = self%rows(self%word, -self%source(p))
+            self%integer_buffer(p) = self%rows(self%word, -self%source(p))
          end if
       end do
-      values(self%first:self%first + self%count - 1) = self%whole_buffer(:self%count)
-   end subroutine settler_whole
+      values(self%first:self%first + self%count - 1) = self%integer_buffer(:self%count)
+   end subroutine sorter_integer
 
    !> Bring one component into the new order.
    pure subroutine reorder_reals(self, values)
-      class(settler_t), intent(inout) :: self         !! Sources and scratch
+      class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       real(wp), contiguous, intent(inout) :: values(:) !! (particle)
       integer :: p
 

@@ -200,8 +200,8 @@ contains
       integer :: k
 
       edge = 0
-      if (allocated(store%matter%failed)) then
-         if (store%matter%failed(p) /= 0) return
+      if (allocated(store%state%failed)) then
+         if (store%state%failed(p) /= 0) return
       end if
       call find_longest(store, p, k, square)
       if (.not. 4.0_wp*square > (splitting%longest*grid%spacing)**2) return
@@ -233,7 +233,7 @@ contains
 
       large = grid%depth*(splitting%longest*grid%spacing)**grid%dimensions
       if (grid%axisymmetric) large = large*store%position(p, 1)
-      yes = store%matter%volume(p) > large
+      yes = store%state%volume(p) > large
    end function is_large
 
    !> Shares of mass and volume of the half against the edge and that along it. Equation (P.4).
@@ -272,9 +272,9 @@ contains
       where (.not. grid%active) half = 0.0_wp
       share = shares_of_halves(grid, store%position(low, 1), half(1))
       rate = opening
-      if (flows .and. allocated(store%matter%energy)) then
+      if (flows .and. allocated(store%state%energy)) then
          ! gas that is thin and cold has less energy than its velocities differ by
-         most = greatest_share*max(store%matter%energy(low), 0.0_wp)
+         most = greatest_share*max(store%state%energy(low), 0.0_wp)
          if (2.0_wp*share(1)*share(2)*opening**2*sum(half**2) > most) rate = sign(sqrt(most &
             /(2.0_wp*share(1)*share(2)*sum(half**2))), opening)
       end if
@@ -286,13 +286,13 @@ contains
          store%velocity(low, k) = store%velocity(low, k) - 2.0_wp*share(2)*rate*half(k)
       end do
       part = 2.0_wp*share(1)*share(2)*rate**2*sum(half**2)
-      gain = store%matter%mass(low)*part
-      if (allocated(store%matter%energy)) then
-         store%matter%energy([low, high]) = store%matter%energy(low) - part
+      gain = store%state%mass(low)*part
+      if (allocated(store%state%energy)) then
+         store%state%energy([low, high]) = store%state%energy(low) - part
          gain = 0.0_wp
       end if
-      store%matter%mass([low, high]) = share*store%matter%mass(low)
-      store%matter%volume([low, high]) = share*store%matter%volume(low)
+      store%state%mass([low, high]) = share*store%state%mass(low)
+      store%state%volume([low, high]) = share*store%state%volume(low)
       if (.not. allocated(store%extent)) return
       k = maxloc(abs(half), 1)
       store%extent([low, high], k) = 0.5_wp*store%extent(low, k)

@@ -8,7 +8,7 @@
 module particle_store
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
-   use constitutive_state, only: matter_t
+   use constitutive_state, only: material_state_t
    implicit none
    private
 
@@ -50,7 +50,7 @@ module particle_store
       real(wp), allocatable :: reference(:, :) !! (particle, 3) Position at rest (if asked for) [m]
       !> Rate at which the longest edge grows, from the strain of a step to its end only [1/s]
       real(wp), allocatable :: opening(:)
-      type(matter_t) :: matter                        !! State that the laws see
+      type(material_state_t) :: state                        !! State that the laws see
       integer, allocatable :: home(:)                 !! Cell after the move, < 0 = left the tile
       integer, allocatable :: first(:)                !! (tile) First particle of the range
       integer, allocatable :: count(:)                !! (tile) Particles in the range
@@ -161,7 +161,7 @@ contains
       if (allocated(self%ahead)) call worker%vector("ahead", "1", self%ahead)
       if (allocated(self%bond)) call worker%scalar("bond", "1", self%bond)
       if (allocated(self%reference)) call worker%vector("reference", "m", self%reference)
-      call self%matter%walk(worker)
+      call self%state%walk(worker)
    end subroutine store_walk
 
    !> Number of particles on this rank.

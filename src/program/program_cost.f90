@@ -3,7 +3,7 @@
 module program_cost
    use base_kinds, only: int64, wp
    use base_text, only: number, size_text
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use mesh_tiles, only: neighbors
    use output_streams, only: snapshot_bytes
    use particle_fill, only: body_t
@@ -86,7 +86,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       type(survey_t), intent(in) :: survey           !! The counts
       character(len=:), allocatable :: text, lines
-      type(wishes_t) :: wishes
+      type(field_requests_t) :: wishes
       integer :: n, first, last
 
       text = "fields     "//number(base_bytes(simulation))// &
@@ -134,7 +134,7 @@ contains
    real(wp) function carried(simulation, survey) result(bytes)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(survey_t), intent(in) :: survey           !! The counts
-      type(wishes_t) :: wishes
+      type(field_requests_t) :: wishes
       integer :: n
 
       bytes = 0.0_wp

@@ -462,7 +462,7 @@ contains
          ! a state at the very end that is asked for is the result; one behind it is not
          late = len(changes%end) > 0 .and. (now%step > limits%max_steps .or. &
             now%time > limits%time_end*(1.0_wp + 1.0e-9_wp))
-         if (changes%matter() .and. .not. late) late = is_finished(now, limits)
+         if (changes%state() .and. .not. late) late = is_finished(now, limits)
       end associate
       if (late) call fail(error, exit_file, note//": the run is finished, so what has changed "// &
          "in the deck since would have no effect (in SI):"//changes%physics//changes%end// &

@@ -3,7 +3,7 @@
 !! that the velocities of bodies lead to. Section "Number of steps" of doc/theory/time_step.md.
 module program_step_count
    use base_kinds, only: int64, wp
-   use constitutive_state, only: matter_t
+   use constitutive_state, only: material_state_t
    use material_type, only: material_t
    use mesh_boundary, only: face_friction, face_slip, face_stick, face_symmetry
    use particle_fill, only: body_t
@@ -357,7 +357,7 @@ contains
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       real(wp), intent(out) :: dt                    !! [s]
       character(len=:), allocatable, intent(out) :: cause !! If not the fastest signal
-      type(matter_t) :: matter
+      type(material_state_t) :: state
       real(wp) :: fastest, diffusivity, longest
       integer :: n
 
@@ -365,12 +365,12 @@ contains
       diffusivity = 0.0_wp
       do n = 1, size(bodies)
          associate (material => simulation%materials(bodies(n)%store))
-            call material%request(matter, 1)
-            matter%mass = material%density
-            matter%volume = 1.0_wp
-            call material%start(matter, 1, 1, bodies(n)%temperature)
-            if (allocated(matter%energy)) matter%energy = bodies(n)%energy
-            fastest = max(fastest, material%signal_speed(matter, 1, 1) + norm2(bodies(n)%velocity))
+            call material%request(state, 1)
+            state%mass = material%density
+            state%volume = 1.0_wp
+            call material%start(state, 1, 1, bodies(n)%temperature)
+            if (allocated(state%energy)) state%energy = bodies(n)%energy
+            fastest = max(fastest, material%signal_speed(state, 1, 1) + norm2(bodies(n)%velocity))
             if (allocated(material%heat)) diffusivity = max(diffusivity, &
                material%heat%conductivity/(material%density*material%heat%specific_heat))
          end associate

@@ -61,15 +61,15 @@ contains
    end function stiffness_text
 
    !> May waves or given stresses be what the scene is about? Then its loads are not known here.
-   pure logical function waves_matter(simulation, bodies) result(matter)
+   pure logical function waves_matter(simulation, bodies) result(state)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       integer :: n
 
-      matter = allocated(simulation%shaking) .or. allocated(simulation%absorbing) .or. &
+      state = allocated(simulation%shaking) .or. allocated(simulation%absorbing) .or. &
          allocated(simulation%exact)
       do n = 1, size(bodies)
-         matter = matter .or. allocated(bodies(n)%formula) .or. allocated(bodies(n)%given)
+         state = state .or. allocated(bodies(n)%formula) .or. allocated(bodies(n)%given)
       end do
    end function waves_matter
 

@@ -3,7 +3,7 @@
 module program_time_loop
    use base_constants, only: unset
    use base_deck, only: deck_t, group_t
-   use base_deck_group, only: unset_whole
+   use base_deck_group, only: unset_integer
    use base_error, only: error_t, exit_again, exit_physics, exit_success, fail
    use base_kinds, only: int64, wp
    use base_log, only: log_t, progress_heading, progress_line, progress_t
@@ -88,7 +88,7 @@ contains
       call group%get("dt_fixed", number)
       if (number > unset) limits%dt_fixed = number
       call group%get("max_steps", steps)
-      if (steps /= unset_whole) limits%max_steps = steps
+      if (steps /= unset_integer) limits%max_steps = steps
       call group%get("wall_limit", word)
       limits%wall_limit = wall_limit_of(word)
       limits%ask_scheduler = word == "slurm"

@@ -50,7 +50,7 @@ contains
       else if (.not. grid%given("dx")) then
          call deck%complain(grid, "dx or cells must be given")
       else if (grid%known("dx")) then
-         call check_whole(deck, grid, lo, hi, active)
+         call check_integer(deck, grid, lo, hi, active)
       end if
    end subroutine check_grid
 
@@ -67,7 +67,7 @@ contains
    end subroutine dimension_of
 
    !> The edges must be whole numbers of cells.
-   subroutine check_whole(deck, grid, lo, hi, active)
+   subroutine check_integer(deck, grid, lo, hi, active)
       type(deck_t), intent(inout) :: deck                !! The deck
       type(group_t), intent(in) :: grid                  !! The grid
       real(wp), intent(in) :: lo(3)                      !! Lower corner [m]
@@ -92,7 +92,7 @@ contains
             " or dx = "// &
             deck%shown((hi(k) - lo(k))/max(anint(cells), 1.0_wp), "m"), "dx")
       end do
-   end subroutine check_whole
+   end subroutine check_integer
 
    !> Cells given by number must be cubes.
    subroutine check_cells(deck, grid, lo, hi, active)

@@ -9,7 +9,7 @@ module scene_deck_output
 
    character(len=*), parameter :: files = "kind = particles slice grid" !! Outputs of many files
    character(len=*), parameter :: points = "kind = particles slice" !! Outputs of single particles
-   character(len=*), parameter :: matter = "kind = particles slice grid profile fragments"
+   character(len=*), parameter :: state = "kind = particles slice grid profile fragments"
 
 contains
 
@@ -31,9 +31,9 @@ contains
          "the usual ones; state: all from which another run can go on", &
          default="default", owner="kind = particles slice grid history profile")
       call schema%text("output", "bodies(:20)", "only points of these bodies; default: all", &
-         owner=matter)
+         owner=state)
       call schema%text("output", "region", "only points in this region; default: everywhere", &
-         owner=matter)
+         owner=state)
       call schema%integer("output", "stride", "every so many points, by identity", default="1", &
          range="> 0", owner=points)
       call schema%text("output", "axis", "normal of the plane of a slice; direction of a profile", &

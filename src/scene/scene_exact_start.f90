@@ -77,16 +77,16 @@ contains
                   point = store%reference(p, :)
                   call holder%solution%gradient(point, 0.0_wp, gradient)
                   call holder%solution%stress(gradient, stress)
-                  store%matter%stress(p, :) = stress
-                  store%matter%volume(p) = determinant(gradient)*store%matter%volume(p)
-                  if (allocated(store%matter%deformation_gradient)) &
-                     store%matter%deformation_gradient(p, :) = reshape(gradient, [9])
+                  store%state%stress(p, :) = stress
+                  store%state%volume(p) = determinant(gradient)*store%state%volume(p)
+                  if (allocated(store%state%deformation_gradient)) &
+                     store%state%deformation_gradient(p, :) = reshape(gradient, [9])
                end do
                if (simulation%method%transfer%affine()) call slope_tile(holder%solution, store, &
                   tile, 0.1_wp*simulation%grid%spacing &
                   /simulation%materials(index)%reference_speed())
                ! what follows from these by the laws, such as the pressure of an equation of state
-               call simulation%materials(index)%settle(store%matter, store%first(tile), &
+               call simulation%materials(index)%settle(store%state, store%first(tile), &
                   store%first(tile) + store%count(tile) - 1)
             end do
          end associate

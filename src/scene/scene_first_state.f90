@@ -10,7 +10,7 @@ module scene_first_state
    use scene_points_fields, only: take_fields
    use scene_shapes, only: named_shape_t
    use scene_velocity_formula, only: add_formula_velocities
-   use step_gravity, only: note_gravity
+   use step_gravity, only: update_gravity
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -40,7 +40,7 @@ contains
       call strain_exact(simulation)
       call first_step(simulation)
       call take_clock(simulation, bodies, shapes)
-      call note_gravity(simulation)
+      call update_gravity(simulation)
       call simulation%ledger%balance(simulation%communicator, simulation%grid, &
          simulation%stores, simulation%materials, simulation%ledger%start)
    end subroutine begin_run

@@ -5,7 +5,7 @@ module scene_gravity
    use base_kinds, only: wp
    use io_motion, only: of_gravity
    use scene_motion_table, only: read_motion_table
-   use step_gravity, only: note_gravity
+   use step_gravity, only: update_gravity
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -41,6 +41,6 @@ contains
          call deck%complain(group, "gravity_table: the table must be 0 in "//axes(k)// &
             ", a direction that the scene lacks", "gravity_table")
       end do
-      call note_gravity(simulation)
+      call update_gravity(simulation)
    end subroutine read_gravity
 end module scene_gravity

@@ -8,7 +8,7 @@ module scene_lithostatic
    use base_constants, only: xx, xy, xz, yy, yz, zz
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use constitutive_state, only: matter_t
+   use constitutive_state, only: material_state_t
    use material_type, only: material_t
    use mesh_grid, only: grid_t
    use particle_body, only: body_t
@@ -105,7 +105,7 @@ contains
          place = store%position(p, :)
          weight = norm2(gravity)*mass_above(grid, bodies, body, place, -down)
          across = bodies(body)%lateral*weight
-         associate (stress => store%matter%stress)
+         associate (stress => store%state%stress)
             stress(p, xx) = -across - (weight - across)*down(1)**2
             stress(p, yy) = -across - (weight - across)*down(2)**2
             stress(p, zz) = -across - (weight - across)*down(3)**2
@@ -180,7 +180,7 @@ contains
       integer, intent(in) :: first                   !! First particle of the tile
       type(store_t), intent(inout) :: store          !! The particles
       integer, parameter :: rounds = 12
-      type(matter_t) :: trial
+      type(material_state_t) :: trial
       real(wp), dimension(size(pressure)) :: factor, before, found, earlier, step
       integer :: n, round
 
@@ -200,8 +200,8 @@ contains
          where (pressure > 0.0_wp) factor = factor + step
          if (all(abs(step) <= epsilon(1.0_wp))) exit
       end do
-      where (pressure > 0.0_wp) store%matter%mass(first:first + n - 1) = factor &
-         *store%matter%mass(first:first + n - 1)
+      where (pressure > 0.0_wp) store%state%mass(first:first + n - 1) = factor &
+         *store%state%mass(first:first + n - 1)
 
    contains
 
@@ -211,8 +211,8 @@ contains
          real(wp), intent(out) :: value(:)           !! [Pa]
          integer :: p, body
 
-         trial%volume = store%matter%volume(first:first + n - 1)
-         trial%mass = share*store%matter%mass(first:first + n - 1)
+         trial%volume = store%state%volume(first:first + n - 1)
+         trial%mass = share*store%state%mass(first:first + n - 1)
          do p = 1, n
             body = body_of(bodies, store%identity(first + p - 1))
             call material%start(trial, p, p, bodies(body)%temperature)

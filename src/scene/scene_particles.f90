@@ -5,7 +5,7 @@ module scene_particles
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use material_models, only: chain_effects, effect_names
-   use mesh_hilbert, only: curve_key
+   use mesh_hilbert, only: hilbert_key
    use mesh_tiles, only: partition_keys
    use omp_lib, only: omp_get_max_threads
    use particle_even, only: even_volumes
@@ -95,7 +95,7 @@ contains
       simulation%carries_energy = .false.
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
-            call simulation%materials(index)%request(store%matter)
+            call simulation%materials(index)%request(store%state)
             call store%start(store_name(simulation%materials, index), simulation%grid%tile_cells, &
                traits)
             store%material = index
@@ -105,7 +105,7 @@ contains
                   allocate (store%reference(0, 3))
             end if
             simulation%carries_energy = simulation%carries_energy .or. &
-               allocated(store%matter%energy)
+               allocated(store%state%energy)
          end associate
       end do
       if (allocated(simulation%contact)) call bond_stores(simulation)
@@ -152,14 +152,14 @@ contains
             do tile = 1, size(own)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   body = body_of(bodies, store%identity(p))
-                  call simulation%materials(index)%start(store%matter, p, p, &
+                  call simulation%materials(index)%start(store%state, p, p, &
                      bodies(body)%temperature)
-                  if (bodies(body)%energy > 0.0_wp) store%matter%energy(p) = bodies(body)%energy
+                  if (bodies(body)%energy > 0.0_wp) store%state%energy(p) = bodies(body)%energy
                end do
-               call simulation%materials(index)%scatter(store%matter, store%identity, &
+               call simulation%materials(index)%scatter(store%state, store%identity, &
                   store%first(tile), store%first(tile) + store%count(tile) - 1)
                if (any(bodies%energy > 0.0_wp .and. bodies%store == index)) &
-                  call simulation%materials(index)%settle(store%matter, store%first(tile), &
+                  call simulation%materials(index)%settle(store%state, store%first(tile), &
                   store%first(tile) + store%count(tile) - 1)
             end do
          end associate
@@ -189,9 +189,9 @@ contains
                   if (store%identity(p) < bodies(body)%first_identity) cycle
                   if (store%identity(p) > last) cycle
                   do k = 1, 3
-                     call sums(k)%add(store%matter%mass(p)*store%position(p, k))
+                     call sums(k)%add(store%state%mass(p)*store%position(p, k))
                   end do
-                  call sums(4)%add(store%matter%mass(p))
+                  call sums(4)%add(store%state%mass(p))
                end do
             end do
             do k = 1, 4
@@ -279,7 +279,7 @@ contains
                call find_place(simulation%grid, simulation%boundary, [position(n, 1), &
                   position(n, 2), position(n, 3)], owner, cells, lost)
                filled = filled + 1
-               key(filled) = curve_key(owner, simulation%grid%dimensions)
+               key(filled) = hilbert_key(owner, simulation%grid%dimensions)
             end do
          end associate
       end do
@@ -310,7 +310,7 @@ contains
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
             do tile = 1, size(store%count)
-               signal = simulation%materials(index)%signal_speed(store%matter, &
+               signal = simulation%materials(index)%signal_speed(store%state, &
                   store%first(tile), store%first(tile) + store%count(tile) - 1)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   speed = sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 &

@@ -10,7 +10,7 @@ module scene_points
    use base_sort, only: sort_order
    use base_text, only: brief, join, lower, number, text_t
    use base_units, only: unit_of, unit_t
-   use constitutive_field_requests, only: wishes_t
+   use constitutive_field_requests, only: field_requests_t
    use io_fields, only: field_names
    use io_file, only: read_file
    use io_hdf5_read, only: hdf5_source_t
@@ -344,7 +344,7 @@ contains
       type(traits_t), intent(in) :: traits           !! What the method wants of particles
       type(point_region_t), intent(in) :: points     !! The points
       logical, intent(in) :: stress                  !! Is the stress wanted?
-      type(wishes_t) :: wishes
+      type(field_requests_t) :: wishes
       type(text_t), allocatable :: missing(:)
       integer :: n, k
 

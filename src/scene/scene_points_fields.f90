@@ -33,7 +33,7 @@ module scene_points_fields
    contains
       procedure :: scalar => put_scalar              !! A field of numbers
       procedure :: vector => put_vector              !! A field of vectors or tensors
-      procedure :: whole => put_whole                !! A field of whole numbers
+      procedure :: whole => put_integer                !! A field of whole numbers
    end type putter_t
 
 contains
@@ -114,7 +114,7 @@ contains
          call agree(simulation%communicator, error)
          if (allocated(error) .or. body%keeps_stress) return
          do tile = 1, size(store%count)
-            call simulation%materials(body%store)%settle(store%matter, store%first(tile), &
+            call simulation%materials(body%store)%settle(store%state, store%first(tile), &
                store%first(tile) + store%count(tile) - 1)
          end do
       end associate
@@ -202,7 +202,7 @@ contains
    end subroutine put_vector
 
    !> Put whole numbers.
-   subroutine put_whole(self, name, unit, values)
+   subroutine put_integer(self, name, unit, values)
       class(putter_t), intent(inout) :: self         !! The worker
       character(len=*), intent(in) :: name           !! Name in files
       character(len=*), intent(in) :: unit           !! SI unit
@@ -215,5 +215,5 @@ contains
          if (self%row(n) > self%before + size(self%reals, 2)) cycle
          values(self%particle(n)) = nint(self%reals(1, self%row(n) - self%before), int64)
       end do
-   end subroutine put_whole
+   end subroutine put_integer
 end module scene_points_fields

@@ -9,7 +9,7 @@ module scene_velocity_formula
    use base_place_formula, only: compile_place_formula
    use base_text, only: brief
    use mesh_grid, only: grid_t
-   use mesh_hilbert, only: curve_coordinate
+   use mesh_hilbert, only: hilbert_coordinate
    use particle_fill, only: body_t, fill_bodies
    use particle_store, only: store_t
    use step_simulation, only: simulation_t
@@ -87,7 +87,7 @@ contains
       integer :: n, tile(3, 1)
 
       do n = simulation%communicator%rank + 1, size(keys), simulation%communicator%size
-         tile(:, 1) = curve_coordinate(keys(n), simulation%grid%dimensions)
+         tile(:, 1) = hilbert_coordinate(keys(n), simulation%grid%dimensions)
          store = simulation%stores(bodies(body)%store)
          call store%remap([0], simulation%grid%tile_cells)
          call fill_bodies(simulation%grid, bodies, tile, bodies(body)%store, store)

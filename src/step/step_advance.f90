@@ -7,7 +7,7 @@ module step_advance
    use particle_split, only: split_store
    use step_bounds, only: rule_conduction, rule_growth, rule_signal, rule_strain
    use step_conduction, only: conduct_heat, conduction_step, greatest_diffusivity
-   use step_gravity, only: note_gravity
+   use step_gravity, only: update_gravity
    use step_heat_flux, only: smear_heat
    use step_ledger, only: dissipated
    use step_method, only: stress_before
@@ -53,7 +53,7 @@ contains
       simulation%time = simulation%time + dt
       simulation%step = simulation%step + 1
       simulation%dt = dt
-      call note_gravity(simulation)
+      call update_gravity(simulation)
       call close_step(simulation, error)
       if (allocated(error)) return
       if (allocated(simulation%method%splitting)) call halve_particles(simulation)
@@ -217,7 +217,7 @@ contains
 
       waited = simulation%communicator%traffic%waiting
       call simulation%timer%start(simulation%phase%sort)
-      call simulation%ledger%book_lost(simulation%stores, simulation%materials)
+      call simulation%ledger%record_lost(simulation%stores, simulation%materials)
       call migrate(simulation%communicator, simulation%grid, simulation%boundary, &
          simulation%tiles, &
          simulation%stores)

@@ -68,10 +68,10 @@ contains
 
       first = store%first(tile)
       last = first + store%count(tile) - 1
-      bad = count_states(first, last, store%velocity, store%matter%stress, store%matter%volume, &
-         store%matter%mass, bounds%speed_max**2, bounds%ratio_min/density, bounds%ratio_max/density)
-      if (allocated(store%matter%deformation_gradient)) &
-         bad = bad + count_inverted(first, last, store%matter%deformation_gradient)
+      bad = count_states(first, last, store%velocity, store%state%stress, store%state%volume, &
+         store%state%mass, bounds%speed_max**2, bounds%ratio_min/density, bounds%ratio_max/density)
+      if (allocated(store%state%deformation_gradient)) &
+         bad = bad + count_inverted(first, last, store%state%deformation_gradient)
    end function count_bad
 
    !> Bad velocities and volumes in a range, and one more if the sum of all stresses is no finite
@@ -132,15 +132,15 @@ contains
       real(wp) :: speed, stress, ratio, determinant
 
       determinant = 1.0_wp
-      if (allocated(store%matter%deformation_gradient)) then
-         associate (f => store%matter%deformation_gradient)
+      if (allocated(store%state%deformation_gradient)) then
+         associate (f => store%state%deformation_gradient)
             determinant = f(p, 1)*(f(p, 5)*f(p, 9) - f(p, 8)*f(p, 6)) - f(p, 4)*(f(p, 2)*f(p, 9) &
                - f(p, 8)*f(p, 3)) + f(p, 7)*(f(p, 2)*f(p, 6) - f(p, 5)*f(p, 3))
          end associate
       end if
       speed = sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 + store%velocity(p, 3)**2)
-      stress = sum(abs(store%matter%stress(p, :)))
-      ratio = store%matter%volume(p)*density/store%matter%mass(p)
+      stress = sum(abs(store%state%stress(p, :)))
+      ratio = store%state%volume(p)*density/store%state%mass(p)
       fault = fault_none
       value = speed
       if (.not. speed <= huge(1.0_wp)) then

@@ -7,8 +7,7 @@
 !! which adds no diffusion of its own. What differs between particles of a cell the nodes do not
 !! see; it fades at the rate of the shortest wave that they do see, by a term without any effect on
 !! the nodes, of second order as in the filtered transfers of C. C. Hammerquist, J. A. Nairn,
-!! Comput. Methods Appl. Mech. Eng. 318 (2017) 724. Materials without a conductivity take no part.
-!! Free surfaces are insulated, and faces that have no temperature. See doc/theory/matter.md.
+!! Comput. Methods Appl. Mech. Eng. 318 (2017) 724. See doc/theory/matter.md.
 module step_conduction
    use base_constants, only: pi
    use base_kinds, only: wp
@@ -22,9 +21,9 @@ module step_conduction
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: find_plain_places
    use step_simulation, only: scratch_t, simulation_t
-   use step_tile_cost, only: book_cost, cost_clock
+   use step_tile_cost, only: cost_clock, record_cost
    use transfer_scatter, only: dual_columns, motion_columns
-   use transfer_shape_data, only: places_t
+   use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
@@ -57,7 +56,7 @@ contains
       do tile = 1, simulation%tiles%own
          began = cost_clock(simulation)
          call give_heat(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
-         call book_cost(simulation, tile, began)
+         call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%conduction)
@@ -81,7 +80,7 @@ contains
                began = cost_clock(simulation)
                call spread_content(simulation, simulation%scratch(omp_get_thread_num()), &
                   tiles(n), simulation%conduction%content(:, :, tiles(n)))
-               call book_cost(simulation, tiles(n), began)
+               call record_cost(simulation, tiles(n), began)
             end do
             !$omp end parallel do
             call pass_patches(simulation, part, simulation%conduction%content)
@@ -112,7 +111,7 @@ contains
             began = cost_clock(simulation)
             call spread_flow(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), dt, &
                simulation%conduction%flow(:, :, tiles(n)))
-            call book_cost(simulation, tiles(n), began)
+            call record_cost(simulation, tiles(n), began)
          end do
          !$omp end parallel do
          call pass_patches(simulation, part, simulation%conduction%flow)
@@ -148,7 +147,7 @@ contains
             do tile = 1, size(simulation%stores(index)%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   greatest = max(greatest, conductivity*matter_volume(store, p) &
-                     /(store%matter%mass(p)*specific_heat))
+                     /(store%state%mass(p)*specific_heat))
                end do
             end do
          end associate
@@ -170,9 +169,9 @@ contains
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: particle                !! Which one
 
-      volume = store%matter%volume(particle)
-      if (allocated(store%matter%solid_fraction)) &
-         volume = volume*store%matter%solid_fraction(particle)
+      volume = store%state%volume(particle)
+      if (allocated(store%state%solid_fraction)) &
+         volume = volume*store%state%solid_fraction(particle)
    end function matter_volume
 
    !> Make room for the fields of the dual gradient.
@@ -225,9 +224,9 @@ contains
             call find_plain_places(simulation, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
-               places%values(p, capacity) = specific_heat*store%matter%mass(q)
-               places%values(p, content) = places%values(p, capacity)*store%matter%temperature(q)
-               places%values(p, filled) = store%matter%volume(q)
+               places%values(p, capacity) = specific_heat*store%state%mass(q)
+               places%values(p, content) = places%values(p, capacity)*store%state%temperature(q)
+               places%values(p, filled) = store%state%volume(q)
             end do
             call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), &
                places, size(patch, 1), places%values, 0, patch)
@@ -307,7 +306,7 @@ contains
             call push_particles(simulation, scratch, index, tile, values, slope, wide)
             call find_hidden(simulation, scratch, index, tile, dt)
             do p = 1, store%count(tile)
-               places%values(p, 1) = specific_heat*store%matter%mass(store%first(tile) + p - 1) &
+               places%values(p, 1) = specific_heat*store%state%mass(store%first(tile) + p - 1) &
                   *places%vector(p, 1)
             end do
             call method%basis%spread(simulation%grid, start, places, 1, places%values, hidden - 1, &
@@ -380,7 +379,7 @@ contains
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             places%vector(p, 1) = min(fade_most, rate*matter_volume(store, q) &
-               /store%matter%mass(q))*(store%matter%temperature(q) - places%values(p, 1))
+               /store%state%mass(q))*(store%state%temperature(q) - places%values(p, 1))
          end do
       end associate
    end subroutine find_hidden
@@ -463,7 +462,8 @@ contains
    pure subroutine warm(specific_heat, tile, places, booked, store)
       real(wp), intent(in) :: specific_heat          !! [J/(kg K)]
       integer, intent(in) :: tile                    !! Which tile
-      type(places_t), intent(in) :: places !! What nodes give, and what fades, of each particle [K]
+      !> What nodes give, and what fades, of each particle [K]
+      type(shape_data_t), intent(in) :: places
       real(wp), intent(out) :: booked !! Heat of particles that carry no internal energy [J]
       type(store_t), intent(inout) :: store          !! The particles
       real(wp) :: rise
@@ -473,11 +473,11 @@ contains
       do p = 1, store%count(tile)
          q = store%first(tile) + p - 1
          rise = places%values(p, 1) - places%vector(p, 1)
-         store%matter%temperature(q) = store%matter%temperature(q) + rise
-         if (allocated(store%matter%energy)) then
-            store%matter%energy(q) = store%matter%energy(q) + specific_heat*rise
+         store%state%temperature(q) = store%state%temperature(q) + rise
+         if (allocated(store%state%energy)) then
+            store%state%energy(q) = store%state%energy(q) + specific_heat*rise
          else
-            booked = booked + specific_heat*store%matter%mass(q)*rise
+            booked = booked + specific_heat*store%state%mass(q)*rise
          end if
       end do
    end subroutine warm
@@ -486,13 +486,14 @@ contains
    pure subroutine expand(expansion, tile, places, store)
       real(wp), intent(in) :: expansion              !! Thermal, of the volume [1/K]
       integer, intent(in) :: tile                    !! Which tile
-      type(places_t), intent(in) :: places !! What nodes give, and what fades, of each particle [K]
+      !> What nodes give, and what fades, of each particle [K]
+      type(shape_data_t), intent(in) :: places
       type(store_t), intent(inout) :: store          !! The particles
       integer :: p, q
 
       do p = 1, store%count(tile)
          q = store%first(tile) + p - 1
-         store%matter%solid_fraction(q) = expanded(store%matter%solid_fraction(q), &
+         store%state%solid_fraction(q) = expanded(store%state%solid_fraction(q), &
             expansion*(places%values(p, 1) - places%vector(p, 1)))
       end do
    end subroutine expand

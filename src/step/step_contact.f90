@@ -10,7 +10,7 @@ module step_contact
    use step_contact_surface, only: direction_of, guess_area, reach_row
    use step_particles_to_nodes, only: find_plain_places
    use step_simulation, only: contact_t, empty_mass, guesses, scratch_t, simulation_t
-   use step_tile_cost, only: book_cost, cost_clock
+   use step_tile_cost, only: cost_clock, record_cost
    use transfer_contact, only: bond_traction, contact_bonded, push_apart, state_bonded, &
       state_closed, state_open
    implicit none
@@ -43,7 +43,7 @@ contains
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
          call touch_tile(simulation, tile, dt)
-         call book_cost(simulation, tile, began)
+         call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%contact)

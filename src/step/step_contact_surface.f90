@@ -12,7 +12,7 @@ module step_contact_surface
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_particles_to_nodes, only: find_plain_places
    use step_simulation, only: contact_t, empty_mass, guesses, scratch_t, simulation_t
-   use step_tile_cost, only: book_cost, cost_clock
+   use step_tile_cost, only: cost_clock, record_cost
    use transfer_contact, only: particle_widths, spread_reach
    use transfer_scatter, only: motion_columns
    implicit none
@@ -101,7 +101,7 @@ contains
             began = cost_clock(simulation)
             call work(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
                patch(:, :, tiles(n)))
-            call book_cost(simulation, tiles(n), began)
+            call record_cost(simulation, tiles(n), began)
          end do
          !$omp end parallel do
          call pass_patches(simulation, part, patch)
@@ -131,7 +131,7 @@ contains
                start => simulation%stores(index)%cell_start(:, tile))
                call find_plain_places(simulation, scratch, store, tile)
                call pushed%copy(store%first(tile), store%count(tile), store%position, &
-                  store%matter%volume, store%matter%stress)
+                  store%state%volume, store%state%stress)
                call pushed%make_unit(store%count(tile))
                call basis%spread_stress(grid, start, 1, scratch%places, pushed%volume, &
                   pushed%stress, wide)
@@ -157,7 +157,7 @@ contains
 
       do p = 1, store%count(tile)
          q = store%first(tile) + p - 1
-         values(p, 1) = store%matter%mass(q)*store%bond(q)
+         values(p, 1) = store%state%mass(q)*store%bond(q)
       end do
    end subroutine hold
 
@@ -310,7 +310,7 @@ contains
             coordinate => simulation%tiles%coordinate(:, tile))
             call scratch%places%reserve(store%count(tile))
             call particle_widths(grid, store%first(tile), store%count(tile), store%position, &
-               store%matter%volume, scratch%places%values(:, 1))
+               store%state%volume, scratch%places%values(:, 1))
             call spread_reach(grid, grid%tile_corner(coordinate), start, store%first(tile), &
                store%position, scratch%places%values(:, 1), normal, reach)
          end associate

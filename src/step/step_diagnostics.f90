@@ -93,21 +93,21 @@ contains
       hot = greatest(2)
       cold = greatest(3)
       energy = greatest(4)
-      associate (v => store%velocity, matter => store%matter)
-         if (allocated(matter%energy)) then
+      associate (v => store%velocity, state => store%state)
+         if (allocated(state%energy)) then
             do p = first, last
                square = v(p, 1)**2 + v(p, 2)**2 + v(p, 3)**2
                speed = max(speed, square)
-               hot = max(hot, matter%energy(p))
-               cold = max(cold, -matter%energy(p))
-               energy = max(energy, matter%mass(p)*(0.5_wp*square + matter%energy(p) &
+               hot = max(hot, state%energy(p))
+               cold = max(cold, -state%energy(p))
+               energy = max(energy, state%mass(p)*(0.5_wp*square + state%energy(p) &
                   - least_energy))
             end do
          else
             do p = first, last
                square = v(p, 1)**2 + v(p, 2)**2 + v(p, 3)**2
                speed = max(speed, square)
-               energy = max(energy, 0.5_wp*matter%mass(p)*square)
+               energy = max(energy, 0.5_wp*state%mass(p)*square)
             end do
          end if
       end associate
@@ -151,22 +151,22 @@ contains
       real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
 
       value = -huge(1.0_wp)
-      associate (matter => store%matter, v => store%velocity)
+      associate (state => store%state, v => store%velocity)
          select case (measure)
          case (measure_speed)
             value = v(p, 1)**2 + v(p, 2)**2 + v(p, 3)**2
          case (measure_heat)
-            if (allocated(matter%energy)) value = matter%energy(p)
+            if (allocated(state%energy)) value = state%energy(p)
          case (measure_cold)
-            if (allocated(matter%energy)) value = -matter%energy(p)
+            if (allocated(state%energy)) value = -state%energy(p)
          case (measure_energy)
-            value = 0.5_wp*matter%mass(p)*(v(p, 1)**2 + v(p, 2)**2 + v(p, 3)**2)
-            if (allocated(matter%energy)) &
-               value = value + matter%mass(p)*(matter%energy(p) - least_energy)
+            value = 0.5_wp*state%mass(p)*(v(p, 1)**2 + v(p, 2)**2 + v(p, 3)**2)
+            if (allocated(state%energy)) &
+               value = value + state%mass(p)*(state%energy(p) - least_energy)
          case default
-            value = matter%volume(p)*density/matter%mass(p)
-            if (allocated(matter%failed)) then
-               if (matter%failed(p) /= 0) value = -huge(1.0_wp)
+            value = state%volume(p)*density/state%mass(p)
+            if (allocated(state%failed)) then
+               if (state%failed(p) /= 0) value = -huge(1.0_wp)
             end if
          end select
       end associate
@@ -308,7 +308,7 @@ contains
       call table%lengths(simulation%grid, simulation%trust%lattices, store, tile, length)
       do p = 1, size(length)
          if (length(p) < 0.0_wp) cycle
-         mass = store%matter%mass(store%first(tile) + p - 1)
+         mass = store%state%mass(store%first(tile) + p - 1)
          found(seen_mass) = found(seen_mass) + mass
          if (length(p) > apart*simulation%grid%spacing) found(far_mass) = found(far_mass) + mass
          if (length(p) < found(longest)) cycle

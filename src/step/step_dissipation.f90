@@ -3,7 +3,7 @@
 !! books.
 module step_dissipation
    use base_kinds, only: wp
-   use constitutive_state, only: deformation_t, matter_t
+   use constitutive_state, only: deformation_t, material_state_t
    use material_type, only: material_t
    use particle_store, only: store_t
    use step_ledger, only: damped, dissipated, ledger_t, plastic, viscous
@@ -11,15 +11,15 @@ module step_dissipation
    implicit none
    private
 
-   public :: book_damped, book_damping, book_losses, damps
+   public :: record_damped, record_damping, record_losses, damps
 
 contains
 
    !> Book what artificial viscosity and plastic flow took.
-   subroutine book_losses(ledger, material, matter, deformation, count)
+   subroutine record_losses(ledger, material, state, deformation, count)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(material_t), intent(in) :: material       !! What can lose at all
-      type(matter_t), intent(in) :: matter           !! Which fields there are
+      type(material_state_t), intent(in) :: state           !! Which fields there are
       type(deformation_t), intent(in) :: deformation !! The step of the particles
       integer, intent(in) :: count                   !! Particles
       real(wp) :: losses(2)
@@ -37,8 +37,8 @@ contains
          call ledger%sums(plastic)%add(losses(2))
       end if
       ! with an internal energy these are a part of it
-      if (.not. allocated(matter%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
-   end subroutine book_losses
+      if (.not. allocated(state%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
+   end subroutine record_losses
 
    !> Does the share of PIC take kinetic energy that nothing takes up, and that can be told?
    pure logical function damps(method, carries) result(told)
@@ -54,7 +54,7 @@ contains
    !> Book the kinetic energy that the share of PIC took from the particles of a tile. With the
    !! velocity c with which they moved they would have (v - (1 - f) c)/f without it, as FLIP gives
    !! it: more by (1 - f)/f (v - c). Equation (L.13) of doc/theory/ledger.md.
-   subroutine book_damping(ledger, store, tile, moved, keep)
+   subroutine record_damping(ledger, store, tile, moved, keep)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(store_t), intent(in) :: store             !! The particles after the step
       integer, intent(in) :: tile                    !! Which tile
@@ -69,18 +69,18 @@ contains
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             lost = (1.0_wp - keep)/keep*(store%velocity(q, k) - moved(p, k))
-            taken = taken + store%matter%mass(q)*lost*(store%velocity(q, k) + 0.5_wp*lost)
+            taken = taken + store%state%mass(q)*lost*(store%velocity(q, k) + 0.5_wp*lost)
          end do
       end do
-      call book_damped(ledger, taken)
-   end subroutine book_damping
+      call record_damped(ledger, taken)
+   end subroutine record_damping
 
    !> Book energy that the share of PIC took.
-   subroutine book_damped(ledger, energy)
+   subroutine record_damped(ledger, energy)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       real(wp), intent(in) :: energy                 !! [J]
 
       call ledger%sums(damped)%add(energy)
       call ledger%sums(dissipated)%add(energy)
-   end subroutine book_damped
+   end subroutine record_damped
 end module step_dissipation

@@ -3,14 +3,14 @@
 !! gradients of velocities. Every tile adds the share of its cells, kept as pieces.
 module step_dual_gradient
    use base_kinds, only: wp
-   use mesh_packed_patch, only: pieces_t
+   use mesh_packed_patch, only: packed_patch_t
    use mesh_patch, only: clear_patch, empty_box, ensure_patch, ensure_weights, widen_box
    use step_method, only: stress_after
    use step_node_sums, only: divide, ensure_sums, keep_sums, slots
    use step_particles_to_nodes, only: nodes_seen, tensor_rows, vector_rows
    use step_simulation, only: empty_mass, simulation_t
    use step_small_masses, only: calm_light_nodes, light_may_gain
-   use step_tile_cost, only: book_cost, cost_clock
+   use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
@@ -30,7 +30,7 @@ contains
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
          call weigh_tile(simulation, tile)
-         call book_cost(simulation, tile, began)
+         call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       associate (nodes => simulation%nodes)
@@ -42,14 +42,14 @@ contains
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
          call share_tile(simulation, tile)
-         call book_cost(simulation, tile, began)
+         call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
          call force_tile(simulation, tile)
-         call book_cost(simulation, tile, began)
+         call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
@@ -204,7 +204,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
-      type(pieces_t), intent(inout) :: gradient      !! Gets it [m3/s]
+      type(packed_patch_t), intent(inout) :: gradient      !! Gets it [m3/s]
       real(wp) :: patch(9, simulation%grid%tile_nodes)
 
       call clear_patch(patch)
@@ -218,7 +218,7 @@ contains
    subroutine node_gradient(simulation, tile, pieces, gradient)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: tile                    !! Which tile
-      type(pieces_t), intent(in) :: pieces           !! Shares of the cells [m3/s]
+      type(packed_patch_t), intent(in) :: pieces           !! Shares of the cells [m3/s]
       !> (9, node) [1/s]; only where the particles of the tile see it
       real(wp), allocatable, intent(inout) :: gradient(:, :)
       integer :: low, high

@@ -92,10 +92,10 @@ contains
             if (grid%periodic(k)) shift = shift - length*anint(shift/length)
             square(1) = square(1) + shift**2
             square(2) = square(2) + (store%velocity(p, k) - velocity(k))**2
-            square(3) = square(3) + (store%matter%stress(p, k) - stress(k))**2 &
-               + 2.0_wp*(store%matter%stress(p, k + 3) - stress(k + 3))**2
+            square(3) = square(3) + (store%state%stress(p, k) - stress(k))**2 &
+               + 2.0_wp*(store%state%stress(p, k + 3) - stress(k + 3))**2
          end do
-         sums = sums + store%matter%mass(p)*[square, 1.0_wp]
+         sums = sums + store%state%mass(p)*[square, 1.0_wp]
       end do
    end subroutine sum_tile
 

@@ -10,13 +10,13 @@ module step_exact_force
    implicit none
    private
 
-   public :: book_body_force
+   public :: record_body_force
 
 contains
 
    !> Book impulse, its moment and work of the body force, particle by particle. The particles are
    !! where they were when they gave the force to the nodes, and the mean velocities are known.
-   subroutine book_body_force(simulation, dt)
+   subroutine record_body_force(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       integer :: tile
@@ -26,7 +26,7 @@ contains
          call book_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
       end do
       !$omp end parallel do
-   end subroutine book_body_force
+   end subroutine record_body_force
 
    !> One tile.
    subroutine book_tile(simulation, scratch, tile, dt)
@@ -58,7 +58,7 @@ contains
                   place(k) = store%position(q, k)
                end do
                call solution%body_force(point, simulation%exact%force_time, force)
-               force = store%matter%mass(q)*dt*force
+               force = store%state%mass(q)*dt*force
                total = total + force
                turn = turn + cross(place, force)
                do k = 1, 3

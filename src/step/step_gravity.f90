@@ -12,7 +12,7 @@ module step_gravity
    implicit none
    private
 
-   public :: act_gravity, note_gravity
+   public :: act_gravity, update_gravity
 
 contains
 
@@ -28,10 +28,10 @@ contains
    end subroutine act_gravity
 
    !> Let gravity be that of the present time.
-   pure subroutine note_gravity(simulation)
+   pure subroutine update_gravity(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
 
       if (allocated(simulation%shaking)) &
          simulation%gravity = simulation%shaking%velocity(simulation%time)
-   end subroutine note_gravity
+   end subroutine update_gravity
 end module step_gravity

@@ -72,18 +72,18 @@ contains
 
       first = store%first(tile)
       last = first + store%count(tile) - 1
-      call material%stored_energy(store%matter, first, last, before)
-      associate (matter => store%matter)
-         loose = matter%mass(first:last)/material%density
-         if (allocated(matter%plastic_dilation)) then
+      call material%stored_energy(store%state, first, last, before)
+      associate (state => store%state)
+         loose = state%mass(first:last)/material%density
+         if (allocated(state%plastic_dilation)) then
             ! Not with vectors: their exponentials differ in the last bits from those of the rest.
             !GCC$ novector
             do p = 1, size(loose)
-               loose(p) = loose(p)*exp(matter%plastic_dilation(first + p - 1))
+               loose(p) = loose(p)*exp(state%plastic_dilation(first + p - 1))
             end do
          end if
          do p = 1, size(loose)
-            associate (volume => matter%volume(first + p - 1))
+            associate (volume => state%volume(first + p - 1))
                if (volume > loose(p)) then
                   volume = max(loose(p), volume/(1.0_wp + max(0.0_wp, excess(p, 1))))
                else
@@ -91,10 +91,10 @@ contains
                end if
             end associate
          end do
-         call even_out(store%cell_start(:, tile), first, loose, matter%volume)
+         call even_out(store%cell_start(:, tile), first, loose, state%volume)
       end associate
-      call material%stored_energy(store%matter, first, last, after)
-      if (.not. allocated(store%matter%energy)) &
+      call material%stored_energy(store%state, first, last, after)
+      if (.not. allocated(store%state%energy)) &
          call ledger%sums(dissipated)%add(sum(before - after))
    end subroutine repack
 

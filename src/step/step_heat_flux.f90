@@ -72,8 +72,8 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       integer, intent(in) :: index                   !! Which material
 
-      associate (matter => simulation%stores(index)%matter)
-         yes = allocated(matter%energy) .and. allocated(matter%viscous_pressure)
+      associate (state => simulation%stores(index)%state)
+         yes = allocated(state%energy) .and. allocated(state%viscous_pressure)
       end associate
    end function flows
 
@@ -126,8 +126,8 @@ contains
          call find_plain_places(simulation, scratch, store, tile)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
-            places%values(p, mass) = store%matter%mass(q)
-            places%values(p, content) = store%matter%mass(q)*max(store%matter%energy(q), 0.0_wp)
+            places%values(p, mass) = store%state%mass(q)
+            places%values(p, content) = store%state%mass(q)*max(store%state%energy(q), 0.0_wp)
          end do
          call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), places, &
             content, places%values, 0, patch)
@@ -239,10 +239,10 @@ contains
       integer, intent(in) :: q                       !! The particle
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      associate (matter => simulation%stores(index)%matter, grid => simulation%grid)
-         conductance = min(matter%mass(q)/(4.0_wp*real(grid%dimensions, wp)*dt), &
-            simulation%method%heat_flux/grid%spacing*sqrt(matter%mass(q)*matter%volume(q) &
-            *max(matter%viscous_pressure(q), 0.0_wp)))
+      associate (state => simulation%stores(index)%state, grid => simulation%grid)
+         conductance = min(state%mass(q)/(4.0_wp*real(grid%dimensions, wp)*dt), &
+            simulation%method%heat_flux/grid%spacing*sqrt(state%mass(q)*state%volume(q) &
+            *max(state%viscous_pressure(q), 0.0_wp)))
       end associate
    end function conductance_of
 
@@ -300,10 +300,10 @@ contains
             change, places%values)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
-            given = places%values(p, 1) + places%values(p, 2)*max(store%matter%energy(q), 0.0_wp)
-            store%matter%energy(q) = store%matter%energy(q) + given
-            if (allocated(simulation%materials(index)%heat)) store%matter%temperature(q) = &
-               store%matter%temperature(q) + given/simulation%materials(index)%heat%specific_heat
+            given = places%values(p, 1) + places%values(p, 2)*max(store%state%energy(q), 0.0_wp)
+            store%state%energy(q) = store%state%energy(q) + given
+            if (allocated(simulation%materials(index)%heat)) store%state%temperature(q) = &
+               store%state%temperature(q) + given/simulation%materials(index)%heat%specific_heat
          end do
       end associate
    end subroutine give_energy

@@ -79,7 +79,7 @@ module step_ledger
       real(wp) :: momentum_scale = 0.0_wp            !! Greatest sum of mass times speed [kg m/s]
       real(wp) :: angular_scale = 0.0_wp !! Greatest sum of mass, arm and speed [kg m2/s]
    contains
-      procedure :: book_lost => ledger_book_lost     !! Book the particles that left the box
+      procedure :: record_lost => ledger_book_lost     !! Book the particles that left the box
       procedure :: book_gone => ledger_book_gone     !! Book one particle that goes
       procedure :: merge => ledger_merge             !! Add the sums of another ledger
       procedure :: balance => ledger_balance         !! Entries and errors of now
@@ -127,14 +127,14 @@ contains
       real(wp) :: energy(1), turn(3)
       integer :: k
 
-      call material%stored_energy(store%matter, p, p, energy)
-      call self%sums(rows(1))%add(store%matter%mass(p))
+      call material%stored_energy(store%state, p, p, energy)
+      call self%sums(rows(1))%add(store%state%mass(p))
       do k = 1, 3
-         call self%sums(rows(2) + k - 1)%add(store%matter%mass(p)*store%velocity(p, k))
-         energy = energy + 0.5_wp*store%matter%mass(p)*store%velocity(p, k)**2
+         call self%sums(rows(2) + k - 1)%add(store%state%mass(p)*store%velocity(p, k))
+         energy = energy + 0.5_wp*store%state%mass(p)*store%velocity(p, k)**2
       end do
       call self%sums(rows(3))%add(energy(1))
-      turn = store%matter%mass(p)*cross([store%position(p, 1), store%position(p, 2), &
+      turn = store%state%mass(p)*cross([store%position(p, 1), store%position(p, 2), &
          store%position(p, 3)], [store%velocity(p, 1), store%velocity(p, 2), store%velocity(p, 3)])
       do k = 1, 3
          call self%sums(rows(4) + k - 1)%add(turn(k))
@@ -250,9 +250,9 @@ contains
       last = first + store%count(tile) - 1
       sums = 0.0_wp
       scales = 0.0_wp
-      call material%stored_energy(store%matter, first, last, energy)
+      call material%stored_energy(store%state, first, last, energy)
       do p = first, last
-         m = store%matter%mass(p)
+         m = store%state%mass(p)
          x = [store%position(p, 1), store%position(p, 2), store%position(p, 3)]
          v = [store%velocity(p, 1), store%velocity(p, 2), store%velocity(p, 3)]
          speed = norm2(v)
@@ -263,10 +263,10 @@ contains
          sums(internal) = sums(internal) + energy(p - first + 1)
          scales = scales + m*speed*[1.0_wp, norm2(x)]
       end do
-      if (.not. allocated(store%matter%failed)) return
+      if (.not. allocated(store%state%failed)) return
       do p = first, last
-         if (store%matter%failed(p) == 0) cycle
-         sums(failed_mass) = sums(failed_mass) + store%matter%mass(p)
+         if (store%state%failed(p) == 0) cycle
+         sums(failed_mass) = sums(failed_mass) + store%state%mass(p)
       end do
    end subroutine sum_tile
 

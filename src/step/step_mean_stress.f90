@@ -65,13 +65,13 @@ contains
             call find_places(simulation, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
-               scratch%places%values(p, 1) = store%matter%volume(q)
+               scratch%places%values(p, 1) = store%state%volume(q)
             end do
             do k = 1, 6
                do p = 1, store%count(tile)
                   q = store%first(tile) + p - 1
-                  scratch%places%values(p, 1 + k) = store%matter%volume(q) &
-                     *store%matter%stress(q, k)
+                  scratch%places%values(p, 1 + k) = store%state%volume(q) &
+                     *store%state%stress(q, k)
                end do
             end do
             call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), &

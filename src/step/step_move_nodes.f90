@@ -3,23 +3,23 @@
 !! several tiles share get the same bits on each of them.
 module step_move_nodes
    use base_kinds, only: wp
-   use mesh_packed_patch, only: move_pieces
+   use mesh_packed_patch, only: move_packed_patches
    use mesh_patch, only: add_field, assemble, clear_patch, combine, ensure_patch
    use omp_lib, only: omp_get_thread_num
-   use step_dissipation, only: book_damped, damps
+   use step_dissipation, only: damps, record_damped
    use step_dual_gradient, only: calm_tile, find_volumes, put_gradient
    use step_ledger, only: cross, external_work, impulse, ledger_t, torque
    use step_node_displacement, only: look_at_tile, worse
    use step_node_sums, only: divide, ensure_sums, find_sums, slots
    use step_particles_to_nodes, only: vector_rows
    use step_simulation, only: empty_mass, reach_t, scratch_t, simulation_t
-   use step_tile_cost, only: book_cost, cost_clock
+   use step_tile_cost, only: cost_clock, record_cost
    use step_walls, only: impose_walls, keep_at_walls, stand_walls, stop_at_walls, walls_touch
    use transfer_scatter, only: motion_columns
    implicit none
    private
 
-   public :: book_push, finish_nodes, move_nodes, recall_seen, remap_nodes, start_nodes, &
+   public :: record_push, finish_nodes, move_nodes, recall_seen, remap_nodes, start_nodes, &
       strain_nodes
 
 contains
@@ -51,7 +51,7 @@ contains
             if (simulation%nodes%lean .and. tile <= simulation%tiles%own) &
                call keep_seen(simulation, scratch, tile, whole)
          end associate
-         call book_cost(simulation, tile, began)
+         call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
@@ -134,7 +134,7 @@ contains
          began = cost_clock(simulation)
          if (tile <= simulation%tiles%own) call clear_patch(simulation%nodes%push(:, :, tile))
          call start_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
-         call book_cost(simulation, tile, began)
+         call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
@@ -154,7 +154,7 @@ contains
          if (dt > 0.0_wp .and. tile <= simulation%tiles%own) &
             call book_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
          call finish_tile(simulation, tile, dt)
-         call book_cost(simulation, tile, began)
+         call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       call simulation%timer%stop(simulation%phase%grid)
@@ -170,7 +170,7 @@ contains
 
       associate (nodes => simulation%nodes)
          centre = nodes%velocity(:, :, tile) + 0.5_wp*dt*nodes%acceleration(:, :, tile)
-         call book_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre)
+         call record_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre)
       end associate
    end subroutine book_tile
 
@@ -190,7 +190,7 @@ contains
             call nodes%seen(n)%ensure(held)
          end do
          if (.not. simulation%method%dual) return
-         call move_pieces(nodes%motion(2), nodes%gradient)
+         call move_packed_patches(nodes%motion(2), nodes%gradient)
          call nodes%gradient%ensure(nodes%weighted%nodes())
          if (simulation%carries_energy) call nodes%middle%ensure(nodes%weighted%nodes())
          if (simulation%method%averages()) call nodes%earlier%ensure(nodes%weighted%nodes())
@@ -296,7 +296,7 @@ contains
          simulation%nodes%push(:, :, tile) = push
          return
       end if
-      call book_push(simulation, scratch%ledger, tile, push, &
+      call record_push(simulation, scratch%ledger, tile, push, &
          velocity + 0.5_wp*dt*acceleration, work)
    end subroutine constrain_tile
 
@@ -317,11 +317,11 @@ contains
       do node = 1, size(change, 2)
          stopped = stopped + own(1, node)*dot_product(change(:, node), velocity(:, node))
       end do
-      call book_damped(ledger, (1.0_wp - simulation%method%transfer%keep())*stopped)
+      call record_damped(ledger, (1.0_wp - simulation%method%transfer%keep())*stopped)
    end subroutine book_stopped
 
    !> Book impulse, its moment, and work of a push on the nodes of a tile.
-   subroutine book_push(simulation, ledger, tile, push, velocity, more)
+   subroutine record_push(simulation, ledger, tile, push, velocity, more)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
@@ -353,7 +353,7 @@ contains
          call ledger%sums(torque + k - 1)%add(turn(k))
       end do
       call ledger%sums(external_work)%add(work)
-   end subroutine book_push
+   end subroutine record_push
 
    !> Book what faces and gravity did to the nodes of a tile at the mean of the velocity before the
    !! step and the one that strains: with the strain of `musl` the stress works with that, and the
@@ -373,14 +373,14 @@ contains
       associate (nodes => simulation%nodes, share => 1.0_wp - simulation%method%transfer%keep())
          centre = 0.5_wp*(nodes%velocity(:, :, tile) + nodes%strain(:, :, tile))
          if (.not. ruled) then
-            call book_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre)
+            call record_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre)
             return
          end if
          ! particles get the gain of a node with the velocities that it had without the faces
          gain = simulation%kick*nodes%acceleration(:, :, tile) - share*nodes%taken(:, :, tile)
          work = 0.5_wp*sum(gain*(nodes%taken(:, :, tile) + mapped - nodes%strain(:, :, tile)), &
             dim=1)
-         call book_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre, work)
+         call record_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre, work)
          if (damps(simulation%method, simulation%carries_energy)) call book_stopped(simulation, &
             scratch%ledger, tile, -nodes%taken(:, :, tile), 0.5_wp*(nodes%velocity(:, :, tile) &
             + nodes%taken(:, :, tile) + mapped))

@@ -11,7 +11,7 @@ module step_nodes_to_particles
    use particle_store, only: moved_off, store_t
    use particle_stretch, only: stretch_tile
    use step_bounds, only: count_bad, find_steepest, slow_nodes, steep_enough
-   use step_dissipation, only: book_damping, book_losses, damps
+   use step_dissipation, only: damps, record_damping, record_losses
    use step_dual_gradient, only: node_gradient
    use step_grid_volumes, only: excess_fill, repack
    use step_ledger, only: dissipated
@@ -23,7 +23,7 @@ module step_nodes_to_particles
    use step_remove_particles, only: erode_tile, fastest_left, retire_tile
    use step_simulation, only: scratch_t, simulation_t
    use step_strain_average, only: average_strain, keep_earlier
-   use step_tile_cost, only: book_cost, cost_clock
+   use step_tile_cost, only: cost_clock, record_cost
    use step_velocity_remap, only: find_filtered, find_slopes
    use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
    use transfer_basis, only: expand_spin
@@ -32,7 +32,7 @@ module step_nodes_to_particles
    implicit none
    private
 
-   public :: gather_parts_t, gather_particles
+   public :: gather_parts_t, nodes_to_particles
 
    !> Which parts of the way back to the particles are to be done.
    type :: gather_parts_t
@@ -64,7 +64,7 @@ module step_nodes_to_particles
 contains
 
    !> Give the particles what the nodes hold.
-   subroutine gather_particles(simulation, parts, dt)
+   subroutine nodes_to_particles(simulation, parts, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -76,7 +76,7 @@ contains
       call gather_some(simulation, parts, dt)
       !$omp end parallel
       call simulation%timer%stop(simulation%phase%gather)
-   end subroutine gather_particles
+   end subroutine nodes_to_particles
 
    !> The tiles of one thread. Its view keeps its memory from tile to tile: getting it anew costs as
    !! much as all else where a tile has a particle or two.
@@ -96,7 +96,7 @@ contains
             lap = scratch%laps%clock()
             call gather_tile(simulation, scratch, tile, parts, dt, view)
             call scratch%laps%book(lap)
-            call book_cost(simulation, tile, began)
+            call record_cost(simulation, tile, began)
          end do
          !$omp end do
       end associate
@@ -135,10 +135,10 @@ contains
          associate (store => simulation%stores(index))
             call find_places(simulation, scratch, store, tile)
             call scratch%deformation%reserve(store%count(tile))
-            if (parts%work .and. allocated(store%matter%energy)) &
+            if (parts%work .and. allocated(store%state%energy)) &
                call add_work(simulation, scratch, store, tile, view)
             ! before the strain, which may renew the linear velocity fields
-            if (parts%motion .and. allocated(store%matter%energy)) &
+            if (parts%motion .and. allocated(store%state%energy)) &
                call add_heat(simulation, scratch, store, tile, view)
             if (parts%motion .and. simulation%materials(index)%repacks) &
                call repack_particles(simulation, scratch, index, tile, view)
@@ -176,10 +176,10 @@ contains
       lost = 0.0_wp
       do p = 1, store%count(tile)
          q = store%first(tile) + p - 1
-         if (allocated(store%matter%energy)) then
-            store%matter%energy(q) = store%matter%energy(q) + scratch%places%values(p, 1)
+         if (allocated(store%state%energy)) then
+            store%state%energy(q) = store%state%energy(q) + scratch%places%values(p, 1)
          else
-            lost = lost + store%matter%mass(q)*scratch%places%values(p, 1)
+            lost = lost + store%state%mass(q)*scratch%places%values(p, 1)
          end if
       end do
       call scratch%ledger%sums(dissipated)%add(lost)
@@ -204,7 +204,7 @@ contains
             scratch%retired = .true.
          end if
          scratch%sound = scratch%sound .and. sound
-         if (simulation%erosion .and. allocated(store%matter%failed)) &
+         if (simulation%erosion .and. allocated(store%state%failed)) &
             call erode_tile(simulation, scratch, index, tile)
          if (.not. (simulation%erosion .or. simulation%guard%bounds%retire)) return
          if (.not. any(store%home(store%first(tile):store%first(tile) + store%count(tile) - 1) &
@@ -311,7 +311,7 @@ contains
       associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
          start => store%cell_start(:, tile), first => store%first(tile))
          call method%transfer%heat(grid, method%basis, start, first, places, view%heat, &
-            view%scalar, store%velocity, store%matter%energy)
+            view%scalar, store%velocity, store%state%energy)
          if (.not. method%transfer%affine()) return
          call places%reserve_affine(store%count(tile))
          if (allocated(store%spin)) then
@@ -324,7 +324,7 @@ contains
             end do
          end if
          call gather_affine_heat(grid, method%basis, start, first, places, view%turn, &
-            view%moments, store%matter%energy)
+            view%moments, store%state%energy)
       end associate
    end subroutine add_heat
 
@@ -360,7 +360,7 @@ contains
             method%transfer%keep(), dt, store%velocity, store%position)
          if (damps(method, simulation%carries_energy)) then
             call method%basis%collect(grid, start, places, view%carry, places%vector)
-            call book_damping(scratch%ledger, store, tile, places%vector, method%transfer%keep())
+            call record_damping(scratch%ledger, store, tile, places%vector, method%transfer%keep())
          end if
          if (.not. method%transfer%affine() .or. strained(simulation, index)) return
          call find_slopes(simulation, places, start, view%after, view%gradient, &
@@ -394,11 +394,11 @@ contains
       call find_gradient(simulation, scratch, store, tile, view%centre, view%middle, &
          simulation%kick)
       first = store%first(tile)
-      associate (stress => store%matter%stress, gradient => scratch%deformation%gradient)
+      associate (stress => store%state%stress, gradient => scratch%deformation%gradient)
          do p = 1, store%count(tile)
             q = first + p - 1
-            store%matter%energy(q) = store%matter%energy(q) + store%matter%volume(q) &
-               /store%matter%mass(q)*(stress(q, 1)*gradient(p, 1) + stress(q, 2)*gradient(p, 5) &
+            store%state%energy(q) = store%state%energy(q) + store%state%volume(q) &
+               /store%state%mass(q)*(stress(q, 1)*gradient(p, 1) + stress(q, 2)*gradient(p, 5) &
                + stress(q, 3)*gradient(p, 9) + stress(q, 4)*(gradient(p, 2) + gradient(p, 4)) &
                + stress(q, 5)*(gradient(p, 6) + gradient(p, 8)) &
                + stress(q, 6)*(gradient(p, 3) + gradient(p, 7)))
@@ -428,7 +428,7 @@ contains
          if (grid%axisymmetric) call method%basis%gather_hoop(grid, start, store%first(tile), &
             places, store%position, velocity, dt, scratch%deformation%gradient)
          if (method%even) call even_gradient(grid, start, store%first(tile), &
-            store%matter%volume, scratch%deformation%gradient)
+            store%state%volume, scratch%deformation%gradient)
       end associate
    end subroutine find_gradient
 
@@ -478,7 +478,7 @@ contains
          if (normalised(simulation, index)) call bound_jump(simulation%grid, &
             store%cell_start(:, tile), simulation%nodes%strain(:, :, view%slot), dt, &
             deformation%gradient, deformation%jump)
-         call scratch%laps%update(simulation%materials(index), store%matter, deformation, &
+         call scratch%laps%update(simulation%materials(index), store%state, deformation, &
             first, first + n - 1, dt, simulation%grid%spacing)
          call relax_pressures(simulation, index, tile, scratch%places%local, &
             deformation%wave_speed, dt)
@@ -488,7 +488,8 @@ contains
             deformation%wave_speed(p) + sqrt(store%velocity(first + p - 1, 1)**2 &
                + store%velocity(first + p - 1, 2)**2 + store%velocity(first + p - 1, 3)**2))
          end do
-         call book_losses(scratch%ledger, simulation%materials(index), store%matter, deformation, n)
+         call record_losses(scratch%ledger, simulation%materials(index), store%state, &
+            deformation, n)
       end associate
    end subroutine strain_particles
 end module step_nodes_to_particles

@@ -173,9 +173,9 @@ contains
          associate (store => simulation%stores(index), grid => simulation%grid, &
             places => scratch%places, start => simulation%stores(index)%cell_start(:, tile))
             call find_plain_places(simulation, scratch, store, tile)
-            places%values(:count, 1) = store%matter%mass(first:first + count - 1)
+            places%values(:count, 1) = store%state%mass(first:first + count - 1)
             call scatter_values(grid, start, places%local, 1, places%values, mass - 1, patch)
-            places%values(:count, 1) = store%matter%volume(first:first + count - 1)
+            places%values(:count, 1) = store%state%volume(first:first + count - 1)
             do l = 1, 3
                do p = 1, count
                   places%values(p, 1 + l) = places%values(p, 1)*(1.0_wp - places%alpha(p, l))
@@ -185,11 +185,11 @@ contains
             if (.not. simulation%normalises(index)) call scatter_values(grid, start, &
                places%blend, 1, places%values, foreign - 1, patch)
             call add_edge_sums(grid, start, first, places%blend, places%alpha, &
-               store%matter%volume, sums)
+               store%state%volume, sums)
             if (grid%axisymmetric) call add_hoop_sums(grid, start, first, places%local, &
-               store%position, store%matter%volume, sums)
+               store%position, store%state%volume, sums)
             if (evens_pressure(simulation, index)) call add_moments(grid, start, first, &
-               places%local, store%matter%volume, store%matter%stress, plain_columns(simulation), &
+               places%local, store%state%volume, store%state%stress, plain_columns(simulation), &
                patch)
          end associate
       end do

@@ -194,7 +194,7 @@ contains
       real(wp), intent(out) :: speed                 !! [m/s]
 
       associate (store => simulation%stores(index))
-         signal = simulation%materials(index)%signal_speed(store%matter, p, p)
+         signal = simulation%materials(index)%signal_speed(store%state, p, p)
          speed = norm2([store%velocity(p, 1), store%velocity(p, 2), store%velocity(p, 3)])
       end associate
    end subroutine find_speeds

@@ -3,20 +3,21 @@
 module step_particles_to_nodes
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
-   use mesh_packed_patch, only: move_pieces
+   use mesh_packed_patch, only: move_packed_patches
    use mesh_patch, only: clear_patch, empty_box, widen_box
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_motion
    use step_simulation, only: scratch_t, simulation_t
-   use step_tile_cost, only: book_cost, cost_clock
+   use step_tile_cost, only: cost_clock, record_cost
    use transfer_bbar, only: even_stress
    use transfer_scatter, only: dual_columns, motion_columns
-   use transfer_shape_data, only: places_t
+   use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
-   public :: find_places, find_plain_places, nodes_seen, scatter_particles, tensor_rows, vector_rows
+   public :: find_places, find_plain_places, nodes_seen, particles_to_nodes, tensor_rows, &
+      vector_rows
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
 
@@ -24,7 +25,7 @@ contains
 
    !> Mass, momentum and force of all particles to the patches of their tiles, and the patches of
    !! other ranks.
-   subroutine scatter_particles(simulation)
+   subroutine particles_to_nodes(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, allocatable :: tiles(:)
       integer :: part, n
@@ -40,13 +41,13 @@ contains
          do n = 1, size(tiles)
             began = cost_clock(simulation)
             call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n))
-            call book_cost(simulation, tiles(n), began)
+            call record_cost(simulation, tiles(n), began)
          end do
          !$omp end parallel do
          call pass_motion(simulation, part)
       end do
       call simulation%timer%stop(simulation%phase%scatter)
-   end subroutine scatter_particles
+   end subroutine particles_to_nodes
 
    !> Nodes that the particles of own tiles touch. Where particles are few, node fields are kept for
    !! these alone.
@@ -121,7 +122,7 @@ contains
          end if
          call nodes%motion(1)%ensure(nodes%touched%nodes())
          if (.not. dual) return
-         call move_pieces(nodes%gradient, nodes%motion(2))
+         call move_packed_patches(nodes%gradient, nodes%motion(2))
          call nodes%motion(2)%ensure(nodes%touched%nodes())
       end associate
    end subroutine ensure_motion
@@ -177,16 +178,16 @@ contains
       associate (grid => simulation%grid, store => simulation%stores(index), &
          method => simulation%method, places => scratch%places, &
          start => simulation%stores(index)%cell_start(:, tile), &
-         first => simulation%stores(index)%first(tile), matter => simulation%stores(index)%matter)
+         first => simulation%stores(index)%first(tile), state => simulation%stores(index)%state)
          call find_places(simulation, scratch, store, tile)
          if (allocated(store%affine)) then
-            call method%basis%spread_affine(grid, start, first, places, matter%mass, &
+            call method%basis%spread_affine(grid, start, first, places, state%mass, &
                store%velocity, store%affine, patch)
          else if (allocated(store%spin)) then
-            call method%basis%scatter_turning(grid, start, first, places, matter%mass, &
+            call method%basis%scatter_turning(grid, start, first, places, state%mass, &
                store%velocity, store%spin, patch)
          else
-            call method%basis%scatter_motion(grid, start, first, places, matter%mass, &
+            call method%basis%scatter_motion(grid, start, first, places, state%mass, &
                store%velocity, patch)
          end if
          if (method%even .or. method%controlled()) then
@@ -194,8 +195,8 @@ contains
             call push_nodes(simulation, places, start, 1, scratch%pushed%position, &
                scratch%pushed%volume, scratch%pushed%stress, patch)
          else
-            call push_nodes(simulation, places, start, first, store%position, matter%volume, &
-               matter%stress, patch)
+            call push_nodes(simulation, places, start, first, store%position, state%volume, &
+               state%stress, patch)
          end if
          if (allocated(simulation%exact)) call add_body_force(simulation, scratch, index, tile, &
             patch)
@@ -212,7 +213,7 @@ contains
       associate (grid => simulation%grid, start => store%cell_start(:, tile), &
          pushed => scratch%pushed, places => scratch%places)
          call pushed%copy(store%first(tile), store%count(tile), store%position, &
-            store%matter%volume, store%matter%stress)
+            store%state%volume, store%state%stress)
          if (simulation%method%even) call even_stress(grid, start, pushed%volume, pushed%stress)
          if (simulation%method%controlled()) then
             call simulation%method%basis%collect(grid, start, places, &
@@ -225,7 +226,7 @@ contains
    !> Force of the stress of the particles of a tile.
    subroutine push_nodes(simulation, places, start, first, position, volume, stress, patch)
       type(simulation_t), intent(in) :: simulation   !! The run
-      type(places_t), intent(inout) :: places        !! Of the tile
+      type(shape_data_t), intent(inout) :: places        !! Of the tile
       integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       integer, intent(in) :: first                   !! First particle of the tile in the arrays
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) Radius in column 1 [m]
@@ -269,7 +270,7 @@ contains
             end do
          end do
          call simulation%method%basis%scatter_product(simulation%grid, store%cell_start(:, tile), &
-            store%first(tile), scratch%places, store%matter%mass, scratch%places%vector, &
+            store%first(tile), scratch%places, store%state%mass, scratch%places%vector, &
             force_before, patch)
       end associate
    end subroutine add_body_force

@@ -31,7 +31,7 @@ contains
 
       yes = .false.
       if (.not. allocated(simulation%flows)) return
-      yes = simulation%flows(index) .and. allocated(simulation%stores(index)%matter%energy)
+      yes = simulation%flows(index) .and. allocated(simulation%stores(index)%state%energy)
    end function evens_pressure
 
    !> Are the sums of a material normalised?
@@ -66,7 +66,7 @@ contains
             if (high <= low) cycle
             slope = cell_slope(grid, grid%first_node(cell), normal(seen:, :, tile))
             call relax_cell(before, low, high, local, speed, slope, pace*dt/grid%spacing, &
-               store%matter%mass, store%matter%volume, store%matter%energy, store%matter%stress)
+               store%state%mass, store%state%volume, store%state%energy, store%state%stress)
          end do
       end associate
    end subroutine relax_pressures

@@ -40,7 +40,7 @@ contains
             if (fault < fault_inverted) then
                sound = .false.
             else if (store%home(p) /= moved_out) then
-               call scratch%ledger%sums(retired_mass)%add(store%matter%mass(p))
+               call scratch%ledger%sums(retired_mass)%add(store%state%mass(p))
                call take_out(scratch%ledger, material, store, tile, p)
             end if
          end do
@@ -57,7 +57,7 @@ contains
 
       associate (store => simulation%stores(index), material => simulation%materials(index))
          do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-            if (store%matter%failed(p) == 0) cycle
+            if (store%state%failed(p) == 0) cycle
             if (store%home(p) == moved_out .or. store%home(p) == moved_off) cycle
             call take_out(scratch%ledger, material, store, tile, p)
          end do

@@ -16,7 +16,7 @@ module step_simulation
    use mesh_grid, only: grid_t
    use mesh_halo, only: halo_t
    use mesh_motion, only: motion_t
-   use mesh_packed_patch, only: boxes_t, pieces_t
+   use mesh_packed_patch, only: node_boxes_t, packed_patch_t
    use mesh_rigid, only: rigid_t
    use mesh_tiles, only: tiles_t
    use omp_lib, only: omp_get_thread_num
@@ -26,8 +26,8 @@ module step_simulation
    use step_method, only: method_t
    use step_trust_record, only: trust_t
    use transfer_contact, only: pair_law_t
-   use transfer_pushed_stress, only: pushed_t
-   use transfer_shape_data, only: places_t
+   use transfer_pushed_stress, only: pushed_stress_t
+   use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
@@ -43,13 +43,13 @@ module step_simulation
    !! not allocated.
    type :: nodes_t
       !> Nodes to which tiles add motion, and those of their cells with a weight
-      type(boxes_t) :: touched, weighted
+      type(node_boxes_t) :: touched, weighted
       !> Pieces of mass, momentum, force, with the dual gradient volume; and of stress times volume
-      type(pieces_t) :: motion(2)
+      type(packed_patch_t) :: motion(2)
       !> Are the sums and velocities of a tile kept only while it is worked on? Then they are those
       !! of a thread, and of what the particles see pieces are kept: velocity and acceleration
       logical :: lean = .false.
-      type(pieces_t) :: seen(2)
+      type(packed_patch_t) :: seen(2)
       real(wp) :: acting = 0.0_wp                    !! Time that the forces acted to move them [s]
       real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
@@ -76,13 +76,13 @@ module step_simulation
       real(wp), allocatable :: present(:, :, :)      !! (1) Of all cells, with rigid regions [m3]
       real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
-      type(pieces_t) :: share                        !! (1) Volume of the dual gradient [m3]
+      type(packed_patch_t) :: share                        !! (1) Volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
       real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if asked for [m3]
-      type(pieces_t) :: force                        !! (3) Force of the node stress [N]
+      type(packed_patch_t) :: force                        !! (3) Force of the node stress [N]
       !> (9) Node gradient of strain, of the mid-step velocity, and, where the strain is the average
       !! of two, of the velocity before the step [m3/s]
-      type(pieces_t) :: gradient, middle, earlier
+      type(packed_patch_t) :: gradient, middle, earlier
       !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): first sum
       real(wp), allocatable :: heat(:, :, :), flux(:, :, :), warmth(:, :, :)
       !> (3) What faces and gravity add to the velocities, where it is booked later: with contact,
@@ -146,8 +146,8 @@ module step_simulation
 
    !> Scratch space of one thread.
    type :: scratch_t
-      type(places_t) :: places                       !! Particles of the tile as the basis sees them
-      type(pushed_t) :: pushed                       !! Their stress, if changed on its way to nodes
+      type(shape_data_t) :: places !! Particles of the tile as the basis sees them
+      type(pushed_stress_t) :: pushed !! Their stress, if changed on its way to nodes
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       !> (particle, 9) Half of the strain with the velocity before the step, if it counts [1]
       real(wp), allocatable :: earlier(:, :)

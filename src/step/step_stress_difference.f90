@@ -82,7 +82,7 @@ contains
             start => simulation%stores(index)%cell_start(:, tile))
             call find_places(simulation, scratch, store, tile)
             call pushed%copy(store%first(tile), store%count(tile), store%position, &
-               store%matter%volume, store%matter%stress)
+               store%state%volume, store%state%stress)
             ! the volume once more: that of the rule need not have the functions of the basis
             do p = 1, store%count(tile)
                places%values(p, before + rest) = pushed%volume(p)

@@ -8,7 +8,7 @@ module step_tile_cost
    implicit none
    private
 
-   public :: book_cost, cost_clock
+   public :: record_cost, cost_clock
 
 contains
 
@@ -21,7 +21,7 @@ contains
    end function cost_clock
 
    !> Book the work on a tile since a reading of the clock. Ghosts belong to other ranks.
-   subroutine book_cost(simulation, tile, began)
+   subroutine record_cost(simulation, tile, began)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: began                  !! Clock at the start [s]
@@ -29,5 +29,5 @@ contains
       if (.not. allocated(simulation%cost)) return
       if (tile > size(simulation%cost)) return
       simulation%cost(tile) = simulation%cost(tile) + thread_seconds() - began
-   end subroutine book_cost
+   end subroutine record_cost
 end module step_tile_cost

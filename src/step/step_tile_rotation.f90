@@ -87,7 +87,7 @@ contains
          count = min(chunk, store%first(tile) + store%count(tile) - 1 - before)
          call weigh_corners(count, before, store%position, lower, inverse, weight)
          do p = 1, count
-            value(p, columns) = store%matter%mass(before + p)
+            value(p, columns) = store%state%mass(before + p)
          end do
          do column = 1, columns - 1
             do p = 1, count

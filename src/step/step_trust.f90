@@ -94,8 +94,8 @@ contains
                first = store%first(tile)
                last = first + store%count(tile) - 1
                allocate (energy(store%count(tile)))
-               call simulation%materials(index)%stored_energy(store%matter, first, last, energy)
-               greatest = max(greatest, maxval(energy/store%matter%mass(first:last)))
+               call simulation%materials(index)%stored_energy(store%state, first, last, energy)
+               greatest = max(greatest, maxval(energy/store%state%mass(first:last)))
                deallocate (energy)
             end do
          end associate

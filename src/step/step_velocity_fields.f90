@@ -7,13 +7,13 @@ module step_velocity_fields
    use step_contact, only: break_bonds, touch_bodies
    use step_contact_surface, only: find_surfaces
    use step_dual_gradient, only: dual_fields
-   use step_exact_force, only: book_body_force
+   use step_exact_force, only: record_body_force
    use step_gravity, only: act_gravity
    use step_mean_stress, only: find_star
    use step_move_nodes, only: finish_nodes, move_nodes, remap_nodes, start_nodes, strain_nodes
-   use step_nodes_to_particles, only: gather_particles, gather_parts_t
+   use step_nodes_to_particles, only: gather_parts_t, nodes_to_particles
    use step_normalised_sums, only: find_factors
-   use step_particles_to_nodes, only: scatter_particles
+   use step_particles_to_nodes, only: particles_to_nodes
    use step_retry, only: judge_nodes
    use step_simulation, only: simulation_t
    use step_stress_difference, only: find_difference
@@ -50,7 +50,7 @@ contains
 
       call find_force(simulation)
       call move_nodes(simulation, 0.0_wp)
-      call gather_particles(simulation, gather_parts_t(strain=.true.), moved)
+      call nodes_to_particles(simulation, gather_parts_t(strain=.true.), moved)
    end subroutine strain_field
 
    !> Forces, accelerations of the nodes, and what strains and moves the particles. Where nodes
@@ -79,7 +79,7 @@ contains
          if (allocated(error)) return
          if (.not. again) exit
       end do
-      if (allocated(simulation%exact)) call book_body_force(simulation, simulation%kick)
+      if (allocated(simulation%exact)) call record_body_force(simulation, simulation%kick)
    end subroutine push_nodes
 
    !> The same for all velocity fields, whose bodies push each other.
@@ -146,12 +146,12 @@ contains
       integer :: field
 
       if (.not. allocated(simulation%contact)) then
-         call gather_particles(simulation, parts, dt)
+         call nodes_to_particles(simulation, parts, dt)
          return
       end if
       do field = 1, size(simulation%contact%field)
          call simulation%take_field(field)
-         call gather_particles(simulation, parts, dt)
+         call nodes_to_particles(simulation, parts, dt)
          call simulation%return_field(field)
       end do
    end subroutine gather_all
@@ -162,7 +162,7 @@ contains
 
       if (simulation%method%controlled()) call find_star(simulation)
       if (allocated(simulation%normalises)) call find_factors(simulation)
-      call scatter_particles(simulation)
+      call particles_to_nodes(simulation)
       if (simulation%method%dual) call dual_fields(simulation)
       if (simulation%method%differing()) call find_difference(simulation)
    end subroutine find_force

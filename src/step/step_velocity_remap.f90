@@ -8,14 +8,14 @@ module step_velocity_remap
    use particle_store, only: store_t
    use step_dual_gradient, only: node_gradient
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use step_move_nodes, only: book_push
+   use step_move_nodes, only: record_push
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: find_places
    use step_simulation, only: scratch_t, simulation_t
    use step_walls, only: take_held, walls_touch
    use transfer_affine, only: turn_only
    use transfer_basis, only: expand_spin
-   use transfer_shape_data, only: places_t
+   use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
@@ -95,7 +95,7 @@ contains
             start => simulation%stores(index)%cell_start(:, tile))
             call find_places(simulation, scratch, store, tile)
             call basis%collect(grid, start, places, term, places%vector)
-            call basis%scatter_product(grid, start, store%first(tile), places, store%matter%mass, &
+            call basis%scatter_product(grid, start, store%first(tile), places, store%state%mass, &
                places%vector, 0, patch)
          end associate
       end do
@@ -124,7 +124,7 @@ contains
             free = again
             call take_held(simulation, tile, nodes%velocity(:, :, tile), again)
             free = again - free
-            call book_push(simulation, scratch%ledger, tile, free, ended)
+            call record_push(simulation, scratch%ledger, tile, free, ended)
          end if
          if (simulation%carries_energy) nodes%loss(1, :, tile) = nodes%loss(1, :, tile) &
             + transfer%loss_weight(2*sweep - 1)*sum(term*again, dim=1) &
@@ -216,7 +216,7 @@ contains
             if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, places%vector)
             if (simulation%method%averages()) then
                call basis%scatter_product(grid, start, store%first(tile), places, &
-                  store%matter%mass, places%vector, 0, patch)
+                  store%state%mass, places%vector, 0, patch)
             else if (simulation%method%transfer%affine()) then
                call scratch%deformation%reserve(store%count(tile))
                if (simulation%method%smooth_turn) then
@@ -231,7 +231,7 @@ contains
                call spread_fields(simulation, scratch, store, tile, patch)
             else
                call basis%scatter_product(grid, start, store%first(tile), places, &
-                  store%matter%mass, places%vector, 0, patch)
+                  store%state%mass, places%vector, 0, patch)
             end if
          end associate
       end do
@@ -241,7 +241,7 @@ contains
    !! modified gradient, which does not see nodes that have no mass and so no velocity.
    subroutine find_slopes(simulation, places, start, velocity, gradient, slopes)
       type(simulation_t), intent(in) :: simulation   !! The run
-      type(places_t), intent(inout) :: places        !! Of the tile
+      type(shape_data_t), intent(inout) :: places        !! Of the tile
       integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), allocatable, intent(in) :: gradient(:, :) !! (9, node) On the nodes, if dual [1/s]
@@ -285,7 +285,7 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (4, node)
       real(wp) :: mass(store%count(tile))
 
-      mass = store%matter%mass(store%first(tile):store%first(tile) + store%count(tile) - 1)
+      mass = store%state%mass(store%first(tile):store%first(tile) + store%count(tile) - 1)
       call simulation%method%basis%spread_affine(simulation%grid, store%cell_start(:, tile), 1, &
          scratch%places, mass, scratch%places%vector, scratch%deformation%gradient, patch)
    end subroutine spread_fields

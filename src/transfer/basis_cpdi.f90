@@ -15,7 +15,7 @@ module basis_cpdi
    use transfer_cpdi_kernels, only: collect_corner_slopes, collect_corners, push_corners, &
       spread_corners
    use transfer_gather, only: locate
-   use transfer_shape_data, only: places_t
+   use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
@@ -68,7 +68,7 @@ contains
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
-      type(places_t), intent(inout) :: places                !! What the maps need
+      type(shape_data_t), intent(inout) :: places                !! What the maps need
       real(wp) :: edge(3, 3), inverse(3, 3), room(3), at
       integer :: cell, p, c, k, step, place(3), lowest(3), highest(3)
 
@@ -169,7 +169,7 @@ contains
    !> Linear functions of the nodes round a corner, divided by the number of corners.
    pure subroutine corner_functions(grid, places, p, corner, share, shape)
       type(grid_t), intent(in) :: grid                       !! The grid
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       integer, intent(in) :: p                               !! Which particle
       integer, intent(in) :: corner                          !! Which corner
       real(wp), intent(in) :: share                          !! One over the corners
@@ -188,7 +188,7 @@ contains
    !> Place of a corner as seen from its particle [cells].
    pure function corner_way(grid, places, p, corner) result(way)
       type(grid_t), intent(in) :: grid                       !! The grid
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       integer, intent(in) :: p                               !! Which particle
       integer, intent(in) :: corner                          !! Which corner
       real(wp) :: way(3)
@@ -206,7 +206,7 @@ contains
    !! direction [cells].
    pure function node_way(grid, places, p, corner, lane) result(way)
       type(grid_t), intent(in) :: grid                       !! The grid
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       integer, intent(in) :: p                               !! Which particle
       integer, intent(in) :: corner                          !! Which corner
       integer, intent(in) :: lane                            !! Which node
@@ -222,7 +222,7 @@ contains
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -241,7 +241,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
@@ -275,7 +275,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -289,7 +289,7 @@ contains
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: part(3, size(nodes, 2))
@@ -314,7 +314,7 @@ contains
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
@@ -329,7 +329,7 @@ contains
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9) [1/s]
       real(wp) :: shape(lanes), way(3), sums(3, 3), moment(3, 3), inverse(3, 3), determinant, share

@@ -5,7 +5,7 @@ module basis_cubic
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use transfer_shape_data, only: line, places_t
+   use transfer_shape_data, only: line, shape_data_t
    use transfer_tensor, only: basis_tensor_t
    implicit none
    private
@@ -45,7 +45,7 @@ contains
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
       integer, intent(in) :: direction                       !! 1 to 3
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp) :: x, y, inverse
       integer :: p
 

@@ -12,7 +12,7 @@ module basis_linear
    use transfer_hoop, only: gather_factored_hoop
    use transfer_scatter, only: scatter_affine, scatter_force, scatter_motion, scatter_turning, &
       scatter_values
-   use transfer_shape_data, only: places_t
+   use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
@@ -43,7 +43,7 @@ contains
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
-      type(places_t), intent(inout) :: places                !! What the maps need
+      type(shape_data_t), intent(inout) :: places                !! What the maps need
 
       call locate(grid, store%first(tile), store%count(tile), store%position, places%local)
    end subroutine linear_locate
@@ -53,7 +53,7 @@ contains
       class(basis_linear_t), intent(in) :: self          !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -70,7 +70,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
@@ -85,7 +85,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -98,7 +98,7 @@ contains
       class(basis_linear_t), intent(in) :: self          !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
 
@@ -110,7 +110,7 @@ contains
       class(basis_linear_t), intent(in) :: self          !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
@@ -125,7 +125,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -141,7 +141,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
@@ -158,7 +158,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: push(:, :)         !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: carry(:, :)        !! (3, node) [m/s]
       real(wp), intent(in) :: keep                           !! Share of the old velocity
@@ -178,7 +178,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
       real(wp), intent(in) :: keep                           !! Share of the old value
       real(wp), intent(in) :: scale                          !! Factor of the node values
@@ -195,7 +195,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Time step [s]

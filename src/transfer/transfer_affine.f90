@@ -12,7 +12,7 @@ module transfer_affine
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
    use transfer_basis, only: basis_t
-   use transfer_shape_data, only: places_t
+   use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
@@ -45,7 +45,7 @@ contains
       class(basis_t), intent(in) :: basis                    !! Node functions
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile, with C before the step
+      type(shape_data_t), intent(inout) :: places !! Of the tile, with C before the step
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: moments(:, :)      !! (9, node) Of `moment_fields` [m2/s]
       real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]

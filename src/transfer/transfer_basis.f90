@@ -10,7 +10,7 @@ module transfer_basis
    use mesh_grid, only: grid_t
    use particle_store, only: store_t, traits_t
    use transfer_hoop, only: scatter_factored_hoop
-   use transfer_shape_data, only: places_t
+   use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
@@ -43,24 +43,24 @@ module transfer_basis
    abstract interface
       !> Places of the particles of a tile, for all other maps.
       pure subroutine locate_i(self, grid, coordinate, store, tile, places)
-         import :: basis_t, grid_t, places_t, store_t
+         import :: basis_t, grid_t, shape_data_t, store_t
          implicit none
          class(basis_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
          type(store_t), intent(in) :: store                     !! The particles
          integer, intent(in) :: tile                            !! Index of the tile
-         type(places_t), intent(inout) :: places                !! What the maps need
+         type(shape_data_t), intent(inout) :: places                !! What the maps need
       end subroutine locate_i
 
       !> Add sum S_i value to columns of a patch.
       pure subroutine spread_i(self, grid, start, places, count, values, before, patch)
-         import :: basis_t, grid_t, places_t, wp
+         import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-         type(places_t), intent(in) :: places                   !! Of the tile
+         type(shape_data_t), intent(in) :: places                   !! Of the tile
          integer, intent(in) :: count                           !! Number of columns
          real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
          integer, intent(in) :: before                          !! Columns of the patch before them
@@ -70,13 +70,13 @@ module transfer_basis
       !> Add mass and momentum sum m S_i (v + C (x_i - x)) to columns 1 to 4 of a patch.
       pure subroutine spread_affine_i(self, grid, start, first, places, mass, velocity, affine, &
          patch)
-         import :: basis_t, grid_t, places_t, wp
+         import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
          integer, intent(in) :: first                           !! First particle of the tile
-         type(places_t), intent(in) :: places                   !! Of the tile
+         type(shape_data_t), intent(in) :: places                   !! Of the tile
          real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
          real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
          real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
@@ -85,13 +85,13 @@ module transfer_basis
 
       !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch.
       pure subroutine spread_stress_i(self, grid, start, first, places, volume, stress, patch)
-         import :: basis_t, grid_t, places_t, wp
+         import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
          integer, intent(in) :: first                           !! First particle of the tile
-         type(places_t), intent(in) :: places                   !! Of the tile
+         type(shape_data_t), intent(in) :: places                   !! Of the tile
          real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
          real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
          real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -99,12 +99,12 @@ module transfer_basis
 
       !> Values sum S_i node_i.
       pure subroutine collect_i(self, grid, start, places, nodes, values)
-         import :: basis_t, grid_t, places_t, wp
+         import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-         type(places_t), intent(in) :: places                   !! Of the tile
+         type(shape_data_t), intent(in) :: places                   !! Of the tile
          real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
          !> (particle of the tile, column) Columns up to the next multiple of three may be written
          real(wp), contiguous, intent(inout) :: values(:, :)
@@ -112,12 +112,12 @@ module transfer_basis
 
       !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
       pure subroutine collect_gradient_i(self, grid, start, places, nodes, scale, gradient)
-         import :: basis_t, grid_t, places_t, wp
+         import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-         type(places_t), intent(in) :: places                   !! Of the tile
+         type(shape_data_t), intent(in) :: places                   !! Of the tile
          real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
          real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
          !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
@@ -159,7 +159,7 @@ contains
       class(basis_t), intent(in) :: self                     !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9) [1/s]
 
@@ -172,7 +172,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -198,7 +198,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
@@ -251,7 +251,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -274,7 +274,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) [Pa]
@@ -302,7 +302,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: push(:, :)         !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: carry(:, :)        !! (3, node) [m/s]
       real(wp), intent(in) :: keep                           !! Share of the old velocity
@@ -321,7 +321,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
       real(wp), intent(in) :: keep                           !! Share of the old value
       real(wp), intent(in) :: scale                          !! Factor of the node values
@@ -345,7 +345,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
@@ -372,7 +372,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       !> (7, node) a dt + g u [m/s]; u + a dt/2 [m/s]; 1/2 |a dt|^2 + g (|u|^2 + u . a dt) [J/kg]
       real(wp), contiguous, intent(in) :: nodes(:, :)
       real(wp), intent(in) :: share                          !! Share g of pic

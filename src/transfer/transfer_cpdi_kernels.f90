@@ -5,7 +5,7 @@
 module transfer_cpdi_kernels
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
-   use transfer_shape_data, only: places_t
+   use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
@@ -21,7 +21,7 @@ contains
       patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: particles                       !! Particles of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -75,7 +75,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: particles                       !! Particles of the tile
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       integer, intent(in) :: rows                            !! Columns of the patch
@@ -128,7 +128,7 @@ contains
    pure subroutine collect_corners(grid, particles, places, number, nodes, skip, values)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: particles                       !! Particles of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(in) :: nodes(3*number)                !! (column, node), flat
       integer, intent(in) :: skip                            !! Columns of the values before them
@@ -172,7 +172,7 @@ contains
    pure subroutine collect_corner_slopes(grid, particles, places, number, nodes, scale, gradient)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: particles                       !! Particles of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(in) :: nodes(3*number)                !! (3, node) Velocity, flat [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]

@@ -6,10 +6,10 @@ module transfer_pushed_stress
    implicit none
    private
 
-   public :: pushed_t
+   public :: pushed_stress_t
 
    !> Place, volume and stress of the particles of a tile.
-   type :: pushed_t
+   type :: pushed_stress_t
       real(wp), allocatable :: position(:, :)        !! (particle of the tile, 3) [m]
       real(wp), allocatable :: volume(:)             !! (particle of the tile) [m3]
       real(wp), allocatable :: stress(:, :)          !! (particle of the tile, 6) [Pa]
@@ -17,13 +17,13 @@ module transfer_pushed_stress
       procedure :: copy => pushed_copy               !! From the particles of a store
       procedure :: make_unit => pushed_make_unit     !! Give all unit stress
       procedure :: subtract => pushed_subtract       !! Take a stress away
-   end type pushed_t
+   end type pushed_stress_t
 
 contains
 
    !> Copy the particles of a tile.
    pure subroutine pushed_copy(self, first, count, position, volume, stress)
-      class(pushed_t), intent(inout) :: self                 !! The copy
+      class(pushed_stress_t), intent(inout) :: self                 !! The copy
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) [m]
@@ -53,7 +53,7 @@ contains
 
    !> Give each particle unit stress.
    pure subroutine pushed_make_unit(self, count)
-      class(pushed_t), intent(inout) :: self                 !! The copy
+      class(pushed_stress_t), intent(inout) :: self                 !! The copy
       integer, intent(in) :: count                           !! Particles of the tile
       integer :: p, k
 
@@ -66,7 +66,7 @@ contains
 
    !> Take a stress away from that of each particle.
    pure subroutine pushed_subtract(self, count, values)
-      class(pushed_t), intent(inout) :: self                 !! The copy
+      class(pushed_stress_t), intent(inout) :: self                 !! The copy
       integer, intent(in) :: count                           !! Particles of the tile
       !> (particle of the tile, 6 or more) [Pa]
       real(wp), contiguous, intent(in) :: values(:, :)

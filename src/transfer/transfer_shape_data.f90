@@ -5,12 +5,12 @@ module transfer_shape_data
    implicit none
    private
 
-   public :: places_t
+   public :: shape_data_t
 
    integer, parameter, public :: line = 4            !! Nodes along a line of a wide stencil
 
    !> Places of the particles of one tile. What the method does not need is not allocated.
-   type :: places_t
+   type :: shape_data_t
       real(wp), allocatable :: local(:, :)           !! (particle, 3) Place in its cell, 0 to 1
       real(wp), allocatable :: alpha(:, :)           !! (particle, 3) Share of the own cell
       real(wp), allocatable :: blend(:, :)           !! (particle, 3) Place with a smooth start
@@ -36,13 +36,13 @@ module transfer_shape_data
       procedure :: reserve_affine => places_reserve_affine !! Room for linear velocity fields
       procedure :: reserve_corners => places_reserve_corners !! Room for corners
       procedure :: reserve_split => places_reserve_split !! Room for means of the dual gradient
-   end type places_t
+   end type shape_data_t
 
 contains
 
    !> Make room for a number of particles. What was there is lost.
    pure subroutine places_reserve(self, particles)
-      class(places_t), intent(inout) :: self         !! The scratch space
+      class(shape_data_t), intent(inout) :: self         !! The scratch space
       integer, intent(in) :: particles               !! Most particles in a tile
       integer :: n
 
@@ -57,7 +57,7 @@ contains
 
    !> Make room for the functions of wide stencils. What was there is lost.
    pure subroutine places_reserve_wide(self, particles)
-      class(places_t), intent(inout) :: self         !! The scratch space
+      class(shape_data_t), intent(inout) :: self         !! The scratch space
       integer, intent(in) :: particles               !! Most particles in a tile
       integer :: n
 
@@ -71,7 +71,7 @@ contains
 
    !> Make room for the corners of particles. What was there is lost.
    pure subroutine places_reserve_corners(self, particles, corners)
-      class(places_t), intent(inout) :: self         !! The scratch space
+      class(shape_data_t), intent(inout) :: self         !! The scratch space
       integer, intent(in) :: particles               !! Most particles in a tile
       integer, intent(in) :: corners                 !! Corners of a particle
       integer :: n
@@ -87,7 +87,7 @@ contains
 
    !> Make room for the two parts of the dual gradient. What was there is lost.
    pure subroutine places_reserve_split(self, particles)
-      class(places_t), intent(inout) :: self         !! The scratch space
+      class(shape_data_t), intent(inout) :: self         !! The scratch space
       integer, intent(in) :: particles               !! Most particles in a tile
       integer :: n
 
@@ -101,7 +101,7 @@ contains
 
    !> Make room for linear velocity fields. What was there is lost.
    pure subroutine places_reserve_affine(self, particles)
-      class(places_t), intent(inout) :: self         !! The scratch space
+      class(shape_data_t), intent(inout) :: self         !! The scratch space
       integer, intent(in) :: particles               !! Most particles in a tile
 
       if (allocated(self%affine)) then

@@ -8,7 +8,7 @@
 module transfer_spline_gather_plane
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use transfer_shape_data, only: line, places_t
+   use transfer_shape_data, only: line, shape_data_t
    implicit none
    private
 
@@ -20,7 +20,7 @@ contains
    pure subroutine collect_plane(grid, start, places, nodes, values)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: block(line, line)
@@ -40,7 +40,7 @@ contains
    pure subroutine collect_slopes_plane(grid, start, places, nodes, scale, gradient)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)

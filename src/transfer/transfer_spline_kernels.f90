@@ -10,7 +10,7 @@
 module transfer_spline_kernels
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use transfer_shape_data, only: line, places_t
+   use transfer_shape_data, only: line, shape_data_t
    use transfer_spline_plane, only: before_block, columns, plane_forces, plane_spread
    implicit none
    private
@@ -24,7 +24,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: after                           !! Layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -128,7 +128,7 @@ contains
       integer, intent(in) :: after                           !! Layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
@@ -197,7 +197,7 @@ contains
       integer, intent(in) :: after                           !! Layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)

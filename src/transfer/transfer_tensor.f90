@@ -7,7 +7,7 @@ module transfer_tensor
    use particle_store, only: store_t
    use transfer_basis, only: basis_t
    use transfer_gather, only: locate
-   use transfer_shape_data, only: line, places_t
+   use transfer_shape_data, only: line, shape_data_t
    use transfer_spline_gather_plane, only: collect_plane, collect_slopes_plane
    use transfer_spline_kernels, only: collect_lines, collect_slopes, spread_affine_lines, &
       spread_lines, spread_stress_lines
@@ -35,14 +35,14 @@ module transfer_tensor
       !> Functions of the particles of a tile along one direction, from their places in the cell:
       !! weight, slope and low of `places`, as if there were no walls.
       pure subroutine weigh_i(self, grid, store, tile, direction, places)
-         import :: basis_tensor_t, grid_t, places_t, store_t
+         import :: basis_tensor_t, grid_t, shape_data_t, store_t
          implicit none
          class(basis_tensor_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          type(store_t), intent(in) :: store                     !! The particles
          integer, intent(in) :: tile                            !! Index of the tile
          integer, intent(in) :: direction                       !! 1 to 3
-         type(places_t), intent(inout) :: places                !! Of the tile
+         type(shape_data_t), intent(inout) :: places                !! Of the tile
       end subroutine weigh_i
    end interface
 
@@ -70,7 +70,7 @@ contains
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
-      type(places_t), intent(inout) :: places                !! What the maps need
+      type(shape_data_t), intent(inout) :: places                !! What the maps need
       integer :: direction
 
       call locate(grid, store%first(tile), store%count(tile), store%position, places%local)
@@ -148,7 +148,7 @@ contains
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -165,7 +165,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
@@ -181,7 +181,7 @@ contains
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -195,7 +195,7 @@ contains
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: part(3, size(nodes, 2))
@@ -224,7 +224,7 @@ contains
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
@@ -244,10 +244,10 @@ contains
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(places_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: places                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9) [1/s]
-      type(places_t) :: moments
+      type(shape_data_t) :: moments
       real(wp) :: away, moment, least
       integer :: p, direction, n
 

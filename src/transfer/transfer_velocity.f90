@@ -18,7 +18,7 @@ module transfer_velocity
    use mesh_grid, only: grid_t
    use mesh_patch, only: combine
    use transfer_basis, only: basis_t
-   use transfer_shape_data, only: places_t
+   use transfer_shape_data, only: shape_data_t
    implicit none
    private
 
@@ -166,7 +166,7 @@ contains
       class(basis_t), intent(in) :: basis                    !! Node functions
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: fields(:, :)       !! (column, node) Of `heat_fields`
       real(wp), contiguous, intent(in) :: scalar(:, :)       !! (1, node) Of `heat_fields`
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]

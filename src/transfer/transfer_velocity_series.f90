@@ -14,7 +14,7 @@ module transfer_velocity_series
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use transfer_basis, only: basis_t
-   use transfer_shape_data, only: places_t
+   use transfer_shape_data, only: shape_data_t
    use transfer_velocity, only: velocity_t
    implicit none
    private
@@ -69,7 +69,7 @@ contains
       class(basis_t), intent(in) :: basis                    !! Node functions
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(places_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: places                !! Of the tile
       real(wp), contiguous, intent(in) :: fields(:, :)       !! (9, node) x, a dt, y_(k-1) [m/s]
       real(wp), contiguous, intent(in) :: scalar(:, :)       !! (1, node) [J/kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]

@@ -11,11 +11,11 @@ program fuzz_decks
    use base_error, only: error_t, exit_file, exit_input
    use base_schema, only: schema_t
    use base_text, only: append, buffer_t, lower, number, text_t
-   use program_command_line, only: parse
-   use program_plan, only: declare_all, lay_out, plan_t, read_plan
    use fuzz_mutation, only: choice_t, mutate, respell
    use io_file, only: read_file
    use, intrinsic :: iso_fortran_env, only: output_unit
+   use program_command_line, only: parse
+   use program_plan, only: declare_all, lay_out, plan_t, read_plan
    implicit none
 
    call fuzz()
