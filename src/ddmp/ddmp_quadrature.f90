@@ -30,7 +30,7 @@ module ddmp_quadrature
 
    abstract interface
       !> Places of the particles of a tile. The basis has looked before.
-      pure subroutine locate_i(self, grid, coordinate, store, tile, places)
+      pure subroutine locate_i(self, grid, coordinate, store, tile, shape)
          import :: grid_t, shape_data_t, quadrature_t, store_t
          implicit none
          class(quadrature_t), intent(in) :: self
@@ -38,32 +38,32 @@ module ddmp_quadrature
          integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
          type(store_t), intent(in) :: store                     !! The particles
          integer, intent(in) :: tile                            !! Index of the tile
-         type(shape_data_t), intent(inout) :: places                !! What the maps need
+         type(shape_data_t), intent(inout) :: shape                !! What the maps need
       end subroutine locate_i
 
       !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
       !! column 8, and the stress handed to the nodes to columns 9 to 17 of a patch.
-      pure subroutine scatter_i(self, grid, start, first, places, volume, stress, patch)
+      pure subroutine scatter_i(self, grid, start, first, shape, volume, stress, patch)
          import :: grid_t, shape_data_t, quadrature_t, wp
          implicit none
          class(quadrature_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
          integer, intent(in) :: first                           !! First particle of the tile
-         type(shape_data_t), intent(inout) :: places                !! Of the tile
+         type(shape_data_t), intent(inout) :: shape                !! Of the tile
          real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
          real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
          real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       end subroutine scatter_i
 
       !> Scaled velocity gradient at the particles, component (k, l) in column k + 3 (l - 1).
-      pure subroutine gather_i(self, grid, start, places, nodes, node_gradient, scale, gradient)
+      pure subroutine gather_i(self, grid, start, shape, nodes, node_gradient, scale, gradient)
          import :: grid_t, shape_data_t, quadrature_t, wp
          implicit none
          class(quadrature_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-         type(shape_data_t), intent(inout) :: places                !! Of the tile
+         type(shape_data_t), intent(inout) :: shape                !! Of the tile
          real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
          real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
          real(wp), intent(in) :: scale                          !! Factor, such as the step [s]

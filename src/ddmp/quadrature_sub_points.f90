@@ -52,22 +52,22 @@ contains
    end subroutine sub_request
 
    !> Means of the functions, of alpha times their derivative, and of 1 - alpha times the functions.
-   pure subroutine sub_locate(self, grid, coordinate, store, tile, places)
+   pure subroutine sub_locate(self, grid, coordinate, store, tile, shape)
       class(quadrature_sub_points_t), intent(in) :: self     !! The rule
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
-      type(shape_data_t), intent(inout) :: places                !! What the maps need
+      type(shape_data_t), intent(inout) :: shape                !! What the maps need
       integer :: direction, cell, from, to
 
-      call places%reserve_split(store%count(tile))
-      places%whole = 0.0_wp
-      places%share = 0.0_wp
-      places%rest = 0.0_wp
+      call shape%reserve_split(store%count(tile))
+      shape%whole = 0.0_wp
+      shape%share = 0.0_wp
+      shape%rest = 0.0_wp
       do direction = 1, 3
          if (.not. grid%active(direction)) then
-            places%whole(:, 1, direction) = 1.0_wp
+            shape%whole(:, 1, direction) = 1.0_wp
             cycle
          end if
          do cell = 0, grid%tile_cells - 1
@@ -75,7 +75,7 @@ contains
             to = store%cell_start(cell + 1, tile)
             if (to >= from) call mean_cell(self, grid, direction, &
                coordinate(direction)*grid%width(direction) + grid%cell_position(direction, cell), &
-               store%first(tile), from, to, store%extent, places)
+               store%first(tile), from, to, store%extent, shape)
          end do
       end do
    end subroutine sub_locate
@@ -83,7 +83,7 @@ contains
    !> Means along one direction for the particles of a cell. Sub-points beyond the box of the grid,
    !! or more than a cell away, are put on the border.
    ! gate: long kernel because a cell is told by its range and place
-   pure subroutine mean_cell(rule, grid, direction, cell, first, from, to, extent, places)
+   pure subroutine mean_cell(rule, grid, direction, cell, first, from, to, extent, shape)
       class(quadrature_sub_points_t), intent(in) :: rule     !! alpha and blend
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: direction                       !! 1 to 3
@@ -91,7 +91,7 @@ contains
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: from, to                        !! Particles of the cell, in the tile
       real(wp), contiguous, intent(in) :: extent(:, :)       !! (particle, 3) Half edges [m]
-      type(shape_data_t), intent(inout) :: places                !! Gets the means
+      type(shape_data_t), intent(inout) :: shape                !! Gets the means
       real(wp) :: low, high, half, x, y, alpha, value(0:1), part
       integer :: p, n, k, node
 
@@ -102,7 +102,7 @@ contains
       do p = from, to
          half = extent(first + p - 1, direction)/grid%spacing
          do n = 1, points
-            x = places%local(p, direction) + half*(2.0_wp*part*(real(n, wp) - 0.5_wp) - 1.0_wp)
+            x = shape%local(p, direction) + half*(2.0_wp*part*(real(n, wp) - 0.5_wp) - 1.0_wp)
             x = min(max(x, low), high)
             ! a point on the upper border belongs to the cell below it
             k = min(floor(x), int(high) - 1)
@@ -112,10 +112,10 @@ contains
             value = [1.0_wp - y, y]
             do node = 0, 1
                associate (at => k + node + 2)
-                  places%whole(p, at, direction) = places%whole(p, at, direction) + part*value(node)
-                  places%share(p, at, direction) = places%share(p, at, direction) &
+                  shape%whole(p, at, direction) = shape%whole(p, at, direction) + part*value(node)
+                  shape%share(p, at, direction) = shape%share(p, at, direction) &
                      + part*alpha*real(2*node - 1, wp)/grid%spacing
-                  places%rest(p, at, direction) = places%rest(p, at, direction) &
+                  shape%rest(p, at, direction) = shape%rest(p, at, direction) &
                      + part*(1.0_wp - alpha)*value(node)
                end associate
             end do
@@ -124,12 +124,12 @@ contains
    end subroutine mean_cell
 
    !> Force, volume and node stress.
-   pure subroutine sub_scatter_force(self, grid, start, first, places, volume, stress, patch)
+   pure subroutine sub_scatter_force(self, grid, start, first, shape, volume, stress, patch)
       class(quadrature_sub_points_t), intent(in) :: self     !! The rule
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -137,33 +137,33 @@ contains
       integer :: low(start(grid%tile_cells), 3), p, k, l, count
 
       count = start(grid%tile_cells)
-      call put_on(places, count, basis, low)
-      places%values(:count, 1) = volume(first:first + count - 1)
-      call spread_lines(grid, layers(grid), start, places, 1, places%values, 7, patch)
+      call put_on(shape, count, basis, low)
+      shape%values(:count, 1) = volume(first:first + count - 1)
+      call spread_lines(grid, layers(grid), start, shape, 1, shape%values, 7, patch)
       do l = 1, 3
          if (.not. grid%active(l)) cycle
          do k = 1, 3
             do p = 1, count
-               places%values(p, k) = volume(first + p - 1)*stress(first + p - 1, component(k, l))
+               shape%values(p, k) = volume(first + p - 1)*stress(first + p - 1, component(k, l))
             end do
          end do
-         places%weight(:count, :, l) = -places%share(:count, :, l)
-         call spread_lines(grid, layers(grid), start, places, 3, places%values, 4, patch)
-         places%weight(:count, :, l) = places%rest(:count, :, l)
-         call spread_lines(grid, layers(grid), start, places, 3, places%values, 5 + 3*l, patch)
-         places%weight(:count, :, l) = places%whole(:count, :, l)
+         shape%weight(:count, :, l) = -shape%share(:count, :, l)
+         call spread_lines(grid, layers(grid), start, shape, 3, shape%values, 4, patch)
+         shape%weight(:count, :, l) = shape%rest(:count, :, l)
+         call spread_lines(grid, layers(grid), start, shape, 3, shape%values, 5 + 3*l, patch)
+         shape%weight(:count, :, l) = shape%whole(:count, :, l)
       end do
-      places%weight(:count, :, :) = basis
-      places%low(:count, :) = low
+      shape%weight(:count, :, :) = basis
+      shape%low(:count, :) = low
    end subroutine sub_scatter_force
 
    !> Velocity gradient.
-   pure subroutine sub_gather_gradient(self, grid, start, places, nodes, node_gradient, scale, &
+   pure subroutine sub_gather_gradient(self, grid, start, shape, nodes, node_gradient, scale, &
       gradient)
       class(quadrature_sub_points_t), intent(in) :: self     !! The rule
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
@@ -172,41 +172,41 @@ contains
       integer :: low(start(grid%tile_cells), 3), p, k, l, count
 
       count = start(grid%tile_cells)
-      call put_on(places, count, basis, low)
+      call put_on(shape, count, basis, low)
       do l = 1, 3
          if (.not. grid%active(l)) then
             gradient(:count, 3*l - 2:3*l) = 0.0_wp
             cycle
          end if
          column = node_gradient(3*l - 2:3*l, :)
-         places%weight(:count, :, l) = places%share(:count, :, l)
-         call collect_vector(grid, start, places, nodes, 0)
-         places%weight(:count, :, l) = places%rest(:count, :, l)
-         call collect_vector(grid, start, places, column, 3)
-         places%weight(:count, :, l) = places%whole(:count, :, l)
+         shape%weight(:count, :, l) = shape%share(:count, :, l)
+         call collect_vector(grid, start, shape, nodes, 0)
+         shape%weight(:count, :, l) = shape%rest(:count, :, l)
+         call collect_vector(grid, start, shape, column, 3)
+         shape%weight(:count, :, l) = shape%whole(:count, :, l)
          do k = 1, 3
             do p = 1, count
-               gradient(p, k + 3*(l - 1)) = scale*(places%values(p, k) + places%values(p, 3 + k))
+               gradient(p, k + 3*(l - 1)) = scale*(shape%values(p, k) + shape%values(p, 3 + k))
             end do
          end do
       end do
-      places%weight(:count, :, :) = basis
-      places%low(:count, :) = low
+      shape%weight(:count, :, :) = basis
+      shape%low(:count, :) = low
    end subroutine sub_gather_gradient
 
    !> Put the functions of the dual gradient where the maps look for functions, and keep those of
    !! the
    !! basis.
-   pure subroutine put_on(places, count, basis, low)
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+   pure subroutine put_on(shape, count, basis, low)
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(inout) :: basis(:, :, :)  !! (particle of the tile, node, 3)
       integer, contiguous, intent(inout) :: low(:, :)        !! (particle of the tile, 3)
 
-      basis = places%weight(:count, :, :)
-      low = places%low(:count, :)
-      places%weight(:count, :, :) = places%whole(:count, :, :)
-      places%low(:count, :) = 1
+      basis = shape%weight(:count, :, :)
+      low = shape%low(:count, :)
+      shape%weight(:count, :, :) = shape%whole(:count, :, :)
+      shape%low(:count, :) = 1
    end subroutine put_on
 
    !> Layers of a block after the first one.
@@ -217,21 +217,21 @@ contains
    end function layers
 
    !> Values sum S_i node_i of three columns.
-   pure subroutine collect_vector(grid, start, places, nodes, skip)
+   pure subroutine collect_vector(grid, start, shape, nodes, skip)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(inout) :: places                !! Of the tile; gets them as values
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile; gets them as values
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
       integer, intent(in) :: skip                            !! Columns of the values before them
       real(wp), allocatable :: values(:, :)
 
-      call move_alloc(places%values, values)
+      call move_alloc(shape%values, values)
       if (grid%dimensions < 3) then
-         call collect_plane(grid, start, places, nodes, values(:, skip + 1:))
+         call collect_plane(grid, start, shape, nodes, values(:, skip + 1:))
       else
-         call collect_lines(grid, layers(grid), start, size(places%weight, 1), places%weight, &
-            places%low, size(nodes, 2), nodes, skip, values)
+         call collect_lines(grid, layers(grid), start, size(shape%weight, 1), shape%weight, &
+            shape%low, size(nodes, 2), nodes, skip, values)
       end if
-      call move_alloc(values, places%values)
+      call move_alloc(values, shape%values)
    end subroutine collect_vector
 end module quadrature_sub_points

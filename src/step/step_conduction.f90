@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Conduction of heat on the grid, for materials that have a conductivity.
 !!
-!! Temperatures go to the nodes weighted with heat capacity. The flow of heat follows the same
-!! modified gradient, and its adjoint, as strain and force do, so it only smooths, and what leaves a
-!! node arrives at others: sum m c T is kept to round-off. Particles get the changes of their nodes,
-!! which adds no diffusion of its own. What differs between particles of a cell the nodes do not
-!! see; it fades at the rate of the shortest wave that they do see, by a term without any effect on
-!! the nodes, of second order as in the filtered transfers of C. C. Hammerquist, J. A. Nairn,
-!! Comput. Methods Appl. Mech. Eng. 318 (2017) 724. See doc/theory/matter.md.
+!! Temperatures go to the nodes weighted with heat capacity. The heat flow uses the same modified
+!! gradient and its adjoint as strain and force, so it only smooths, and the sum of m c T is kept to
+!! rounding. Particles take the changes of their nodes, which adds no diffusion. Differences between
+!! the particles of a cell, which nodes do not see, decay at the rate of the shortest resolved wave,
+!! by a second-order term without effect on the nodes, as in the filtered transfers of C. C.
+!! Hammerquist, J. A. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724. See
+!! doc/theory/matter.md.
 module step_conduction
    use base_constants, only: pi
    use base_kinds, only: wp
@@ -219,17 +219,17 @@ contains
       call clear_patch(patch)
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
-         associate (store => simulation%stores(index), places => scratch%places, &
+         associate (store => simulation%stores(index), shape => scratch%shape, &
             specific_heat => simulation%materials(index)%heat%specific_heat)
             call find_plain_places(simulation, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
-               places%values(p, capacity) = specific_heat*store%state%mass(q)
-               places%values(p, content) = places%values(p, capacity)*store%state%temperature(q)
-               places%values(p, filled) = store%state%volume(q)
+               shape%values(p, capacity) = specific_heat*store%state%mass(q)
+               shape%values(p, content) = shape%values(p, capacity)*store%state%temperature(q)
+               shape%values(p, filled) = store%state%volume(q)
             end do
             call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), &
-               places, size(patch, 1), places%values, 0, patch)
+               shape, size(patch, 1), shape%values, 0, patch)
          end associate
       end do
    end subroutine spread_content
@@ -299,17 +299,17 @@ contains
       wide = 0.0_wp
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
-         associate (store => simulation%stores(index), places => scratch%places, &
+         associate (store => simulation%stores(index), shape => scratch%shape, &
             specific_heat => simulation%materials(index)%heat%specific_heat, &
             method => simulation%method, start => simulation%stores(index)%cell_start(:, tile))
             call find_plain_places(simulation, scratch, store, tile)
             call push_particles(simulation, scratch, index, tile, values, slope, wide)
             call find_hidden(simulation, scratch, index, tile, dt)
             do p = 1, store%count(tile)
-               places%values(p, 1) = specific_heat*store%state%mass(store%first(tile) + p - 1) &
-                  *places%vector(p, 1)
+               shape%values(p, 1) = specific_heat*store%state%mass(store%first(tile) + p - 1) &
+                  *shape%vector(p, 1)
             end do
-            call method%basis%spread(simulation%grid, start, places, 1, places%values, hidden - 1, &
+            call method%basis%spread(simulation%grid, start, shape, 1, shape%values, hidden - 1, &
                patch)
          end associate
       end do
@@ -332,15 +332,15 @@ contains
       real(wp), allocatable :: volume(:), flux(:, :)
       integer :: p, k
 
-      associate (store => simulation%stores(index), places => scratch%places, &
+      associate (store => simulation%stores(index), shape => scratch%shape, &
          method => simulation%method, start => simulation%stores(index)%cell_start(:, tile), &
          grid => simulation%grid)
          call scratch%deformation%reserve(store%count(tile))
          if (method%dual) then
-            call method%quadrature%gather_gradient(grid, start, places, values, slope, 1.0_wp, &
+            call method%quadrature%gather_gradient(grid, start, shape, values, slope, 1.0_wp, &
                scratch%deformation%gradient)
          else
-            call method%basis%collect_gradient(grid, start, places, values, 1.0_wp, &
+            call method%basis%collect_gradient(grid, start, shape, values, 1.0_wp, &
                scratch%deformation%gradient)
          end if
          allocate (volume(store%count(tile)), flux(store%count(tile), 6))
@@ -353,9 +353,9 @@ contains
             end do
          end do
          if (method%dual) then
-            call method%quadrature%scatter_force(grid, start, 1, places, volume, flux, patch)
+            call method%quadrature%scatter_force(grid, start, 1, shape, volume, flux, patch)
          else
-            call method%basis%spread_stress(grid, start, 1, places, volume, flux, patch)
+            call method%basis%spread_stress(grid, start, 1, shape, volume, flux, patch)
          end if
       end associate
    end subroutine push_particles
@@ -371,15 +371,15 @@ contains
       real(wp) :: rate
       integer :: p, q
 
-      associate (store => simulation%stores(index), places => scratch%places, &
+      associate (store => simulation%stores(index), shape => scratch%shape, &
          heat => simulation%materials(index)%heat)
-         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), places, &
-            simulation%conduction%temperature(:, :, tile), places%values)
+         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), shape, &
+            simulation%conduction%temperature(:, :, tile), shape%values)
          rate = fade*dt*heat%conductivity/(heat%specific_heat*simulation%grid%spacing**2)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
-            places%vector(p, 1) = min(fade_most, rate*matter_volume(store, q) &
-               /store%state%mass(q))*(store%state%temperature(q) - places%values(p, 1))
+            shape%vector(p, 1) = min(fade_most, rate*matter_volume(store, q) &
+               /store%state%mass(q))*(store%state%temperature(q) - shape%values(p, 1))
          end do
       end associate
    end subroutine find_hidden
@@ -447,23 +447,23 @@ contains
          call find_plain_places(simulation, scratch, simulation%stores(index), tile)
          call find_hidden(simulation, scratch, index, tile, dt)
          call simulation%method%basis%collect(simulation%grid, &
-            simulation%stores(index)%cell_start(:, tile), scratch%places, change, &
-            scratch%places%values)
-         call warm(simulation%materials(index)%heat%specific_heat, tile, scratch%places, &
+            simulation%stores(index)%cell_start(:, tile), scratch%shape, change, &
+            scratch%shape%values)
+         call warm(simulation%materials(index)%heat%specific_heat, tile, scratch%shape, &
             booked, simulation%stores(index))
          if (allocated(simulation%materials(index)%voids)) call expand( &
-            simulation%materials(index)%voids%expansion, tile, scratch%places, &
+            simulation%materials(index)%voids%expansion, tile, scratch%shape, &
             simulation%stores(index))
          call scratch%ledger%sums(dissipated)%add(booked)
       end do
    end subroutine give_heat
 
    !> Warm the particles of a tile.
-   pure subroutine warm(specific_heat, tile, places, booked, store)
+   pure subroutine warm(specific_heat, tile, shape, booked, store)
       real(wp), intent(in) :: specific_heat          !! [J/(kg K)]
       integer, intent(in) :: tile                    !! Which tile
       !> What nodes give, and what fades, of each particle [K]
-      type(shape_data_t), intent(in) :: places
+      type(shape_data_t), intent(in) :: shape
       real(wp), intent(out) :: booked !! Heat of particles that carry no internal energy [J]
       type(store_t), intent(inout) :: store          !! The particles
       real(wp) :: rise
@@ -472,7 +472,7 @@ contains
       booked = 0.0_wp
       do p = 1, store%count(tile)
          q = store%first(tile) + p - 1
-         rise = places%values(p, 1) - places%vector(p, 1)
+         rise = shape%values(p, 1) - shape%vector(p, 1)
          store%state%temperature(q) = store%state%temperature(q) + rise
          if (allocated(store%state%energy)) then
             store%state%energy(q) = store%state%energy(q) + specific_heat*rise
@@ -483,18 +483,18 @@ contains
    end subroutine warm
 
    !> Let the grains of a tile expand into their voids by what they were warmed.
-   pure subroutine expand(expansion, tile, places, store)
+   pure subroutine expand(expansion, tile, shape, store)
       real(wp), intent(in) :: expansion              !! Thermal, of the volume [1/K]
       integer, intent(in) :: tile                    !! Which tile
       !> What nodes give, and what fades, of each particle [K]
-      type(shape_data_t), intent(in) :: places
+      type(shape_data_t), intent(in) :: shape
       type(store_t), intent(inout) :: store          !! The particles
       integer :: p, q
 
       do p = 1, store%count(tile)
          q = store%first(tile) + p - 1
          store%state%solid_fraction(q) = expanded(store%state%solid_fraction(q), &
-            expansion*(places%values(p, 1) - places%vector(p, 1)))
+            expansion*(shape%values(p, 1) - shape%vector(p, 1)))
       end do
    end subroutine expand
 end module step_conduction

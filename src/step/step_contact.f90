@@ -272,7 +272,7 @@ contains
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                q = store%first(tile) + p - 1
-               upper = merge(1, 0, grid%active .and. scratch%places%local(p, :) > 0.5_wp)
+               upper = merge(1, 0, grid%active .and. scratch%shape%local(p, :) > 0.5_wp)
                node = grid%first_node(cell) + dot_product(upper, grid%stride)
                if (broken(node)) store%bond(q) = 0.0_wp
             end do

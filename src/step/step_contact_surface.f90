@@ -133,13 +133,13 @@ contains
                call pushed%copy(store%first(tile), store%count(tile), store%position, &
                   store%state%volume, store%state%stress)
                call pushed%make_unit(store%count(tile))
-               call basis%spread_stress(grid, start, 1, scratch%places, pushed%volume, &
+               call basis%spread_stress(grid, start, 1, scratch%shape, pushed%volume, &
                   pushed%stress, wide)
-               if (grid%axisymmetric) call basis%scatter_hoop(grid, start, 1, scratch%places, &
+               if (grid%axisymmetric) call basis%scatter_hoop(grid, start, 1, scratch%shape, &
                   pushed%position, pushed%volume, pushed%stress, wide)
                if (allocated(store%bond)) then
-                  call hold(store, tile, scratch%places%values)
-                  call basis%spread(grid, start, scratch%places, 1, scratch%places%values, &
+                  call hold(store, tile, scratch%shape%values)
+                  call basis%spread(grid, start, scratch%shape, 1, scratch%shape%values, &
                      before + 3, patch)
                end if
             end associate
@@ -308,11 +308,11 @@ contains
          associate (store => simulation%stores(index), grid => simulation%grid, &
             start => simulation%stores(index)%cell_start(:, tile), &
             coordinate => simulation%tiles%coordinate(:, tile))
-            call scratch%places%reserve(store%count(tile))
+            call scratch%shape%reserve(store%count(tile))
             call particle_widths(grid, store%first(tile), store%count(tile), store%position, &
-               store%state%volume, scratch%places%values(:, 1))
+               store%state%volume, scratch%shape%values(:, 1))
             call spread_reach(grid, grid%tile_corner(coordinate), start, store%first(tile), &
-               store%position, scratch%places%values(:, 1), normal, reach)
+               store%position, scratch%shape%values(:, 1), normal, reach)
          end associate
       end do
    end subroutine reach_of_field

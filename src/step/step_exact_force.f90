@@ -50,7 +50,7 @@ contains
             solution => simulation%exact%material(index)%solution)
             call find_places(simulation, scratch, store, tile)
             call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), &
-               scratch%places, carry, scratch%places%vector)
+               scratch%shape, carry, scratch%shape%vector)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                do k = 1, 3
@@ -62,7 +62,7 @@ contains
                total = total + force
                turn = turn + cross(place, force)
                do k = 1, 3
-                  work = work + force(k)*scratch%places%vector(p, k)
+                  work = work + force(k)*scratch%shape%vector(p, k)
                end do
             end do
          end associate

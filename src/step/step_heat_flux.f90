@@ -122,15 +122,15 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       integer :: p, q
 
-      associate (store => simulation%stores(index), places => scratch%places)
+      associate (store => simulation%stores(index), shape => scratch%shape)
          call find_plain_places(simulation, scratch, store, tile)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
-            places%values(p, mass) = store%state%mass(q)
-            places%values(p, content) = store%state%mass(q)*max(store%state%energy(q), 0.0_wp)
+            shape%values(p, mass) = store%state%mass(q)
+            shape%values(p, content) = store%state%mass(q)*max(store%state%energy(q), 0.0_wp)
          end do
-         call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), places, &
-            content, places%values, 0, patch)
+         call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), shape, &
+            content, shape%values, 0, patch)
       end associate
    end subroutine spread_energy
 
@@ -161,7 +161,7 @@ contains
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
                if (.not. conductance > 0.0_wp) cycle
-               place = scratch%places%local(p, :)
+               place = scratch%shape%local(p, :)
                do direction = 1, 3
                   if (.not. grid%active(direction)) cycle
                   call find_edges(grid, cell, direction, place, edges, low, weight)
@@ -214,7 +214,7 @@ contains
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
                if (.not. conductance > 0.0_wp) cycle
-               place = scratch%places%local(p, :)
+               place = scratch%shape%local(p, :)
                do direction = 1, 3
                   if (.not. grid%active(direction)) cycle
                   call find_edges(grid, cell, direction, place, edges, low, weight)
@@ -294,13 +294,13 @@ contains
             end if
          end do
       end associate
-      associate (store => simulation%stores(index), places => scratch%places)
+      associate (store => simulation%stores(index), shape => scratch%shape)
          call find_plain_places(simulation, scratch, store, tile)
-         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), places, &
-            change, places%values)
+         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), shape, &
+            change, shape%values)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
-            given = places%values(p, 1) + places%values(p, 2)*max(store%state%energy(q), 0.0_wp)
+            given = shape%values(p, 1) + shape%values(p, 2)*max(store%state%energy(q), 0.0_wp)
             store%state%energy(q) = store%state%energy(q) + given
             if (allocated(simulation%materials(index)%heat)) store%state%temperature(q) = &
                store%state%temperature(q) + given/simulation%materials(index)%heat%specific_heat

@@ -65,17 +65,17 @@ contains
             call find_places(simulation, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
-               scratch%places%values(p, 1) = store%state%volume(q)
+               scratch%shape%values(p, 1) = store%state%volume(q)
             end do
             do k = 1, 6
                do p = 1, store%count(tile)
                   q = store%first(tile) + p - 1
-                  scratch%places%values(p, 1 + k) = store%state%volume(q) &
+                  scratch%shape%values(p, 1 + k) = store%state%volume(q) &
                      *store%state%stress(q, k)
                end do
             end do
             call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), &
-               scratch%places, columns, scratch%places%values, 0, patch)
+               scratch%shape, columns, scratch%shape%values, 0, patch)
          end associate
       end do
    end subroutine scatter_tile

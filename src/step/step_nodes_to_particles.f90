@@ -168,18 +168,18 @@ contains
       real(wp) :: lost
       integer :: p, q
 
-      associate (rubbed => simulation%nodes%rubbed(:, :, tile), places => scratch%places)
+      associate (rubbed => simulation%nodes%rubbed(:, :, tile), shape => scratch%shape)
          if (.not. any(abs(rubbed) > 0.0_wp)) return
-         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), places, &
-            rubbed, places%values)
+         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), shape, &
+            rubbed, shape%values)
       end associate
       lost = 0.0_wp
       do p = 1, store%count(tile)
          q = store%first(tile) + p - 1
          if (allocated(store%state%energy)) then
-            store%state%energy(q) = store%state%energy(q) + scratch%places%values(p, 1)
+            store%state%energy(q) = store%state%energy(q) + scratch%shape%values(p, 1)
          else
-            lost = lost + store%state%mass(q)*scratch%places%values(p, 1)
+            lost = lost + store%state%mass(q)*scratch%shape%values(p, 1)
          end if
       end do
       call scratch%ledger%sums(dissipated)%add(lost)
@@ -308,22 +308,22 @@ contains
       type(view_t), intent(in) :: view               !! Node fields
       integer :: p, k
 
-      associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
+      associate (grid => simulation%grid, method => simulation%method, shape => scratch%shape, &
          start => store%cell_start(:, tile), first => store%first(tile))
-         call method%transfer%heat(grid, method%basis, start, first, places, view%heat, &
+         call method%transfer%heat(grid, method%basis, start, first, shape, view%heat, &
             view%scalar, store%velocity, store%state%energy)
          if (.not. method%transfer%affine()) return
-         call places%reserve_affine(store%count(tile))
+         call shape%reserve_affine(store%count(tile))
          if (allocated(store%spin)) then
-            call expand_spin(first, store%count(tile), store%spin, places%affine)
+            call expand_spin(first, store%count(tile), store%spin, shape%affine)
          else
             do k = 1, 9
                do p = 1, store%count(tile)
-                  places%affine(p, k) = store%affine(first + p - 1, k)
+                  shape%affine(p, k) = store%affine(first + p - 1, k)
                end do
             end do
          end if
-         call gather_affine_heat(grid, method%basis, start, first, places, view%turn, &
+         call gather_affine_heat(grid, method%basis, start, first, shape, view%turn, &
             view%moments, store%state%energy)
       end associate
    end subroutine add_heat
@@ -338,8 +338,8 @@ contains
 
       associate (store => simulation%stores(index))
          call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), &
-            scratch%places, view%excess, scratch%places%values)
-         call repack(store, tile, simulation%materials(index), scratch%places%values, &
+            scratch%shape, view%excess, scratch%shape%values)
+         call repack(store, tile, simulation%materials(index), scratch%shape%values, &
             scratch%ledger)
       end associate
    end subroutine repack_particles
@@ -353,17 +353,17 @@ contains
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
+      associate (grid => simulation%grid, method => simulation%method, shape => scratch%shape, &
          store => simulation%stores(index), start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile))
-         call method%basis%gather_motion(grid, start, first, places, view%push, view%carry, &
+         call method%basis%gather_motion(grid, start, first, shape, view%push, view%carry, &
             method%transfer%keep(), dt, store%velocity, store%position)
          if (damps(method, simulation%carries_energy)) then
-            call method%basis%collect(grid, start, places, view%carry, places%vector)
-            call record_damping(scratch%ledger, store, tile, places%vector, method%transfer%keep())
+            call method%basis%collect(grid, start, shape, view%carry, shape%vector)
+            call record_damping(scratch%ledger, store, tile, shape%vector, method%transfer%keep())
          end if
          if (.not. method%transfer%affine() .or. strained(simulation, index)) return
-         call find_slopes(simulation, places, start, view%after, view%gradient, &
+         call find_slopes(simulation, shape, start, view%after, view%gradient, &
             scratch%deformation%gradient)
          call keep_affine(store, tile, 1.0_wp, scratch%deformation%gradient)
       end associate
@@ -416,17 +416,17 @@ contains
       real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Of the nodes, if dual [1/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      associate (grid => simulation%grid, method => simulation%method, places => scratch%places, &
+      associate (grid => simulation%grid, method => simulation%method, shape => scratch%shape, &
          start => store%cell_start(:, tile))
          if (method%dual) then
-            call method%quadrature%gather_gradient(grid, start, places, velocity, gradient, dt, &
+            call method%quadrature%gather_gradient(grid, start, shape, velocity, gradient, dt, &
                scratch%deformation%gradient)
          else
-            call method%basis%collect_gradient(grid, start, places, velocity, dt, &
+            call method%basis%collect_gradient(grid, start, shape, velocity, dt, &
                scratch%deformation%gradient)
          end if
          if (grid%axisymmetric) call method%basis%gather_hoop(grid, start, store%first(tile), &
-            places, store%position, velocity, dt, scratch%deformation%gradient)
+            shape, store%position, velocity, dt, scratch%deformation%gradient)
          if (method%even) call even_gradient(grid, start, store%first(tile), &
             store%state%volume, scratch%deformation%gradient)
       end associate
@@ -480,7 +480,7 @@ contains
             deformation%gradient, deformation%jump)
          call scratch%laps%update(simulation%materials(index), store%state, deformation, &
             first, first + n - 1, dt, simulation%grid%spacing)
-         call relax_pressures(simulation, index, tile, scratch%places%local, &
+         call relax_pressures(simulation, index, tile, scratch%shape%local, &
             deformation%wave_speed, dt)
          fastest = 0.0_wp
          do p = 1, n

@@ -171,25 +171,25 @@ contains
          if (count == 0) cycle
          first = simulation%stores(index)%first(tile)
          associate (store => simulation%stores(index), grid => simulation%grid, &
-            places => scratch%places, start => simulation%stores(index)%cell_start(:, tile))
+            shape => scratch%shape, start => simulation%stores(index)%cell_start(:, tile))
             call find_plain_places(simulation, scratch, store, tile)
-            places%values(:count, 1) = store%state%mass(first:first + count - 1)
-            call scatter_values(grid, start, places%local, 1, places%values, mass - 1, patch)
-            places%values(:count, 1) = store%state%volume(first:first + count - 1)
+            shape%values(:count, 1) = store%state%mass(first:first + count - 1)
+            call scatter_values(grid, start, shape%local, 1, shape%values, mass - 1, patch)
+            shape%values(:count, 1) = store%state%volume(first:first + count - 1)
             do l = 1, 3
                do p = 1, count
-                  places%values(p, 1 + l) = places%values(p, 1)*(1.0_wp - places%alpha(p, l))
+                  shape%values(p, 1 + l) = shape%values(p, 1)*(1.0_wp - shape%alpha(p, l))
                end do
             end do
-            call scatter_values(grid, start, places%blend, 4, places%values, volume - 1, patch)
+            call scatter_values(grid, start, shape%blend, 4, shape%values, volume - 1, patch)
             if (.not. simulation%normalises(index)) call scatter_values(grid, start, &
-               places%blend, 1, places%values, foreign - 1, patch)
-            call add_edge_sums(grid, start, first, places%blend, places%alpha, &
+               shape%blend, 1, shape%values, foreign - 1, patch)
+            call add_edge_sums(grid, start, first, shape%blend, shape%alpha, &
                store%state%volume, sums)
-            if (grid%axisymmetric) call add_hoop_sums(grid, start, first, places%local, &
+            if (grid%axisymmetric) call add_hoop_sums(grid, start, first, shape%local, &
                store%position, store%state%volume, sums)
             if (evens_pressure(simulation, index)) call add_moments(grid, start, first, &
-               places%local, store%state%volume, store%state%stress, plain_columns(simulation), &
+               shape%local, store%state%volume, store%state%stress, plain_columns(simulation), &
                patch)
          end associate
       end do

@@ -176,26 +176,26 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
 
       associate (grid => simulation%grid, store => simulation%stores(index), &
-         method => simulation%method, places => scratch%places, &
+         method => simulation%method, shape => scratch%shape, &
          start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile), state => simulation%stores(index)%state)
          call find_places(simulation, scratch, store, tile)
          if (allocated(store%affine)) then
-            call method%basis%spread_affine(grid, start, first, places, state%mass, &
+            call method%basis%spread_affine(grid, start, first, shape, state%mass, &
                store%velocity, store%affine, patch)
          else if (allocated(store%spin)) then
-            call method%basis%scatter_turning(grid, start, first, places, state%mass, &
+            call method%basis%scatter_turning(grid, start, first, shape, state%mass, &
                store%velocity, store%spin, patch)
          else
-            call method%basis%scatter_motion(grid, start, first, places, state%mass, &
+            call method%basis%scatter_motion(grid, start, first, shape, state%mass, &
                store%velocity, patch)
          end if
          if (method%even .or. method%controlled()) then
             call change_stress(simulation, scratch, store, tile)
-            call push_nodes(simulation, places, start, 1, scratch%pushed%position, &
+            call push_nodes(simulation, shape, start, 1, scratch%pushed%position, &
                scratch%pushed%volume, scratch%pushed%stress, patch)
          else
-            call push_nodes(simulation, places, start, first, store%position, state%volume, &
+            call push_nodes(simulation, shape, start, first, store%position, state%volume, &
                state%stress, patch)
          end if
          if (allocated(simulation%exact)) call add_body_force(simulation, scratch, index, tile, &
@@ -211,22 +211,22 @@ contains
       integer, intent(in) :: tile                    !! Which tile
 
       associate (grid => simulation%grid, start => store%cell_start(:, tile), &
-         pushed => scratch%pushed, places => scratch%places)
+         pushed => scratch%pushed, shape => scratch%shape)
          call pushed%copy(store%first(tile), store%count(tile), store%position, &
             store%state%volume, store%state%stress)
          if (simulation%method%even) call even_stress(grid, start, pushed%volume, pushed%stress)
          if (simulation%method%controlled()) then
-            call simulation%method%basis%collect(grid, start, places, &
-               simulation%nodes%star(:, :, tile), places%values)
-            call pushed%subtract(store%count(tile), places%values)
+            call simulation%method%basis%collect(grid, start, shape, &
+               simulation%nodes%star(:, :, tile), shape%values)
+            call pushed%subtract(store%count(tile), shape%values)
          end if
       end associate
    end subroutine change_stress
 
    !> Force of the stress of the particles of a tile.
-   subroutine push_nodes(simulation, places, start, first, position, volume, stress, patch)
+   subroutine push_nodes(simulation, shape, start, first, position, volume, stress, patch)
       type(simulation_t), intent(in) :: simulation   !! The run
-      type(shape_data_t), intent(inout) :: places        !! Of the tile
+      type(shape_data_t), intent(inout) :: shape        !! Of the tile
       integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       integer, intent(in) :: first                   !! First particle of the tile in the arrays
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) Radius in column 1 [m]
@@ -236,11 +236,11 @@ contains
 
       associate (grid => simulation%grid, method => simulation%method)
          if (method%dual) then
-            call method%quadrature%scatter_force(grid, start, first, places, volume, stress, patch)
+            call method%quadrature%scatter_force(grid, start, first, shape, volume, stress, patch)
          else
-            call method%basis%spread_stress(grid, start, first, places, volume, stress, patch)
+            call method%basis%spread_stress(grid, start, first, shape, volume, stress, patch)
          end if
-         if (grid%axisymmetric) call method%basis%scatter_hoop(grid, start, first, places, &
+         if (grid%axisymmetric) call method%basis%scatter_hoop(grid, start, first, shape, &
             position, volume, stress, patch)
       end associate
    end subroutine push_nodes
@@ -266,11 +266,11 @@ contains
             end do
             call solution%body_force(point, simulation%exact%force_time, force)
             do k = 1, 3
-               scratch%places%vector(p, k) = force(k)
+               scratch%shape%vector(p, k) = force(k)
             end do
          end do
          call simulation%method%basis%scatter_product(simulation%grid, store%cell_start(:, tile), &
-            store%first(tile), scratch%places, store%state%mass, scratch%places%vector, &
+            store%first(tile), scratch%shape, store%state%mass, scratch%shape%vector, &
             force_before, patch)
       end associate
    end subroutine add_body_force
@@ -285,7 +285,7 @@ contains
 
       call locate_tile(simulation, scratch, store, tile)
       if (allocated(simulation%normalises)) &
-         scratch%places%factor = simulation%nodes%factor(:, :, tile)
+         scratch%shape%factor = simulation%nodes%factor(:, :, tile)
    end subroutine find_places
 
    !> The same without factors, for what has its own sums or concerns all velocity fields.
@@ -296,7 +296,7 @@ contains
       integer, intent(in) :: tile                    !! Which tile
 
       call locate_tile(simulation, scratch, store, tile)
-      if (allocated(scratch%places%factor)) deallocate (scratch%places%factor)
+      if (allocated(scratch%shape%factor)) deallocate (scratch%shape%factor)
    end subroutine find_plain_places
 
    !> Where the particles of a tile are.
@@ -307,11 +307,11 @@ contains
       integer, intent(in) :: tile                    !! Which tile
 
       associate (coordinate => simulation%tiles%coordinate(:, tile))
-         call scratch%places%reserve(store%count(tile))
+         call scratch%shape%reserve(store%count(tile))
          call simulation%method%basis%locate(simulation%grid, coordinate, store, tile, &
-            scratch%places)
+            scratch%shape)
          if (simulation%method%dual) call simulation%method%quadrature%locate(simulation%grid, &
-            coordinate, store, tile, scratch%places)
+            coordinate, store, tile, scratch%shape)
       end associate
    end subroutine locate_tile
 

@@ -146,7 +146,7 @@ module step_simulation
 
    !> Scratch space of one thread.
    type :: scratch_t
-      type(shape_data_t) :: places !! Particles of the tile as the basis sees them
+      type(shape_data_t) :: shape !! Particles of the tile as the basis sees them
       type(pushed_stress_t) :: pushed !! Their stress, if changed on its way to nodes
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       !> (particle, 9) Half of the strain with the velocity before the step, if it counts [1]

@@ -78,29 +78,29 @@ contains
       do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index), grid => simulation%grid, &
-            method => simulation%method, places => scratch%places, pushed => scratch%pushed, &
+            method => simulation%method, shape => scratch%shape, pushed => scratch%pushed, &
             start => simulation%stores(index)%cell_start(:, tile))
             call find_places(simulation, scratch, store, tile)
             call pushed%copy(store%first(tile), store%count(tile), store%position, &
                store%state%volume, store%state%stress)
             ! the volume once more: that of the rule need not have the functions of the basis
             do p = 1, store%count(tile)
-               places%values(p, before + rest) = pushed%volume(p)
+               shape%values(p, before + rest) = pushed%volume(p)
             end do
             do k = 1, 6
                do p = 1, store%count(tile)
-                  places%values(p, k) = pushed%volume(p)*pushed%stress(p, k)
+                  shape%values(p, k) = pushed%volume(p)*pushed%stress(p, k)
                end do
             end do
-            call method%basis%spread(grid, start, places, before, places%values, 0, patch)
+            call method%basis%spread(grid, start, shape, before, shape%values, 0, patch)
             do k = 1, rest
                do p = 1, store%count(tile)
-                  places%values(p, k) = places%values(p, before + k)
+                  shape%values(p, k) = shape%values(p, before + k)
                end do
             end do
-            call method%basis%spread(grid, start, places, rest, places%values, dual_columns, patch)
+            call method%basis%spread(grid, start, shape, rest, shape%values, dual_columns, patch)
             call pushed%make_unit(store%count(tile))
-            call method%quadrature%scatter_force(grid, start, 1, places, pushed%volume, &
+            call method%quadrature%scatter_force(grid, start, 1, shape, pushed%volume, &
                pushed%stress, patch)
          end associate
       end do

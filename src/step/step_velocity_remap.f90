@@ -91,12 +91,12 @@ contains
       do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%grid, store => simulation%stores(index), &
-            basis => simulation%method%basis, places => scratch%places, &
+            basis => simulation%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
             call find_places(simulation, scratch, store, tile)
-            call basis%collect(grid, start, places, term, places%vector)
-            call basis%scatter_product(grid, start, store%first(tile), places, store%state%mass, &
-               places%vector, 0, patch)
+            call basis%collect(grid, start, shape, term, shape%vector)
+            call basis%scatter_product(grid, start, store%first(tile), shape, store%state%mass, &
+               shape%vector, 0, patch)
          end associate
       end do
    end subroutine spread_tile
@@ -209,29 +209,29 @@ contains
       do index = simulation%first_store, simulation%end_store()
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%grid, store => simulation%stores(index), &
-            basis => simulation%method%basis, places => scratch%places, &
+            basis => simulation%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
             call find_places(simulation, scratch, store, tile)
-            call basis%collect(grid, start, places, push, places%vector)
-            if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, places%vector)
+            call basis%collect(grid, start, shape, push, shape%vector)
+            if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, shape%vector)
             if (simulation%method%averages()) then
-               call basis%scatter_product(grid, start, store%first(tile), places, &
-                  store%state%mass, places%vector, 0, patch)
+               call basis%scatter_product(grid, start, store%first(tile), shape, &
+                  store%state%mass, shape%vector, 0, patch)
             else if (simulation%method%transfer%affine()) then
                call scratch%deformation%reserve(store%count(tile))
                if (simulation%method%smooth_turn) then
                   call expand_spin(store%first(tile), store%count(tile), store%spin, &
                      scratch%deformation%gradient)
                else
-                  call find_slopes(simulation, places, start, after, gradient, &
+                  call find_slopes(simulation, shape, start, after, gradient, &
                      scratch%deformation%gradient)
                   if (simulation%method%transfer%turning()) &
                      call turn_only(store%count(tile), scratch%deformation%gradient)
                end if
                call spread_fields(simulation, scratch, store, tile, patch)
             else
-               call basis%scatter_product(grid, start, store%first(tile), places, &
-                  store%state%mass, places%vector, 0, patch)
+               call basis%scatter_product(grid, start, store%first(tile), shape, &
+                  store%state%mass, shape%vector, 0, patch)
             end if
          end associate
       end do
@@ -239,9 +239,9 @@ contains
 
    !> Slopes of a node velocity round the particles of a tile: with the dual domain method its
    !! modified gradient, which does not see nodes that have no mass and so no velocity.
-   subroutine find_slopes(simulation, places, start, velocity, gradient, slopes)
+   subroutine find_slopes(simulation, shape, start, velocity, gradient, slopes)
       type(simulation_t), intent(in) :: simulation   !! The run
-      type(shape_data_t), intent(inout) :: places        !! Of the tile
+      type(shape_data_t), intent(inout) :: shape        !! Of the tile
       integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), allocatable, intent(in) :: gradient(:, :) !! (9, node) On the nodes, if dual [1/s]
@@ -249,11 +249,11 @@ contains
 
       associate (grid => simulation%grid, method => simulation%method)
          ! with normalised sums the modified gradient of a linear field is not uniform
-         if (method%dual .and. .not. allocated(places%factor)) then
-            call method%quadrature%gather_gradient(grid, start, places, velocity, gradient, &
+         if (method%dual .and. .not. allocated(shape%factor)) then
+            call method%quadrature%gather_gradient(grid, start, shape, velocity, gradient, &
                1.0_wp, slopes)
          else
-            call method%basis%collect_affine(grid, start, places, velocity, slopes)
+            call method%basis%collect_affine(grid, start, shape, velocity, slopes)
          end if
       end associate
    end subroutine find_slopes
@@ -287,6 +287,6 @@ contains
 
       mass = store%state%mass(store%first(tile):store%first(tile) + store%count(tile) - 1)
       call simulation%method%basis%spread_affine(simulation%grid, store%cell_start(:, tile), 1, &
-         scratch%places, mass, scratch%places%vector, scratch%deformation%gradient, patch)
+         scratch%shape, mass, scratch%shape%vector, scratch%deformation%gradient, patch)
    end subroutine spread_fields
 end module step_velocity_remap

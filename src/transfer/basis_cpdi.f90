@@ -62,18 +62,18 @@ contains
    !! to it, and not beyond a wall: corners there would need functions below zero, and a node that
    !! only such a corner touches would have a negative mass. Where a particle is as good as on the
    !! wall the functions of the last cell go on, so that linear fields stay exact.
-   pure subroutine cpdi_locate(self, grid, coordinate, store, tile, places)
+   pure subroutine cpdi_locate(self, grid, coordinate, store, tile, shape)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
-      type(shape_data_t), intent(inout) :: places                !! What the maps need
+      type(shape_data_t), intent(inout) :: shape                !! What the maps need
       real(wp) :: edge(3, 3), inverse(3, 3), room(3), at
       integer :: cell, p, c, k, step, place(3), lowest(3), highest(3)
 
-      call locate(grid, store%first(tile), store%count(tile), store%position, places%local)
-      call places%reserve_corners(store%count(tile), lanes)
+      call locate(grid, store%first(tile), store%count(tile), store%position, shape%local)
+      call shape%reserve_corners(store%count(tile), lanes)
       do cell = 0, grid%tile_cells - 1
          place = coordinate*grid%width + grid%cell_position(:, cell)
          lowest = merge(0, -1, .not. grid%active .or. (grid%wall(1::2) .and. place == 0))
@@ -82,24 +82,24 @@ contains
          do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
             do k = 1, 3
                room(k) = most
-               if (lowest(k) == 0) room(k) = min(room(k), places%local(p, k))
-               if (highest(k) == 0) room(k) = min(room(k), 1.0_wp - places%local(p, k))
+               if (lowest(k) == 0) room(k) = min(room(k), shape%local(p, k))
+               if (highest(k) == 0) room(k) = min(room(k), 1.0_wp - shape%local(p, k))
             end do
             call find_domain(grid, store, store%first(tile) + p - 1, room, edge, inverse)
             do k = 1, 3
                do c = 1, 3
-                  places%edge(c + 3*(k - 1), p) = edge(c, k)
-                  places%inverse(c + 3*(k - 1), p) = inverse(c, k)
+                  shape%edge(c + 3*(k - 1), p) = edge(c, k)
+                  shape%inverse(c + 3*(k - 1), p) = inverse(c, k)
                end do
             end do
-            places%corner_node(:, p) = grid%first_node(cell)
+            shape%corner_node(:, p) = grid%first_node(cell)
             do k = 1, 3
                do c = 1, lanes
-                  at = places%local(p, k) + edge(k, 1)*grid%lane_slope(c, 1) &
+                  at = shape%local(p, k) + edge(k, 1)*grid%lane_slope(c, 1) &
                      + edge(k, 2)*grid%lane_slope(c, 2) + edge(k, 3)*grid%lane_slope(c, 3)
                   step = min(max(floor(at), lowest(k)), highest(k))
-                  places%corner(c, k, p) = at - real(step, wp)
-                  places%corner_node(c, p) = places%corner_node(c, p) + step*grid%stride(k)
+                  shape%corner(c, k, p) = at - real(step, wp)
+                  shape%corner_node(c, p) = shape%corner_node(c, p) + step*grid%stride(k)
                end do
             end do
          end do
@@ -167,28 +167,28 @@ contains
    end subroutine invert
 
    !> Linear functions of the nodes round a corner, divided by the number of corners.
-   pure subroutine corner_functions(grid, places, p, corner, share, shape)
+   pure subroutine corner_functions(grid, shape, p, corner, share, functions)
       type(grid_t), intent(in) :: grid                       !! The grid
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       integer, intent(in) :: p                               !! Which particle
       integer, intent(in) :: corner                          !! Which corner
       real(wp), intent(in) :: share                          !! One over the corners
-      real(wp), intent(out) :: shape(lanes)                  !! (lane) The functions
+      real(wp), intent(out) :: functions(lanes)                  !! (lane) The functions
       integer :: lane
 
       !$omp simd
       do lane = 1, lanes
-         shape(lane) = share &
-            *(grid%lane_constant(lane, 1) + grid%lane_slope(lane, 1)*places%corner(corner, 1, p)) &
-            *(grid%lane_constant(lane, 2) + grid%lane_slope(lane, 2)*places%corner(corner, 2, p)) &
-            *(grid%lane_constant(lane, 3) + grid%lane_slope(lane, 3)*places%corner(corner, 3, p))
+         functions(lane) = share &
+            *(grid%lane_constant(lane, 1) + grid%lane_slope(lane, 1)*shape%corner(corner, 1, p)) &
+            *(grid%lane_constant(lane, 2) + grid%lane_slope(lane, 2)*shape%corner(corner, 2, p)) &
+            *(grid%lane_constant(lane, 3) + grid%lane_slope(lane, 3)*shape%corner(corner, 3, p))
       end do
    end subroutine corner_functions
 
    !> Place of a corner as seen from its particle [cells].
-   pure function corner_way(grid, places, p, corner) result(way)
+   pure function corner_way(grid, shape, p, corner) result(way)
       type(grid_t), intent(in) :: grid                       !! The grid
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       integer, intent(in) :: p                               !! Which particle
       integer, intent(in) :: corner                          !! Which corner
       real(wp) :: way(3)
@@ -197,71 +197,71 @@ contains
       way = 0.0_wp
       do a = 1, 3
          do k = 1, 3
-            way(k) = way(k) + grid%lane_slope(corner, a)*places%edge(k + 3*(a - 1), p)
+            way(k) = way(k) + grid%lane_slope(corner, a)*shape%edge(k + 3*(a - 1), p)
          end do
       end do
    end function corner_way
 
    !> Place of a node of the cell of a corner as seen from the particle; none along a missing
    !! direction [cells].
-   pure function node_way(grid, places, p, corner, lane) result(way)
+   pure function node_way(grid, shape, p, corner, lane) result(way)
       type(grid_t), intent(in) :: grid                       !! The grid
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       integer, intent(in) :: p                               !! Which particle
       integer, intent(in) :: corner                          !! Which corner
       integer, intent(in) :: lane                            !! Which node
       real(wp) :: way(3)
 
-      way = corner_way(grid, places, p, corner) &
-         + (1.0_wp - grid%lane_constant(lane, :) - places%corner(corner, :, p))
+      way = corner_way(grid, shape, p, corner) &
+         + (1.0_wp - grid%lane_constant(lane, :) - shape%corner(corner, :, p))
       where (.not. grid%active) way = 0.0_wp
    end function node_way
 
    !> Add sum S_i value to columns of a patch.
-   pure subroutine cpdi_spread(self, grid, start, places, count, values, before, patch)
+   pure subroutine cpdi_spread(self, grid, start, shape, count, values, before, patch)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call spread_corners(grid, start(grid%tile_cells), places, count, values, before, &
+      call spread_corners(grid, start(grid%tile_cells), shape, count, values, before, &
          size(patch, 1), size(patch, 2), patch)
    end subroutine cpdi_spread
 
    !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran,
    !! A. Stomakhin, ACM Trans. Graph. 34 (2015) 51).
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine cpdi_spread_affine(self, grid, start, first, places, mass, velocity, affine, &
+   pure subroutine cpdi_spread_affine(self, grid, start, first, shape, mass, velocity, affine, &
       patch)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: shape(lanes), way(3), part
+      real(wp) :: functions(lanes), way(3), part
       integer :: p, q, c, lane, node, k, corners
 
       corners = 2**grid%dimensions
       do p = 1, start(grid%tile_cells)
          q = first + p - 1
          do c = 1, corners
-            call corner_functions(grid, places, p, c, mass(q)/real(corners, wp), shape)
+            call corner_functions(grid, shape, p, c, mass(q)/real(corners, wp), functions)
             do lane = 1, corners
-               node = places%corner_node(c, p) + grid%lane_offset(lane)
-               way = grid%spacing*node_way(grid, places, p, c, lane)
-               patch(1, node) = patch(1, node) + shape(lane)
+               node = shape%corner_node(c, p) + grid%lane_offset(lane)
+               way = grid%spacing*node_way(grid, shape, p, c, lane)
+               patch(1, node) = patch(1, node) + functions(lane)
                do k = 1, 3
                   part = velocity(q, k) + affine(q, k)*way(1) + affine(q, k + 3)*way(2) &
                      + affine(q, k + 6)*way(3)
-                  patch(1 + k, node) = patch(1 + k, node) + shape(lane)*part
+                  patch(1 + k, node) = patch(1 + k, node) + functions(lane)*part
                end do
             end do
          end do
@@ -270,33 +270,33 @@ contains
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch: each corner gets
    !! a force, and hands it to its nodes.
-   pure subroutine cpdi_spread_stress(self, grid, start, first, places, volume, stress, patch)
+   pure subroutine cpdi_spread_stress(self, grid, start, first, shape, volume, stress, patch)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call push_corners(grid, start(grid%tile_cells), first, places, volume, stress, &
+      call push_corners(grid, start(grid%tile_cells), first, shape, volume, stress, &
          size(patch, 1), size(patch, 2), patch)
    end subroutine cpdi_spread_stress
 
    !> Values sum S_i node_i, three columns at a time.
-   pure subroutine cpdi_collect(self, grid, start, places, nodes, values)
+   pure subroutine cpdi_collect(self, grid, start, shape, nodes, values)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: part(3, size(nodes, 2))
       integer :: skip, count
 
       if (size(nodes, 1) == 3) then
-         call collect_corners(grid, start(grid%tile_cells), places, size(nodes, 2), nodes, 0, &
+         call collect_corners(grid, start(grid%tile_cells), shape, size(nodes, 2), nodes, 0, &
             values)
          return
       end if
@@ -304,35 +304,36 @@ contains
       do skip = 0, size(nodes, 1) - 1, 3
          count = min(size(nodes, 1) - skip, 3)
          part(:count, :) = nodes(skip + 1:skip + count, :)
-         call collect_corners(grid, start(grid%tile_cells), places, size(nodes, 2), part, skip, &
+         call collect_corners(grid, start(grid%tile_cells), shape, size(nodes, 2), part, skip, &
             values)
       end do
    end subroutine cpdi_collect
 
    !> Scaled velocity gradient: mean differences along the edges, times the inverse of the edges.
-   pure subroutine cpdi_collect_gradient(self, grid, start, places, nodes, scale, gradient)
+   pure subroutine cpdi_collect_gradient(self, grid, start, shape, nodes, scale, gradient)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
 
-      call collect_corner_slopes(grid, start(grid%tile_cells), places, size(nodes, 2), nodes, &
+      call collect_corner_slopes(grid, start(grid%tile_cells), shape, size(nodes, 2), nodes, &
          scale, gradient)
    end subroutine cpdi_collect_gradient
 
    !> Linear velocity field: sum S_i u_i (x_i - x) times the inverse of the second moments, which
    !! keeps angular momentum (C. Jiang and others, 2015, as above). Equation (N.10).
-   pure subroutine cpdi_collect_affine(self, grid, start, places, nodes, affine)
+   pure subroutine cpdi_collect_affine(self, grid, start, shape, nodes, affine)
       class(basis_cpdi_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9) [1/s]
-      real(wp) :: shape(lanes), way(3), sums(3, 3), moment(3, 3), inverse(3, 3), determinant, share
+      real(wp) :: functions(lanes), way(3), sums(3, 3), moment(3, 3), inverse(3, 3), determinant, &
+         share
       integer :: p, c, lane, node, k, l, corners
 
       corners = 2**grid%dimensions
@@ -344,14 +345,14 @@ contains
             moment(k, k) = merge(least_moment, 1.0_wp, grid%active(k))
          end do
          do c = 1, corners
-            call corner_functions(grid, places, p, c, share, shape)
+            call corner_functions(grid, shape, p, c, share, functions)
             do lane = 1, corners
-               node = places%corner_node(c, p) + grid%lane_offset(lane)
-               way = node_way(grid, places, p, c, lane)
+               node = shape%corner_node(c, p) + grid%lane_offset(lane)
+               way = node_way(grid, shape, p, c, lane)
                do l = 1, 3
                   do k = 1, 3
-                     sums(k, l) = sums(k, l) + shape(lane)*nodes(k, node)*way(l)
-                     moment(k, l) = moment(k, l) + shape(lane)*way(k)*way(l)
+                     sums(k, l) = sums(k, l) + functions(lane)*nodes(k, node)*way(l)
+                     moment(k, l) = moment(k, l) + functions(lane)*way(k)*way(l)
                   end do
                end do
             end do

@@ -39,29 +39,29 @@ contains
 
    !> With the distance d from a node in cells: 2/3 - d**2 + d**3/2 up to 1, (2 - d)**3/6 up to 2.
    !! Equation (N.5) of doc/theory/node_functions.md.
-   pure subroutine cubic_weigh(self, grid, store, tile, direction, places)
+   pure subroutine cubic_weigh(self, grid, store, tile, direction, shape)
       class(basis_cubic_t), intent(in) :: self               !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
       integer, intent(in) :: direction                       !! 1 to 3
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp) :: x, y, inverse
       integer :: p
 
       inverse = 1.0_wp/grid%spacing
       do p = 1, store%count(tile)
-         x = places%local(p, direction)
+         x = shape%local(p, direction)
          y = 1.0_wp - x
-         places%low(p, direction) = 1
-         places%weight(p, 1, direction) = y**3/6.0_wp
-         places%weight(p, 2, direction) = 2.0_wp/3.0_wp - x**2*(1.0_wp - 0.5_wp*x)
-         places%weight(p, 3, direction) = 2.0_wp/3.0_wp - y**2*(1.0_wp - 0.5_wp*y)
-         places%weight(p, 4, direction) = x**3/6.0_wp
-         places%slope(p, 1, direction) = -0.5_wp*inverse*y**2
-         places%slope(p, 2, direction) = -inverse*x*(2.0_wp - 1.5_wp*x)
-         places%slope(p, 3, direction) = inverse*y*(2.0_wp - 1.5_wp*y)
-         places%slope(p, 4, direction) = 0.5_wp*inverse*x**2
+         shape%low(p, direction) = 1
+         shape%weight(p, 1, direction) = y**3/6.0_wp
+         shape%weight(p, 2, direction) = 2.0_wp/3.0_wp - x**2*(1.0_wp - 0.5_wp*x)
+         shape%weight(p, 3, direction) = 2.0_wp/3.0_wp - y**2*(1.0_wp - 0.5_wp*y)
+         shape%weight(p, 4, direction) = x**3/6.0_wp
+         shape%slope(p, 1, direction) = -0.5_wp*inverse*y**2
+         shape%slope(p, 2, direction) = -inverse*x*(2.0_wp - 1.5_wp*x)
+         shape%slope(p, 3, direction) = inverse*y*(2.0_wp - 1.5_wp*y)
+         shape%slope(p, 4, direction) = 0.5_wp*inverse*x**2
       end do
    end subroutine cubic_weigh
 end module basis_cubic

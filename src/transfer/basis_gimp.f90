@@ -36,13 +36,13 @@ contains
    !! 1 - d, less (l - d)**2/(2 l) where the box holds the top, more (l - |1 - d|)**2/(4 l) where it
    !! holds the foot. That is the form without branches of 1 - (d**2 + l**2)/(2 l), 1 - d and
    !! (1 + l - d)**2/(4 l). Equation (N.2) of doc/theory/node_functions.md.
-   pure subroutine gimp_weigh(self, grid, store, tile, direction, places)
+   pure subroutine gimp_weigh(self, grid, store, tile, direction, shape)
       class(basis_gimp_t), intent(in) :: self                !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
       integer, intent(in) :: direction                       !! 1 to 3
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp) :: half, inverse, away, top, foot, step
       integer :: p, n, before
 
@@ -50,20 +50,20 @@ contains
       before = store%first(tile) - 1
       do p = 1, store%count(tile)
          half = min(max(store%extent(before + p, direction)*inverse, least), 0.5_wp)
-         places%low(p, direction) = merge(1, 2, places%local(p, direction) < half)
+         shape%low(p, direction) = merge(1, 2, shape%local(p, direction) < half)
       end do
       do n = 1, line
          !$omp simd private(half, away, top, foot, step)
          do p = 1, store%count(tile)
             half = min(max(store%extent(before + p, direction)*inverse, least), 0.5_wp)
-            away = places%local(p, direction) - real(n - 2, wp)
+            away = shape%local(p, direction) - real(n - 2, wp)
             ! how far the box reaches over top and foot, as shares of its half
             top = max(half - abs(away), 0.0_wp)*(1.0_wp/half)
             foot = max(half - abs(1.0_wp - abs(away)), 0.0_wp)*(1.0_wp/half)
             step = sign(0.5_wp, 1.0_wp - abs(away))
-            places%weight(p, n, direction) = max(1.0_wp - abs(away), 0.0_wp) &
+            shape%weight(p, n, direction) = max(1.0_wp - abs(away), 0.0_wp) &
                + half*(0.25_wp*foot*foot - 0.5_wp*top*top)
-            places%slope(p, n, direction) = -sign(inverse, away)*((0.5_wp + step) - step*foot - top)
+            shape%slope(p, n, direction) = -sign(inverse, away)*((0.5_wp + step) - step*foot - top)
          end do
       end do
    end subroutine gimp_weigh

@@ -31,27 +31,27 @@ contains
 
    !> With the distance d from a node in cells: (3/2 - d)**2/2, less 3 (1/2 - d)**2/2 where d < 1/2,
    !! which is 3/4 - d**2. Equation (N.4) of doc/theory/node_functions.md.
-   pure subroutine quadratic_weigh(self, grid, store, tile, direction, places)
+   pure subroutine quadratic_weigh(self, grid, store, tile, direction, shape)
       class(basis_quadratic_t), intent(in) :: self           !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
       integer, intent(in) :: direction                       !! 1 to 3
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp) :: away, outer, inner, inverse
       integer :: p, n
 
       inverse = 1.0_wp/grid%spacing
       do p = 1, store%count(tile)
-         places%low(p, direction) = merge(1, 2, places%local(p, direction) < 0.5_wp)
+         shape%low(p, direction) = merge(1, 2, shape%local(p, direction) < 0.5_wp)
       end do
       do n = 1, line
          do p = 1, store%count(tile)
-            away = places%local(p, direction) - real(n - 2, wp)
+            away = shape%local(p, direction) - real(n - 2, wp)
             outer = max(1.5_wp - abs(away), 0.0_wp)
             inner = max(0.5_wp - abs(away), 0.0_wp)
-            places%weight(p, n, direction) = 0.5_wp*outer**2 - 1.5_wp*inner**2
-            places%slope(p, n, direction) = -sign(inverse*(outer - 3.0_wp*inner), away)
+            shape%weight(p, n, direction) = 0.5_wp*outer**2 - 1.5_wp*inner**2
+            shape%slope(p, n, direction) = -sign(inverse*(outer - 3.0_wp*inner), away)
          end do
       end do
    end subroutine quadratic_weigh

@@ -40,30 +40,30 @@ contains
 
    !> Heat - C : B(nodes), for the vector g u - (1 - g) a dt on the nodes.
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine gather_affine_heat(grid, basis, start, first, places, nodes, moments, energy)
+   pure subroutine gather_affine_heat(grid, basis, start, first, shape, nodes, moments, energy)
       type(grid_t), intent(in) :: grid                       !! The grid
       class(basis_t), intent(in) :: basis                    !! Node functions
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places !! Of the tile, with C before the step
+      type(shape_data_t), intent(inout) :: shape !! Of the tile, with C before the step
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: moments(:, :)      !! (9, node) Of `moment_fields` [m2/s]
       real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
       real(wp) :: corner(3), place, heat
       integer :: cell, p, q, k, l
 
-      call basis%collect(grid, start, places, nodes, places%vector)
-      call basis%collect(grid, start, places, moments, places%values)
+      call basis%collect(grid, start, shape, nodes, shape%vector)
+      call basis%collect(grid, start, shape, moments, shape%values)
       do cell = 0, grid%tile_cells - 1
          corner = real(grid%cell_position(:, cell), wp)
          do p = start(cell) + 1, start(cell + 1)
             q = first + p - 1
             heat = 0.0_wp
             do l = 1, 3
-               place = grid%spacing*(corner(l) + places%local(p, l))
+               place = grid%spacing*(corner(l) + shape%local(p, l))
                do k = 1, 3
-                  heat = heat - places%affine(p, k + 3*(l - 1))*(places%values(p, k + 3*(l - 1)) &
-                     - place*places%vector(p, k))
+                  heat = heat - shape%affine(p, k + 3*(l - 1))*(shape%values(p, k + 3*(l - 1)) &
+                     - place*shape%vector(p, k))
                end do
             end do
             energy(q) = energy(q) + heat

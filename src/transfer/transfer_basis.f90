@@ -42,7 +42,7 @@ module transfer_basis
 
    abstract interface
       !> Places of the particles of a tile, for all other maps.
-      pure subroutine locate_i(self, grid, coordinate, store, tile, places)
+      pure subroutine locate_i(self, grid, coordinate, store, tile, shape)
          import :: basis_t, grid_t, shape_data_t, store_t
          implicit none
          class(basis_t), intent(in) :: self
@@ -50,17 +50,17 @@ module transfer_basis
          integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
          type(store_t), intent(in) :: store                     !! The particles
          integer, intent(in) :: tile                            !! Index of the tile
-         type(shape_data_t), intent(inout) :: places                !! What the maps need
+         type(shape_data_t), intent(inout) :: shape                !! What the maps need
       end subroutine locate_i
 
       !> Add sum S_i value to columns of a patch.
-      pure subroutine spread_i(self, grid, start, places, count, values, before, patch)
+      pure subroutine spread_i(self, grid, start, shape, count, values, before, patch)
          import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-         type(shape_data_t), intent(in) :: places                   !! Of the tile
+         type(shape_data_t), intent(in) :: shape                   !! Of the tile
          integer, intent(in) :: count                           !! Number of columns
          real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
          integer, intent(in) :: before                          !! Columns of the patch before them
@@ -68,7 +68,7 @@ module transfer_basis
       end subroutine spread_i
 
       !> Add mass and momentum sum m S_i (v + C (x_i - x)) to columns 1 to 4 of a patch.
-      pure subroutine spread_affine_i(self, grid, start, first, places, mass, velocity, affine, &
+      pure subroutine spread_affine_i(self, grid, start, first, shape, mass, velocity, affine, &
          patch)
          import :: basis_t, grid_t, shape_data_t, wp
          implicit none
@@ -76,7 +76,7 @@ module transfer_basis
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
          integer, intent(in) :: first                           !! First particle of the tile
-         type(shape_data_t), intent(in) :: places                   !! Of the tile
+         type(shape_data_t), intent(in) :: shape                   !! Of the tile
          real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
          real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
          real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
@@ -84,40 +84,40 @@ module transfer_basis
       end subroutine spread_affine_i
 
       !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch.
-      pure subroutine spread_stress_i(self, grid, start, first, places, volume, stress, patch)
+      pure subroutine spread_stress_i(self, grid, start, first, shape, volume, stress, patch)
          import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
          integer, intent(in) :: first                           !! First particle of the tile
-         type(shape_data_t), intent(in) :: places                   !! Of the tile
+         type(shape_data_t), intent(in) :: shape                   !! Of the tile
          real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
          real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
          real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       end subroutine spread_stress_i
 
       !> Values sum S_i node_i.
-      pure subroutine collect_i(self, grid, start, places, nodes, values)
+      pure subroutine collect_i(self, grid, start, shape, nodes, values)
          import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-         type(shape_data_t), intent(in) :: places                   !! Of the tile
+         type(shape_data_t), intent(in) :: shape                   !! Of the tile
          real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
          !> (particle of the tile, column) Columns up to the next multiple of three may be written
          real(wp), contiguous, intent(inout) :: values(:, :)
       end subroutine collect_i
 
       !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
-      pure subroutine collect_gradient_i(self, grid, start, places, nodes, scale, gradient)
+      pure subroutine collect_gradient_i(self, grid, start, shape, nodes, scale, gradient)
          import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
          type(grid_t), intent(in) :: grid                       !! The grid
          integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-         type(shape_data_t), intent(in) :: places                   !! Of the tile
+         type(shape_data_t), intent(in) :: shape                   !! Of the tile
          real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
          real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
          !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
@@ -155,50 +155,50 @@ contains
    end subroutine basis_request
 
    !> Linear velocity field round each particle: its gradient, unless the basis knows better.
-   pure subroutine basis_collect_affine(self, grid, start, places, nodes, affine)
+   pure subroutine basis_collect_affine(self, grid, start, shape, nodes, affine)
       class(basis_t), intent(in) :: self                     !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9) [1/s]
 
-      call self%collect_gradient(grid, start, places, nodes, 1.0_wp, affine)
+      call self%collect_gradient(grid, start, shape, nodes, 1.0_wp, affine)
    end subroutine basis_collect_affine
 
    !> Add mass and momentum to columns 1 to 4 of a patch.
-   pure subroutine basis_scatter_motion(self, grid, start, first, places, mass, velocity, patch)
+   pure subroutine basis_scatter_motion(self, grid, start, first, shape, mass, velocity, patch)
       class(basis_t), intent(in) :: self                     !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: p, k
 
       do p = 1, start(grid%tile_cells)
-         places%values(p, 1) = mass(first + p - 1)
+         shape%values(p, 1) = mass(first + p - 1)
       end do
       do k = 1, 3
          do p = 1, start(grid%tile_cells)
-            places%values(p, 1 + k) = mass(first + p - 1)*velocity(first + p - 1, k)
+            shape%values(p, 1 + k) = mass(first + p - 1)*velocity(first + p - 1, k)
          end do
       end do
-      call self%spread(grid, start, places, 4, places%values, 0, patch)
+      call self%spread(grid, start, shape, 4, shape%values, 0, patch)
    end subroutine basis_scatter_motion
 
    !> Add mass and momentum of particles that turn, sum m S_i (v + w x (x_i - x)), to columns 1 to
    !! 4.
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine basis_scatter_turning(self, grid, start, first, places, mass, velocity, spin, &
+   pure subroutine basis_scatter_turning(self, grid, start, first, shape, mass, velocity, spin, &
       patch)
       class(basis_t), intent(in) :: self                     !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
@@ -212,12 +212,12 @@ contains
       end do
       do k = 1, 3
          do p = 1, count
-            places%vector(p, k) = velocity(first + p - 1, k)
+            shape%vector(p, k) = velocity(first + p - 1, k)
          end do
       end do
-      call places%reserve_affine(count)
-      call expand_spin(first, count, spin, places%affine)
-      call self%spread_affine(grid, start, 1, places, tile_mass, places%vector, places%affine, &
+      call shape%reserve_affine(count)
+      call expand_spin(first, count, spin, shape%affine)
+      call self%spread_affine(grid, start, 1, shape, tile_mass, shape%vector, shape%affine, &
          patch)
    end subroutine basis_scatter_turning
 
@@ -245,13 +245,13 @@ contains
 
    !> Add mass times a vector to three columns of a patch.
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine basis_scatter_product(self, grid, start, first, places, mass, vector, before, &
+   pure subroutine basis_scatter_product(self, grid, start, first, shape, mass, vector, before, &
       patch)
       class(basis_t), intent(in) :: self                     !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -260,49 +260,49 @@ contains
 
       do k = 1, 3
          do p = 1, start(grid%tile_cells)
-            places%values(p, k) = mass(first + p - 1)*vector(p, k)
+            shape%values(p, k) = mass(first + p - 1)*vector(p, k)
          end do
       end do
-      call self%spread(grid, start, places, 3, places%values, before, patch)
+      call self%spread(grid, start, shape, 3, shape%values, before, patch)
    end subroutine basis_scatter_product
 
    !> Add the force of the hoop stress in axisymmetry, - sum v sigma_yy S / r, to column 5. Equation
    !! (M.25) of doc/theory/method.md; with factors where sums are normalised.
-   pure subroutine basis_scatter_hoop(self, grid, start, first, places, position, volume, stress, &
+   pure subroutine basis_scatter_hoop(self, grid, start, first, shape, position, volume, stress, &
       patch)
       class(basis_t), intent(in) :: self                     !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: p, q
 
-      if (allocated(places%factor)) then
-         call scatter_factored_hoop(grid, start, first, places%local, places%factor, position, &
+      if (allocated(shape%factor)) then
+         call scatter_factored_hoop(grid, start, first, shape%local, shape%factor, position, &
             volume, stress, patch)
          return
       end if
       do p = 1, start(grid%tile_cells)
          q = first + p - 1
-         places%values(p, 1) = -(volume(q)*stress(q, 2)/position(q, 1))
+         shape%values(p, 1) = -(volume(q)*stress(q, 2)/position(q, 1))
       end do
-      call self%spread(grid, start, places, 1, places%values, 4, patch)
+      call self%spread(grid, start, shape, 1, shape%values, 4, patch)
    end subroutine basis_scatter_hoop
 
    !> Velocity and position at once: velocity = keep velocity + sum S_i push_i, position = position
    !! + dt sum S_i carry_i.
    ! gate: long kernel because it gives two fields at once
-   pure subroutine basis_gather_motion(self, grid, start, first, places, push, carry, keep, dt, &
+   pure subroutine basis_gather_motion(self, grid, start, first, shape, push, carry, keep, dt, &
       velocity, position)
       class(basis_t), intent(in) :: self                     !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp), contiguous, intent(in) :: push(:, :)         !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: carry(:, :)        !! (3, node) [m/s]
       real(wp), intent(in) :: keep                           !! Share of the old velocity
@@ -310,28 +310,28 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
 
-      call self%gather_vector(grid, start, first, places, push, keep, 1.0_wp, velocity)
-      call self%gather_vector(grid, start, first, places, carry, 1.0_wp, dt, position)
+      call self%gather_vector(grid, start, first, shape, push, keep, 1.0_wp, velocity)
+      call self%gather_vector(grid, start, first, shape, carry, 1.0_wp, dt, position)
    end subroutine basis_gather_motion
 
    !> Particle vectors from node vectors: values = keep values + scale sum S_i nodes_i.
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine basis_gather_vector(self, grid, start, first, places, nodes, keep, scale, values)
+   pure subroutine basis_gather_vector(self, grid, start, first, shape, nodes, keep, scale, values)
       class(basis_t), intent(in) :: self                     !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
       real(wp), intent(in) :: keep                           !! Share of the old value
       real(wp), intent(in) :: scale                          !! Factor of the node values
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle, 3)
       integer :: p, k
 
-      call self%collect(grid, start, places, nodes, places%values)
+      call self%collect(grid, start, shape, nodes, shape%values)
       do k = 1, 3
          do p = 1, start(grid%tile_cells)
-            values(first + p - 1, k) = keep*values(first + p - 1, k) + scale*places%values(p, k)
+            values(first + p - 1, k) = keep*values(first + p - 1, k) + scale*shape%values(p, k)
          end do
       end do
    end subroutine basis_gather_vector
@@ -339,22 +339,22 @@ contains
    !> Hoop rate of axisymmetry, scale u_r / r, into component (2, 2) of the gradient. Equation
    !! (M.25).
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine basis_gather_hoop(self, grid, start, first, places, position, nodes, scale, &
+   pure subroutine basis_gather_hoop(self, grid, start, first, shape, position, nodes, scale, &
       gradient)
       class(basis_t), intent(in) :: self                     !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
       integer :: p
 
-      call self%collect(grid, start, places, nodes, places%values)
+      call self%collect(grid, start, shape, nodes, shape%values)
       do p = 1, start(grid%tile_cells)
-         gradient(p, 5) = scale*places%values(p, 1)/position(first + p - 1, 1)
+         gradient(p, 5) = scale*shape%values(p, 1)/position(first + p - 1, 1)
       end do
    end subroutine basis_gather_hoop
 
@@ -366,13 +366,13 @@ contains
    !! from particle to particle, and add up to zero, are left out; the rest is not negative for
    !! g <= 1. Equation (T.9) of doc/theory/transfers.md.
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine basis_gather_heat(self, grid, start, first, places, nodes, share, velocity, &
+   pure subroutine basis_gather_heat(self, grid, start, first, shape, nodes, share, velocity, &
       energy)
       class(basis_t), intent(in) :: self                     !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       !> (7, node) a dt + g u [m/s]; u + a dt/2 [m/s]; 1/2 |a dt|^2 + g (|u|^2 + u . a dt) [J/kg]
       real(wp), contiguous, intent(in) :: nodes(:, :)
       real(wp), intent(in) :: share                          !! Share g of pic
@@ -381,15 +381,15 @@ contains
       real(wp) :: slow, gain, rest, heat
       integer :: p, q, k
 
-      call self%collect(grid, start, places, nodes, places%values)
+      call self%collect(grid, start, shape, nodes, shape%values)
       !$omp simd private(q, k, slow, gain, rest, heat)
       do p = 1, start(grid%tile_cells)
          q = first + p - 1
-         heat = places%values(p, 7)
+         heat = shape%values(p, 7)
          do k = 1, 3
-            slow = (places%values(p, 3 + k) - 0.5_wp*places%values(p, k)) &
+            slow = (shape%values(p, 3 + k) - 0.5_wp*shape%values(p, k)) &
                *(1.0_wp/(1.0_wp - 0.5_wp*share))
-            gain = places%values(p, k) - share*slow
+            gain = shape%values(p, k) - share*slow
             rest = velocity(q, k) - slow
             heat = heat - 0.5_wp*gain*gain - share*(slow*slow + slow*gain) &
                + share*(1.0_wp - 0.5_wp*share)*(rest*rest)

@@ -17,11 +17,11 @@ contains
 
    !> Add sum S_i value to columns of a patch.
    ! gate: long kernel because patch and values are told by their sizes
-   pure subroutine spread_corners(grid, particles, places, count, values, before, rows, number, &
+   pure subroutine spread_corners(grid, particles, shape, count, values, before, rows, number, &
       patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: particles                       !! Particles of the tile
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -38,18 +38,18 @@ contains
       share = 1.0_wp/real(corners, wp)
       do p = 1, particles
          do c = 1, corners
-            x = places%corner(c, 1, p)
+            x = shape%corner(c, 1, p)
             !$omp simd
             do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*places%corner(c, 2, p)) &
-                  *(a(2*m, 3) + b(2*m, 3)*places%corner(c, 3, p))
+               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner(c, 2, p)) &
+                  *(a(2*m, 3) + b(2*m, 3)*shape%corner(c, 3, p))
             end do
             do n = 1, count
                lower(n) = (1.0_wp - x)*(values(p, n)*share)
                upper(n) = x*(values(p, n)*share)
             end do
             do m = 1, corners/2
-               at = before + rows*(places%corner_node(c, p) + offset(m) - 1)
+               at = before + rows*(shape%corner_node(c, p) + offset(m) - 1)
                ! a number that the compiler knows makes the columns one vector
                if (count == 4) then
                   !$omp simd
@@ -71,11 +71,11 @@ contains
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch: each corner gets
    !! a force, and hands it to its nodes.
    ! gate: long kernel because patch and particles are told by their sizes
-   pure subroutine push_corners(grid, particles, first, places, volume, stress, rows, number, patch)
+   pure subroutine push_corners(grid, particles, first, shape, volume, stress, rows, number, patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: particles                       !! Particles of the tile
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       integer, intent(in) :: rows                            !! Columns of the patch
@@ -96,25 +96,25 @@ contains
          ! the stress seen along the edges
          do l = 1, 3
             do k = 1, 3
-               along(k, l) = v*(stress(q, symmetric(k, 1))*places%inverse(l, p) &
-                  + stress(q, symmetric(k, 2))*places%inverse(l + 3, p) &
-                  + stress(q, symmetric(k, 3))*places%inverse(l + 6, p))
+               along(k, l) = v*(stress(q, symmetric(k, 1))*shape%inverse(l, p) &
+                  + stress(q, symmetric(k, 2))*shape%inverse(l + 3, p) &
+                  + stress(q, symmetric(k, 3))*shape%inverse(l + 6, p))
             end do
          end do
          do c = 1, corners
             do k = 1, 3
                force(k) = b(c, 1)*along(k, 1) + b(c, 2)*along(k, 2) + b(c, 3)*along(k, 3)
             end do
-            x = places%corner(c, 1, p)
+            x = shape%corner(c, 1, p)
             !$omp simd
             do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*places%corner(c, 2, p)) &
-                  *(a(2*m, 3) + b(2*m, 3)*places%corner(c, 3, p))
+               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner(c, 2, p)) &
+                  *(a(2*m, 3) + b(2*m, 3)*shape%corner(c, 3, p))
             end do
             lower = (1.0_wp - x)*force
             upper = x*force
             do m = 1, corners/2
-               at = rows*(places%corner_node(c, p) + offset(m) - 1) + 4
+               at = rows*(shape%corner_node(c, p) + offset(m) - 1) + 4
                do n = 1, 3
                   patch(at + n) = patch(at + n) + weight(m)*lower(n)
                   patch(at + rows + n) = patch(at + rows + n) + weight(m)*upper(n)
@@ -125,10 +125,10 @@ contains
    end subroutine push_corners
 
    !> Values sum S_i node_i of three columns.
-   pure subroutine collect_corners(grid, particles, places, number, nodes, skip, values)
+   pure subroutine collect_corners(grid, particles, shape, number, nodes, skip, values)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: particles                       !! Particles of the tile
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(in) :: nodes(3*number)                !! (column, node), flat
       integer, intent(in) :: skip                            !! Columns of the values before them
@@ -144,15 +144,15 @@ contains
       do p = 1, particles
          value = 0.0_wp
          do c = 1, corners
-            x = places%corner(c, 1, p)
+            x = shape%corner(c, 1, p)
             !$omp simd
             do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*places%corner(c, 2, p)) &
-                  *(a(2*m, 3) + b(2*m, 3)*places%corner(c, 3, p))
+               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner(c, 2, p)) &
+                  *(a(2*m, 3) + b(2*m, 3)*shape%corner(c, 3, p))
             end do
             sums = 0.0_wp
             do m = 1, corners/2
-               at = 3*(places%corner_node(c, p) + offset(m) - 1)
+               at = 3*(shape%corner_node(c, p) + offset(m) - 1)
                !$omp simd
                do n = 1, 6
                   sums(n) = sums(n) + weight(m)*nodes(at + n)
@@ -169,10 +169,10 @@ contains
    end subroutine collect_corners
 
    !> Scaled velocity gradient: mean differences along the edges, times the inverse of the edges.
-   pure subroutine collect_corner_slopes(grid, particles, places, number, nodes, scale, gradient)
+   pure subroutine collect_corner_slopes(grid, particles, shape, number, nodes, scale, gradient)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: particles                       !! Particles of the tile
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(in) :: nodes(3*number)                !! (3, node) Velocity, flat [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
@@ -188,15 +188,15 @@ contains
       do p = 1, particles
          along = 0.0_wp
          do c = 1, corners
-            x = places%corner(c, 1, p)
+            x = shape%corner(c, 1, p)
             !$omp simd
             do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*places%corner(c, 2, p)) &
-                  *(a(2*m, 3) + b(2*m, 3)*places%corner(c, 3, p))
+               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner(c, 2, p)) &
+                  *(a(2*m, 3) + b(2*m, 3)*shape%corner(c, 3, p))
             end do
             sums = 0.0_wp
             do m = 1, corners/2
-               at = 3*(places%corner_node(c, p) + offset(m) - 1)
+               at = 3*(shape%corner_node(c, p) + offset(m) - 1)
                !$omp simd
                do n = 1, 6
                   sums(n) = sums(n) + weight(m)*nodes(at + n)
@@ -213,8 +213,8 @@ contains
          end do
          do l = 1, 3
             do k = 1, 3
-               gradient(p, k + 3*(l - 1)) = factor*(along(k, 1)*places%inverse(3*l - 2, p) &
-                  + along(k, 2)*places%inverse(3*l - 1, p) + along(k, 3)*places%inverse(3*l, p))
+               gradient(p, k + 3*(l - 1)) = factor*(along(k, 1)*shape%inverse(3*l - 2, p) &
+                  + along(k, 2)*shape%inverse(3*l - 1, p) + along(k, 3)*shape%inverse(3*l, p))
             end do
          end do
       end do

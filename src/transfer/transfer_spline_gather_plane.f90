@@ -17,10 +17,10 @@ module transfer_spline_gather_plane
 contains
 
    !> Values sum S_i node_i of any number of columns.
-   pure subroutine collect_plane(grid, start, places, nodes, values)
+   pure subroutine collect_plane(grid, start, shape, nodes, values)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: block(line, line)
@@ -30,17 +30,17 @@ contains
          if (start(cell + 1) == start(cell)) cycle
          do c = 1, size(nodes, 1)
             call load_block(grid, cell, c, 1.0_wp, nodes, block)
-            call add_values(start(cell) + 1, start(cell + 1), size(places%weight, 1), &
-               places%weight(:, :, 1), places%weight(:, :, 3), block, values(:, c))
+            call add_values(start(cell) + 1, start(cell + 1), size(shape%weight, 1), &
+               shape%weight(:, :, 1), shape%weight(:, :, 3), block, values(:, c))
          end do
       end do
    end subroutine collect_plane
 
    !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
-   pure subroutine collect_slopes_plane(grid, start, places, nodes, scale, gradient)
+   pure subroutine collect_slopes_plane(grid, start, shape, nodes, scale, gradient)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
@@ -55,9 +55,9 @@ contains
          if (start(cell + 1) == start(cell)) cycle
          do k = 1, 3, 2
             call load_block(grid, cell, k, scale, nodes, block)
-            call add_slopes(start(cell) + 1, start(cell + 1), size(places%weight, 1), &
-               places%weight(:, :, 1), places%weight(:, :, 3), places%slope(:, :, 1), &
-               places%slope(:, :, 3), block, gradient(:, k), gradient(:, k + 6))
+            call add_slopes(start(cell) + 1, start(cell + 1), size(shape%weight, 1), &
+               shape%weight(:, :, 1), shape%weight(:, :, 3), shape%slope(:, :, 1), &
+               shape%slope(:, :, 3), block, gradient(:, k), gradient(:, k + 6))
          end do
       end do
    end subroutine collect_slopes_plane

@@ -20,11 +20,11 @@ module transfer_spline_kernels
 contains
 
    !> Add sum S_i value to columns of a patch, four columns at a time.
-   pure subroutine spread_lines(grid, after, start, places, count, values, before, patch)
+   pure subroutine spread_lines(grid, after, start, shape, count, values, before, patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: after                           !! Layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -41,11 +41,11 @@ contains
          end do
          sums = 0.0_wp
          if (grid%active(2)) then
-            call space_spread(grid, after, start, size(places%weight, 1), places%weight, &
-               places%low, part, size(sums), sums)
+            call space_spread(grid, after, start, size(shape%weight, 1), shape%weight, &
+               shape%low, part, size(sums), sums)
          else
-            call plane_spread(grid, after, start, size(places%weight, 1), places%weight, &
-               places%low, part, size(sums), sums)
+            call plane_spread(grid, after, start, size(shape%weight, 1), shape%weight, &
+               shape%low, part, size(sums), sums)
          end if
          call add_nodes(size(patch, 2), min(count - skip, columns), sums, before + skip, patch)
       end do
@@ -122,13 +122,13 @@ contains
    !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran,
    !! A. Stomakhin, ACM Trans. Graph. 34 (2015) 51).
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine spread_affine_lines(grid, after, start, first, places, mass, velocity, affine, &
+   pure subroutine spread_affine_lines(grid, after, start, first, shape, mass, velocity, affine, &
       patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: after                           !! Layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
@@ -147,8 +147,8 @@ contains
          do p = start(cell) + 1, start(cell + 1)
             q = first + p - 1
             do i = 1, line
-               weight = mass(q)*places%weight(p, i, 1)
-               d = grid%spacing*(real(i - 2, wp) - places%local(p, 1))
+               weight = mass(q)*shape%weight(p, i, 1)
+               d = grid%spacing*(real(i - 2, wp) - shape%local(p, 1))
                x(1, i) = weight
                do n = 1, 3
                   x(1 + n, i) = weight*(velocity(q, n) + affine(q, n)*d)
@@ -156,14 +156,14 @@ contains
                   z(1 + n, i) = weight*affine(q, n + 6)
                end do
             end do
-            do k = places%low(p, 3), places%low(p, 3) + after
-               d_z = merge(grid%spacing*(real(k - 2, wp) - places%local(p, 3)), 0.0_wp, &
+            do k = shape%low(p, 3), shape%low(p, 3) + after
+               d_z = merge(grid%spacing*(real(k - 2, wp) - shape%local(p, 3)), 0.0_wp, &
                   grid%active(3))
                at = base + columns*(k - 1)*grid%stride(3)
-               do j = places%low(p, 2), places%low(p, 2) + lines_after
-                  d_y = merge(grid%spacing*(real(j - 2, wp) - places%local(p, 2)), 0.0_wp, &
+               do j = shape%low(p, 2), shape%low(p, 2) + lines_after
+                  d_y = merge(grid%spacing*(real(j - 2, wp) - shape%local(p, 2)), 0.0_wp, &
                      grid%active(2))
-                  weight = places%weight(p, j, 2)*places%weight(p, k, 3)
+                  weight = shape%weight(p, j, 2)*shape%weight(p, k, 3)
                   call add_field(weight*[1.0_wp, d_y, d_z], x, y, z, at + (j - 1)*up, size(sums), &
                      sums)
                end do
@@ -192,12 +192,12 @@ contains
    end subroutine add_field
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch.
-   pure subroutine spread_stress_lines(grid, after, start, first, places, volume, stress, patch)
+   pure subroutine spread_stress_lines(grid, after, start, first, shape, volume, stress, patch)
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: after                           !! Layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -215,11 +215,11 @@ contains
       end do
       sums = 0.0_wp
       if (grid%active(2)) then
-         call space_forces(grid, after, start, size(places%weight, 1), places%weight, &
-            places%slope, places%low, load, size(sums), sums)
+         call space_forces(grid, after, start, size(shape%weight, 1), shape%weight, &
+            shape%slope, shape%low, load, size(sums), sums)
       else
-         call plane_forces(grid, after, start, size(places%weight, 1), places%weight, &
-            places%slope, places%low, load, size(sums), sums)
+         call plane_forces(grid, after, start, size(shape%weight, 1), shape%weight, &
+            shape%slope, shape%low, load, size(sums), sums)
       end if
       call add_nodes(size(patch, 2), 3, sums, 4, patch)
    end subroutine spread_stress_lines

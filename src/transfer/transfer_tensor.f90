@@ -34,7 +34,7 @@ module transfer_tensor
    abstract interface
       !> Functions of the particles of a tile along one direction, from their places in the cell:
       !! weight, slope and low of `places`, as if there were no walls.
-      pure subroutine weigh_i(self, grid, store, tile, direction, places)
+      pure subroutine weigh_i(self, grid, store, tile, direction, shape)
          import :: basis_tensor_t, grid_t, shape_data_t, store_t
          implicit none
          class(basis_tensor_t), intent(in) :: self
@@ -42,7 +42,7 @@ module transfer_tensor
          type(store_t), intent(in) :: store                     !! The particles
          integer, intent(in) :: tile                            !! Index of the tile
          integer, intent(in) :: direction                       !! 1 to 3
-         type(shape_data_t), intent(inout) :: places                !! Of the tile
+         type(shape_data_t), intent(inout) :: shape                !! Of the tile
       end subroutine weigh_i
    end interface
 
@@ -64,27 +64,27 @@ contains
    end function tensor_reach
 
    !> Places in the cells and functions of all directions.
-   pure subroutine tensor_locate(self, grid, coordinate, store, tile, places)
+   pure subroutine tensor_locate(self, grid, coordinate, store, tile, shape)
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
       type(store_t), intent(in) :: store                     !! The particles
       integer, intent(in) :: tile                            !! Index of the tile
-      type(shape_data_t), intent(inout) :: places                !! What the maps need
+      type(shape_data_t), intent(inout) :: shape                !! What the maps need
       integer :: direction
 
-      call locate(grid, store%first(tile), store%count(tile), store%position, places%local)
-      call places%reserve_wide(store%count(tile))
+      call locate(grid, store%first(tile), store%count(tile), store%position, shape%local)
+      call shape%reserve_wide(store%count(tile))
       do direction = 1, 3
          if (grid%active(direction)) then
-            call self%weigh(grid, store, tile, direction, places)
-            call fold_walls(grid, coordinate, store%cell_start(:, tile), direction, places%weight, &
-               places%slope)
+            call self%weigh(grid, store, tile, direction, shape)
+            call fold_walls(grid, coordinate, store%cell_start(:, tile), direction, shape%weight, &
+               shape%slope)
          else
-            places%weight(:, :, direction) = 0.0_wp
-            places%weight(:, 1, direction) = 1.0_wp
-            places%slope(:, :, direction) = 0.0_wp
-            places%low(:, direction) = 1
+            shape%weight(:, :, direction) = 0.0_wp
+            shape%weight(:, 1, direction) = 1.0_wp
+            shape%slope(:, :, direction) = 0.0_wp
+            shape%low(:, direction) = 1
          end if
       end do
    end subroutine tensor_locate
@@ -144,107 +144,107 @@ contains
    end function layers_after
 
    !> Add sum S_i value to columns of a patch.
-   pure subroutine tensor_spread(self, grid, start, places, count, values, before, patch)
+   pure subroutine tensor_spread(self, grid, start, shape, count, values, before, patch)
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call spread_lines(grid, layers_after(self, grid), start, places, count, values, before, patch)
+      call spread_lines(grid, layers_after(self, grid), start, shape, count, values, before, patch)
    end subroutine tensor_spread
 
    !> Add mass and momentum of linear velocity fields.
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine tensor_spread_affine(self, grid, start, first, places, mass, velocity, affine, &
+   pure subroutine tensor_spread_affine(self, grid, start, first, shape, mass, velocity, affine, &
       patch)
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call spread_affine_lines(grid, layers_after(self, grid), start, first, places, mass, &
+      call spread_affine_lines(grid, layers_after(self, grid), start, first, shape, mass, &
          velocity, affine, patch)
    end subroutine tensor_spread_affine
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch.
-   pure subroutine tensor_spread_stress(self, grid, start, first, places, volume, stress, patch)
+   pure subroutine tensor_spread_stress(self, grid, start, first, shape, volume, stress, patch)
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call spread_stress_lines(grid, layers_after(self, grid), start, first, places, volume, &
+      call spread_stress_lines(grid, layers_after(self, grid), start, first, shape, volume, &
          stress, patch)
    end subroutine tensor_spread_stress
 
    !> Values sum S_i node_i, three columns at a time.
-   pure subroutine tensor_collect(self, grid, start, places, nodes, values)
+   pure subroutine tensor_collect(self, grid, start, shape, nodes, values)
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: part(3, size(nodes, 2))
       integer :: skip, count
 
       if (grid%dimensions < 3) then
-         call collect_plane(grid, start, places, nodes, values)
+         call collect_plane(grid, start, shape, nodes, values)
          return
       end if
       if (size(nodes, 1) == 3) then
-         call collect_lines(grid, layers_after(self, grid), start, size(places%weight, 1), &
-            places%weight, places%low, size(nodes, 2), nodes, 0, values)
+         call collect_lines(grid, layers_after(self, grid), start, size(shape%weight, 1), &
+            shape%weight, shape%low, size(nodes, 2), nodes, 0, values)
          return
       end if
       part = 0.0_wp
       do skip = 0, size(nodes, 1) - 1, 3
          count = min(size(nodes, 1) - skip, 3)
          part(:count, :) = nodes(skip + 1:skip + count, :)
-         call collect_lines(grid, layers_after(self, grid), start, size(places%weight, 1), &
-            places%weight, places%low, size(nodes, 2), part, skip, values)
+         call collect_lines(grid, layers_after(self, grid), start, size(shape%weight, 1), &
+            shape%weight, shape%low, size(nodes, 2), part, skip, values)
       end do
    end subroutine tensor_collect
 
    !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
-   pure subroutine tensor_collect_gradient(self, grid, start, places, nodes, scale, gradient)
+   pure subroutine tensor_collect_gradient(self, grid, start, shape, nodes, scale, gradient)
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
 
       if (grid%dimensions < 3) then
-         call collect_slopes_plane(grid, start, places, nodes, scale, gradient)
+         call collect_slopes_plane(grid, start, shape, nodes, scale, gradient)
          return
       end if
-      call collect_slopes(grid, layers_after(self, grid), start, size(places%weight, 1), &
-         places%weight, places%slope, places%low, size(nodes, 2), nodes, scale, gradient)
+      call collect_slopes(grid, layers_after(self, grid), start, size(shape%weight, 1), &
+         shape%weight, shape%slope, shape%low, size(nodes, 2), nodes, scale, gradient)
    end subroutine tensor_collect_gradient
 
    !> Linear velocity field: C_kl = sum S_i u_k (x_i - x)_l / sum S_i (x_i - x)_l**2, which keeps
    !! angular momentum (C. Jiang and others, 2015, as above). The second moments are a diagonal
    !! matrix, because the functions are products and have no first moments. Equation (N.10).
-   pure subroutine tensor_collect_affine(self, grid, start, places, nodes, affine)
+   pure subroutine tensor_collect_affine(self, grid, start, shape, nodes, affine)
       class(basis_tensor_t), intent(in) :: self              !! The basis
       type(grid_t), intent(in) :: grid                       !! The grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: places                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape                   !! Of the tile
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9) [1/s]
       type(shape_data_t) :: moments
@@ -253,15 +253,15 @@ contains
 
       ! least second moment that divides: on a wall there is one function and no gradient across it
       least = 1.0e-6_wp*grid%spacing**2
-      moments = places
+      moments = shape
       do direction = 1, 3
          if (.not. grid%active(direction)) cycle
          do p = 1, start(grid%tile_cells)
             moment = 0.0_wp
             do n = 1, line
-               away = grid%spacing*(real(n - 2, wp) - places%local(p, direction))
-               moments%slope(p, n, direction) = places%weight(p, n, direction)*away
-               moment = moment + places%weight(p, n, direction)*away**2
+               away = grid%spacing*(real(n - 2, wp) - shape%local(p, direction))
+               moments%slope(p, n, direction) = shape%weight(p, n, direction)*away
+               moment = moment + shape%weight(p, n, direction)*away**2
             end do
             do n = 1, line
                moments%slope(p, n, direction) = moments%slope(p, n, direction)/max(moment, least)

@@ -159,20 +159,20 @@ contains
    !> Give the kinetic energy that gets lost on the way from particles to nodes and back to the
    !! particles as heat, before they get their new velocities.
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine velocity_heat(self, grid, basis, start, first, places, fields, scalar, &
+   pure subroutine velocity_heat(self, grid, basis, start, first, shape, fields, scalar, &
       velocity, energy)
       class(velocity_t), intent(in) :: self                  !! The transfer
       type(grid_t), intent(in) :: grid                       !! The grid
       class(basis_t), intent(in) :: basis                    !! Node functions
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp), contiguous, intent(in) :: fields(:, :)       !! (column, node) Of `heat_fields`
       real(wp), contiguous, intent(in) :: scalar(:, :)       !! (1, node) Of `heat_fields`
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]
       real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
 
-      call basis%gather_heat(grid, start, first, places, fields, 1.0_wp - self%keep(), velocity, &
+      call basis%gather_heat(grid, start, first, shape, fields, 1.0_wp - self%keep(), velocity, &
          energy)
    end subroutine velocity_heat
 end module transfer_velocity

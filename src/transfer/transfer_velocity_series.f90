@@ -62,14 +62,14 @@ contains
 
    !> Heat 1/2 |v - S x|**2 + S scalar - (factors of squares and products at the particle).
    ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine series_heat(self, grid, basis, start, first, places, fields, scalar, velocity, &
+   pure subroutine series_heat(self, grid, basis, start, first, shape, fields, scalar, velocity, &
       energy)
       class(velocity_series_t), intent(in) :: self           !! The transfer
       type(grid_t), intent(in) :: grid                       !! The grid
       class(basis_t), intent(in) :: basis                    !! Node functions
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: places                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape                !! Of the tile
       real(wp), contiguous, intent(in) :: fields(:, :)       !! (9, node) x, a dt, y_(k-1) [m/s]
       real(wp), contiguous, intent(in) :: scalar(:, :)       !! (1, node) [J/kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]
@@ -78,17 +78,17 @@ contains
       integer :: p, q, k
 
       factors = self%mixing()
-      call basis%collect(grid, start, places, scalar, places%vector)
-      call basis%collect(grid, start, places, fields, places%values)
+      call basis%collect(grid, start, shape, scalar, shape%vector)
+      call basis%collect(grid, start, shape, fields, shape%values)
       do p = 1, start(grid%tile_cells)
          q = first + p - 1
-         heat = places%vector(p, 1)
+         heat = shape%vector(p, 1)
          do k = 1, 3
-            rest = velocity(q, k) - places%values(p, k)
-            gain = places%values(p, 3 + k)
-            last = places%values(p, 6 + k)
+            rest = velocity(q, k) - shape%values(p, k)
+            gain = shape%values(p, 3 + k)
+            last = shape%values(p, 6 + k)
             heat = heat + 0.5_wp*rest*rest - factors(1)*gain*gain - factors(2)*last*last &
-               - factors(3)*gain*last - factors(4)*gain*places%values(p, k)
+               - factors(3)*gain*last - factors(4)*gain*shape%values(p, k)
          end do
          energy(q) = energy(q) + heat
       end do
