@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draw the folders of src/ and which uses which, from the `use` lines of the sources.
+
+    python3 scripts/document_rooms.py             write doc/developer/rooms.svg
+    python3 scripts/document_rooms.py --check     exit code 1 if the drawing is out of date
+
+An arrow A -> B means that A uses modules of B. Arrows that follow from others (A -> B -> C implies A -> C) are left
+out.
+Only the standard library is needed.
+"""
+import argparse
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+DRAWING = ROOT / "doc/developer/rooms.svg"
+USE = re.compile(r"^\s*use\s+(\w+)", re.M)
+#: Each folder's column in the drawing, and what it holds in a few words.
+BOXES = {
+    "base": (1.8, "deck, errors, MPI, exact sums"), "mesh": (1.5, "grid, tiles, patches, walls"),
+    "constitutive": (0.4, "strength, EOS, damage"), "material": (0, "a material, its update"),
+    "particle": (1.5, "stores, shapes, migration"), "transfer": (1, "shape functions, kernels"),
+    "io": (2, "HDF5, files"), "ddmp": (1, "dual gradient"), "exact": (3, "exact solutions"),
+    "step": (1.5, "one time step"), "scene": (1.5, "deck to first state"),
+    "output": (1.5, "streams, checkpoints"), "program": (1.5, "command line, time loop"),
+}
+BOX_WIDTH, BOX_HEIGHT, GAP_X, GAP_Y, MARGIN = 190, 46, 30, 44, 12
+
+
+def uses():
+    """{folder: folders whose modules it uses}"""
+    sources = [path for path in sorted((ROOT / "src").glob("*/*")) if path.name.endswith((".f90", ".f90.in"))]
+    folder_of = {path.name.split(".")[0]: path.parent.name for path in sources}
+    found = {path.parent.name: set() for path in sources}
+    for path in sources:
+        names = USE.findall(path.read_text(encoding="utf-8"))
+        found[path.parent.name] |= {folder_of[name] for name in names if name in folder_of} - {path.parent.name}
+    return found
+
+
+def reach(used, folder):
+    """All folders that a folder depends on."""
+    found = set()
+    for lower in used[folder]:
+        found |= {lower} | reach(used, lower)
+    return found
+
+
+def reduced(used):
+    """The same without arrows that follow from others."""
+    return {folder: {lower for lower in lowers
+                     if not any(lower in reach(used, other) for other in lowers - {lower})}
+            for folder, lowers in used.items()}
+
+
+def rows_below(used):
+    """{folder: rows between it and the top}: right below the lowest folder that uses it."""
+    row = {}
+    while len(row) < len(used):
+        for folder in used:
+            users = [user for user, lowers in used.items() if folder in lowers]
+            if folder not in row and all(user in row for user in users):
+                row[folder] = 1 + max((row[user] for user in users), default=-1)
+    return row
+
+
+def drawing(used):
+    """Text of the SVG file."""
+    row = rows_below(used)
+    corner = {folder: (MARGIN + BOXES[folder][0]*(BOX_WIDTH + GAP_X), MARGIN + row[folder]*(BOX_HEIGHT + GAP_Y))
+              for folder in used}
+    width = max(x for x, _ in corner.values()) + BOX_WIDTH + MARGIN
+    height = max(y for _, y in corner.values()) + BOX_HEIGHT + MARGIN
+    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" '
+             f'width="{width:.0f}" height="{height:.0f}" font-family="sans-serif" text-anchor="middle">',
+             '<!-- Written by scripts/document_rooms.py; do not edit it. -->',
+             '<defs><marker id="head" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" markerHeight="8" '
+             'orient="auto"><path d="M0,0 L8,4 L0,8 z" fill="#555"/></marker></defs>',
+             f'<rect width="{width:.0f}" height="{height:.0f}" fill="white"/>']
+    for folder, lowers in sorted(reduced(used).items()):
+        x, y = corner[folder]
+        for lower in sorted(lowers):
+            to_x, to_y = corner[lower]
+            shift = max(-0.35, min(0.35, (to_x - x)/width))*BOX_WIDTH
+            lines.append(f'<line x1="{x + BOX_WIDTH/2 + shift:.0f}" y1="{y + BOX_HEIGHT:.0f}" '
+                         f'x2="{to_x + BOX_WIDTH/2 - shift:.0f}" y2="{to_y:.0f}" stroke="#555" '
+                         'stroke-width="1.2" marker-end="url(#head)"/>')
+    for folder, (x, y) in sorted(corner.items()):
+        lines += [f'<rect x="{x:.0f}" y="{y:.0f}" width="{BOX_WIDTH}" height="{BOX_HEIGHT}" rx="6" fill="#e8f0f8" '
+                  'stroke="#34597f"/>',
+                  f'<text x="{x + BOX_WIDTH/2:.0f}" y="{y + 19:.0f}" font-size="15" font-weight="bold">{folder}</text>',
+                  f'<text x="{x + BOX_WIDTH/2:.0f}" y="{y + 36:.0f}" font-size="12">{BOXES[folder][1]}</text>']
+    return "\n".join([*lines, "</svg>"]) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="compare only; exit code 1 if the drawing differs")
+    options = parser.parse_args()
+    text = drawing(uses())
+    if not options.check:
+        DRAWING.write_text(text, encoding="utf-8")
+    elif not DRAWING.exists() or DRAWING.read_text(encoding="utf-8") != text:
+        sys.exit("doc/developer/rooms.svg is out of date: run python3 scripts/document_rooms.py")
+
+
+if __name__ == "__main__":
+    main()
