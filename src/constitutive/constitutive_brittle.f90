@@ -10,8 +10,8 @@ module constitutive_brittle
    implicit none
    private
 
-   public :: declare_brittle, draw_weibull, exponential, extremes, read_weibull, &
-      upper_bound, weibull_t
+   public :: declare_brittle, draw_weibull, random_exponential, find_extremes, read_weibull, &
+      bound_deviator, weibull_t
 
    !> Scatter of strength after W. Weibull, J. Appl. Mech. 18 (1951) 293: the probability that a
    !! volume V bears less than f times the characteristic strength is 1 - exp(-V/V0 f**m).
@@ -45,14 +45,14 @@ contains
    end subroutine read_weibull
 
    !> Random number of mean 1 that is distributed as exp(-x).
-   elemental real(wp) function exponential(seed, identity) result(number)
+   elemental real(wp) function random_exponential(seed, identity) result(number)
       integer(int64), intent(in) :: seed             !! Seed of the run
       integer(int64), intent(in) :: identity         !! Whose number this is
       ! Which of the numbers of a particle; another effect takes another.
       integer(int64), parameter :: draw = 7717_int64
 
       number = -log(random_uniform(seed, identity, draw))
-   end function exponential
+   end function random_exponential
 
    !> Strength of particles over the characteristic one, (-ln U V0/V)**(1/m). Equation (F.5) of
    !! doc/theory/failure.md.
@@ -70,7 +70,7 @@ contains
 
       !GCC$ novector
       do k = first, last
-         number = exponential(seed, identity(k))
+         number = random_exponential(seed, identity(k))
          if (weibull%volume > 0.0_wp) number = number*weibull%volume*density/mass(k)
          scatter(k) = number**(1.0_wp/weibull%modulus)
       end do
@@ -78,7 +78,7 @@ contains
 
    !> No principal value of the deviator is above this: 2/3 of the equivalent stress. It spares most
    !! particles the search for their axes.
-   pure subroutine upper_bound(first, last, stress, bound)
+   pure subroutine bound_deviator(first, last, stress, bound)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(in) :: stress(:, :)  !! Deviator (store, 6) [Pa]
@@ -90,10 +90,10 @@ contains
          bound(i) = sqrt(2.0_wp/3.0_wp*(stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
             + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2)))*(1.0_wp + 1.0e-12_wp)
       end do
-   end subroutine upper_bound
+   end subroutine bound_deviator
 
    !> Greatest and least principal value of one deviator.
-   pure subroutine extremes(stress, particle, greatest, least)
+   pure subroutine find_extremes(stress, particle, greatest, least)
       real(wp), contiguous, intent(in) :: stress(:, :)  !! Deviator (store, 6) [Pa]
       integer, intent(in) :: particle                !! Which particle
       real(wp), intent(out) :: greatest              !! [Pa]
@@ -107,5 +107,5 @@ contains
       call principal(tensor, values, axes)
       greatest = values(1)
       least = values(3)
-   end subroutine extremes
+   end subroutine find_extremes
 end module constitutive_brittle

@@ -25,7 +25,7 @@ module constitutive_damage
       procedure :: leaves_strength => damage_leaves_strength !! True if the law knows failed matter
       procedure(read_i), deferred :: read            !! Reads its keys
       procedure(request_i), deferred :: request      !! Asks for the fields it needs
-      procedure :: draw => damage_draw               !! Random strength of particles
+      procedure :: draw_strength => damage_draw_strength !! Random strength of particles
       procedure(update_i), deferred :: update        !! Lets the damage grow
    end type damage_t
 
@@ -45,11 +45,11 @@ module constitutive_damage
          type(effects_t), intent(in) :: effects                !! What is asked for
       end subroutine read_i
 
-      pure subroutine request_i(self, wishes)
+      pure subroutine request_i(self, requests)
          import :: damage_t, field_requests_t
          implicit none
          class(damage_t), intent(in) :: self
-         class(field_requests_t), intent(inout) :: wishes              !! Fields to be carried
+         class(field_requests_t), intent(inout) :: requests              !! Fields to be carried
       end subroutine request_i
 
       !> On entry the stress holds the deviator after the law, and pressure and plastic increment
@@ -100,7 +100,7 @@ contains
 
    !> Random strength of new particles, where the model asked for the field `scatter`. Who they are
    !! decides, not where or in which order they are.
-   pure subroutine damage_draw(self, seed, identity, first, last, mass, scatter)
+   pure subroutine damage_draw_strength(self, seed, identity, first, last, mass, scatter)
       class(damage_t), intent(in) :: self                      !! The model
       integer(int64), intent(in) :: seed                       !! Seed of the run
       integer(int64), contiguous, intent(in) :: identity(:)    !! Of the particles (store)
@@ -110,5 +110,5 @@ contains
       real(wp), contiguous, intent(inout) :: scatter(:)        !! Random strength (store) [1]
 
       scatter(first:last) = 1.0_wp
-   end subroutine damage_draw
+   end subroutine damage_draw_strength
 end module constitutive_damage

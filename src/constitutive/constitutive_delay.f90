@@ -14,7 +14,7 @@ module constitutive_delay
    implicit none
    private
 
-   public :: ages, declare_delay, delay_fault, delay_t, mean_power
+   public :: age_damage, declare_delay, delay_fault, delay_t, mean_power
 
    !> Greatest overload that counts: what is loaded more fails at once, and powers stay numbers.
    real(wp), parameter :: most_overload = 1.0e9_wp
@@ -26,7 +26,7 @@ module constitutive_delay
    contains
       procedure :: read => delay_read                !! Reads its keys
       procedure :: request => delay_request          !! Asks for the overload, if it is needed
-      procedure :: nucleate => delay_nucleate        !! Lets damage grow by the overload
+      procedure :: grow_damage => delay_grow_damage        !! Lets damage grow by the overload
    end type delay_t
 
 contains
@@ -69,23 +69,23 @@ contains
    end subroutine delay_read
 
    !> Overload of particles, if the delay depends on it.
-   pure subroutine delay_request(self, wishes)
+   pure subroutine delay_request(self, requests)
       class(delay_t), intent(in) :: self             !! The delay
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      if (self%power > 0.0_wp) call wishes%ask("overload", "failure_delay_power", 1)
+      if (self%power > 0.0_wp) call requests%add("overload", "failure_delay_power", 1)
    end subroutine delay_request
 
    !> Damage of a particle that was above its strength for a step, with a constant delay. Equation
    !! (F.3).
-   pure real(wp) function ages(damage, delay, dt) result(grown)
+   pure real(wp) function age_damage(damage, delay, dt) result(grown)
       real(wp), intent(in) :: damage                 !! Before the step [1]
       real(wp), intent(in) :: delay                  !! Time to failure [s]
       real(wp), intent(in) :: dt                     !! Time step [s]
 
       grown = 1.0_wp
       if (delay > dt) grown = min(1.0_wp, damage + dt/delay)
-   end function ages
+   end function age_damage
 
    !> Mean over a step of the power of an overload that goes evenly from one value to another; what
    !! is below zero counts as zero. Equation (F.4).
@@ -112,7 +112,7 @@ contains
    end function mean_power
 
    !> Let the damage of particles grow in a step whose load is known at its end.
-   pure subroutine delay_nucleate(self, first, last, dt, load, overload, damage)
+   pure subroutine delay_grow_damage(self, first, last, dt, load, overload, damage)
       class(delay_t), intent(in) :: self             !! The delay
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -128,5 +128,5 @@ contains
             + dt/self%time*mean_power(overload(k), load(i) - 1.0_wp, self%power))
          overload(k) = load(i) - 1.0_wp
       end do
-   end subroutine delay_nucleate
+   end subroutine delay_grow_damage
 end module constitutive_delay

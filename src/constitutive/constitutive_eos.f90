@@ -23,18 +23,18 @@ module constitutive_eos
       procedure :: read => eos_read                  !! Reads its keys, if it has any
       procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
       procedure(request_i), deferred :: request      !! Asks for the fields it needs
-      procedure :: remember => eos_remember          !! Keeps what the step did to its own state
+      procedure :: keep_state => eos_keep_state          !! Keeps what the step did to its own state
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
-      procedure :: gruneisen => eos_gruneisen        !! Grueneisen number times density
-      procedure(stored_i), deferred :: stored        !! Energy stored in the change of volume
+      procedure :: find_gruneisen => eos_find_gruneisen        !! Grueneisen number times density
+      procedure(stored_energy_i), deferred :: stored_energy !! Energy stored in the change of volume
    end type eos_t
 
    abstract interface
-      pure subroutine request_i(self, wishes)
+      pure subroutine request_i(self, requests)
          import :: eos_t, field_requests_t
          implicit none
          class(eos_t), intent(in) :: self
-         class(field_requests_t), intent(inout) :: wishes              !! Fields to be carried
+         class(field_requests_t), intent(inout) :: requests              !! Fields to be carried
       end subroutine request_i
 
       !> The square of the bulk sound speed [m2/s2] is left in the wave speed.
@@ -50,7 +50,7 @@ module constitutive_eos
 
       !> Energy [J] of one particle that carries none: work of the pressure from the reference
       !! state, where the material bears no pressure below a limit [Pa].
-      pure function stored_i(self, mass, volume, limit) result(energy)
+      pure function stored_energy_i(self, mass, volume, limit) result(energy)
          import :: eos_t, wp
          implicit none
          class(eos_t), intent(in) :: self
@@ -58,7 +58,7 @@ module constitutive_eos
          real(wp), intent(in) :: volume                        !! [m3]
          real(wp), intent(in) :: limit                         !! Least pressure [Pa]
          real(wp) :: energy
-      end function stored_i
+      end function stored_energy_i
    end interface
 
 contains
@@ -94,7 +94,7 @@ contains
 
    !> Grueneisen number times density at the middle of the step, for the temperature. It is 0 where
    !! the pressure does not depend on energy.
-   pure subroutine eos_gruneisen(self, state, deformation, first, last)
+   pure subroutine eos_find_gruneisen(self, state, deformation, first, last)
       class(eos_t), intent(in) :: self                         !! The equation of state
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
@@ -102,14 +102,14 @@ contains
       integer, intent(in) :: last                              !! Last particle of the range
 
       deformation%gruneisen(:last - first + 1) = 0.0_wp
-   end subroutine eos_gruneisen
+   end subroutine eos_find_gruneisen
 
    !> Keep what the step did to the state that belongs to the equation of state, after `update`.
-   pure subroutine eos_remember(self, state, deformation, first, last)
+   pure subroutine eos_keep_state(self, state, deformation, first, last)
       class(eos_t), intent(in) :: self                         !! The equation of state
       type(material_state_t), intent(inout) :: state                  !! State of the store
       type(deformation_t), intent(in) :: deformation           !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range
-   end subroutine eos_remember
+   end subroutine eos_keep_state
 end module constitutive_eos

@@ -18,16 +18,16 @@ module constitutive_field_requests
    type :: field_requests_t
       type(field_request_t), allocatable :: entries(:)        !! In the order of asking
    contains
-      procedure :: ask => wishes_ask                 !! Ask for a field
-      procedure :: asked => wishes_asked             !! True if somebody asked for a field
-      procedure :: bytes => wishes_bytes             !! Bytes a particle of all fields
-      procedure :: report => wishes_report           !! Table for the user
+      procedure :: add => requests_add                 !! Ask for a field
+      procedure :: has => requests_has             !! True if somebody asked for a field
+      procedure :: bytes => requests_bytes             !! Bytes a particle of all fields
+      procedure :: report => requests_report           !! Table for the user
    end type field_requests_t
 
 contains
 
    !> Ask for a field. Who asks for a field that is there already is added to its reasons.
-   pure subroutine wishes_ask(self, field, reason, components)
+   pure subroutine requests_add(self, field, reason, components)
       class(field_requests_t), intent(inout) :: self         !! The list
       character(len=*), intent(in) :: field          !! Name of the field
       character(len=*), intent(in) :: reason         !! Who asks
@@ -50,10 +50,10 @@ contains
       longer(known + 1)%reason = reason
       longer(known + 1)%bytes = components*storage_size(1.0_wp)/8
       call move_alloc(longer, self%entries)
-   end subroutine wishes_ask
+   end subroutine requests_add
 
    !> True if somebody asked for a field.
-   pure logical function wishes_asked(self, field) result(asked)
+   pure logical function requests_has(self, field) result(asked)
       class(field_requests_t), intent(in) :: self            !! The list
       character(len=*), intent(in) :: field          !! Name of the field
       integer :: i
@@ -63,18 +63,18 @@ contains
       do i = 1, size(self%entries)
          if (self%entries(i)%field == field) asked = .true.
       end do
-   end function wishes_asked
+   end function requests_has
 
    !> Bytes a particle of all fields.
-   pure integer function wishes_bytes(self) result(bytes)
+   pure integer function requests_bytes(self) result(bytes)
       class(field_requests_t), intent(in) :: self            !! The list
 
       bytes = 0
       if (allocated(self%entries)) bytes = sum(self%entries%bytes)
-   end function wishes_bytes
+   end function requests_bytes
 
    !> One line a field: name, bytes a particle, who asked for it.
-   pure function wishes_report(self) result(text)
+   pure function requests_report(self) result(text)
       class(field_requests_t), intent(in) :: self            !! The list
       character(len=:), allocatable :: text
       character(len=20) :: name
@@ -88,5 +88,5 @@ contains
          write (line, "(a20, i6, a6)") name, self%entries(i)%bytes, " bytes"
          text = text//line//"  "//self%entries(i)%reason//new_line("a")
       end do
-   end function wishes_report
+   end function requests_report
 end module constitutive_field_requests

@@ -13,11 +13,12 @@ module constitutive_friction
    use constitutive_field_requests, only: field_requests_t
    use constitutive_law, only: law_t
    use constitutive_state, only: deformation_t, material_state_t
-   use constitutive_tension, only: stiffen_intact
+   use constitutive_tension, only: add_intact_shear_speed
    implicit none
    private
 
-   public :: angles_t, declare_angles, fault_of_angles, frictional_t, gain, loosen, read_angles
+   public :: angles_t, declare_angles, angle_fault, frictional_t, add_dilation, &
+      add_dilation_pressure, read_angles
 
    !> Constants of cohesive matter with friction.
    type :: angles_t
@@ -33,7 +34,7 @@ module constitutive_friction
    contains
       procedure :: follows_density => frictional_follows_density !! Its pressure does
       procedure :: request => frictional_request     !! Asks for what shear loosened
-      procedure :: stiffen => frictional_stiffen     !! Shear, where matter holds together
+      procedure :: add_wave_speed => frictional_add_wave_speed !! Shear, where matter holds together
       procedure :: least_pressure => frictional_least_pressure !! That of the apex
    end type frictional_t
 
@@ -67,7 +68,7 @@ contains
    end subroutine read_angles
 
    !> What is wrong with the angles taken together.
-   pure function fault_of_angles(group) result(text)
+   pure function angle_fault(group) result(text)
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
       character(len=:), allocatable :: eos
@@ -90,7 +91,7 @@ contains
       else if (.not. (friction > 0.0_wp .or. cohesion > 0.0_wp)) then
          text = "friction_angle or cohesion must be above 0; for a fluid set elastic = 'none'"
       end if
-   end function fault_of_angles
+   end function angle_fault
 
    !> The pressure must know the density.
    pure logical function frictional_follows_density(self) result(follows)
@@ -100,11 +101,11 @@ contains
    end function frictional_follows_density
 
    !> Matter that shear loosens carries by how much.
-   pure subroutine frictional_request(self, wishes)
+   pure subroutine frictional_request(self, requests)
       class(frictional_t), intent(in) :: self        !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      if (self%dilates) call wishes%ask("plastic_dilation", "dilation_angle", 1)
+      if (self%dilates) call requests%add("plastic_dilation", "dilation_angle", 1)
    end subroutine frictional_request
 
    !> Least pressure that the law can bear [Pa].
@@ -116,7 +117,7 @@ contains
 
    !> Shear modulus in the square of the wave speed. What has come apart bears no shear; its wave
    !! speed does not grow with its volume, or a cloud of it would shorten the time step.
-   pure subroutine frictional_stiffen(self, state, deformation, first, last)
+   pure subroutine frictional_add_wave_speed(self, state, deformation, first, last)
       class(frictional_t), intent(in) :: self              !! The law
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -124,17 +125,18 @@ contains
       integer, intent(in) :: last                          !! Last particle of the range
 
       if (allocated(state%failed)) then
-         call stiffen_intact(first, last, self%shear, state%failed, state%mass, state%volume, &
+         call add_intact_shear_speed(first, last, self%shear, state%failed, state%mass, &
+            state%volume, &
             deformation%wave_speed)
       else
-         call stiffen_joined(first, last, self%shear, self%bulk, self%apex, state%mass, &
+         call add_joined_shear_speed(first, last, self%shear, self%bulk, self%apex, state%mass, &
             state%volume, deformation%pressure, deformation%wave_speed)
       end if
-   end subroutine frictional_stiffen
+   end subroutine frictional_add_wave_speed
 
    !> Kernel of the above. In matter at its least pressure the shear adds its share of the speed
    !! that the volume change has, G/K of it.
-   pure subroutine stiffen_joined(first, last, shear, bulk, apex, mass, volume, pressure, &
+   pure subroutine add_joined_shear_speed(first, last, shear, bulk, apex, mass, volume, pressure, &
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -156,13 +158,14 @@ contains
             min(share, 4.0_wp/3.0_wp*shear/max(bulk, least*shear, tiny(least))*wave_speed(i)), &
             pressure(i) > apex)
       end do
-   end subroutine stiffen_joined
+   end subroutine add_joined_shear_speed
 
    !> Take the volume that shear gained out of the pressure: p + rho c**2 (exp(gained) - 1), exact
    !! for p = K (rho/rho0 - 1). What the flow of the step gains, x times the volume gained before,
    !! then raises the pressure by exactly rho c**2 exp(gained) x. Equation (Y.27) of
    !! doc/theory/strength.md.
-   pure subroutine loosen(first, last, gained, mass, volume, wave_speed, pressure, tangent)
+   pure subroutine add_dilation_pressure(first, last, gained, mass, volume, wave_speed, pressure, &
+      tangent)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(in) :: gained(:)  !! Logarithm of the volume gained (store) [1]
@@ -181,10 +184,10 @@ contains
          tangent(i) = wave_speed(i)*exp(gained(k))
          pressure(i) = pressure(i) + mass(k)/volume(k)*(tangent(i) - wave_speed(i))
       end do
-   end subroutine loosen
+   end subroutine add_dilation_pressure
 
    !> Add what the flow of a step gained, as a share of the volume gained before. Equation (Y.27).
-   pure subroutine gain(first, last, share, gained)
+   pure subroutine add_dilation(first, last, share, gained)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(in) :: share(:)   !! Of the step (range) [1]
@@ -196,5 +199,5 @@ contains
       do i = 1, last - first + 1
          gained(first - 1 + i) = gained(first - 1 + i) + log(1.0_wp + share(i))
       end do
-   end subroutine gain
+   end subroutine add_dilation
 end module constitutive_friction

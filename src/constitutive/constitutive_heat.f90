@@ -6,7 +6,8 @@ module constitutive_heat
    implicit none
    private
 
-   public :: heat, heat_t, homologous_temperature, melt, melting_range_t, read_range
+   public :: heat_particles, heat_t, homologous_temperature, cut_melted_tension, melting_range_t, &
+      read_melting_range
 
    !> Heating of a material.
    type :: heat_t
@@ -23,13 +24,13 @@ module constitutive_heat
 contains
 
    !> Read the temperatures between which a material softens.
-   pure subroutine read_range(group, range)
+   pure subroutine read_melting_range(group, range)
       type(group_t), intent(in) :: group             !! &material
       type(melting_range_t), intent(out) :: range    !! The temperatures
 
       call group%get("t_ref", range%reference)
       call group%get("t_melt", range%melt)
-   end subroutine read_range
+   end subroutine read_melting_range
 
    !> Temperature after the step.
    !!
@@ -39,7 +40,8 @@ contains
    !! To it the heat of the work of plastic flow and of artificial viscosity is added. Where the
    !! material is at the least pressure it can bear, voids open or close and the material itself
    !! keeps its volume and temperature. Equations (A.12) and (A.13) of doc/theory/matter.md.
-   pure subroutine heat(first, last, specific_heat, plastic_share, gruneisen, mass, volume, &
+   pure subroutine heat_particles(first, last, specific_heat, plastic_share, gruneisen, mass, &
+      volume, &
       old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -69,7 +71,7 @@ contains
          temperature(k) = max(0.0_wp, temperature(k)*growth &
             + (plastic_share*plastic_work(i) + viscous_work(i))/(mass(k)*specific_heat))
       end do
-   end subroutine heat
+   end subroutine heat_particles
 
    !> Temperature on a scale from 0 at the reference to 1 at melting, clipped to it. Equation
    !! (A.11).
@@ -90,7 +92,7 @@ contains
    end subroutine homologous_temperature
 
    !> A melted particle bears no tension.
-   pure subroutine melt(first, last, melting, temperature, pressure, pressure_floor)
+   pure subroutine cut_melted_tension(first, last, melting, temperature, pressure, pressure_floor)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: melting                !! Temperature of melting [K]
@@ -104,5 +106,5 @@ contains
             temperature(first - 1 + i) >= melting)
          pressure(i) = merge(pressure_floor(i), pressure(i), pressure(i) < pressure_floor(i))
       end do
-   end subroutine melt
+   end subroutine cut_melted_tension
 end module constitutive_heat

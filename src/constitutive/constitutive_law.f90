@@ -9,11 +9,12 @@ module constitutive_law
    use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: predict_deviator
    use constitutive_state, only: deformation_t, material_state_t
-   use constitutive_tension, only: stiffen, stiffen_intact
+   use constitutive_tension, only: add_intact_shear_speed, add_shear_speed
    implicit none
    private
 
-   public :: equivalent_stress, law_stiffen, law_stored, law_t, mean_work, strain_trial
+   public :: equivalent_stress, law_add_wave_speed, law_stored_energy, law_t, mean_work, &
+      strain_trial
 
    !> A law of strength. The material holds none if it has no strength.
    type, abstract :: law_t
@@ -23,30 +24,31 @@ module constitutive_law
       real(wp) :: heat_share = 0.9_wp !! Of plastic work, becomes heat (Taylor, Quinney 1934) [1]
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
-      procedure :: select => law_select              !! Reads what decides on other models
+      procedure :: read_mode => law_read_mode              !! Reads what decides on other models
       procedure :: fault => law_fault                !! What is wrong with its keys together
       procedure :: read => law_read                  !! Reads its keys
-      procedure :: whole => law_whole                !! True if it gives the whole stress
+      procedure :: gives_whole_stress => law_gives_whole_stress !! True if it gives the whole stress
       procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
       procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
       procedure :: follows_density => law_follows_density !! True if its pressure must know it
       procedure :: has_grains => law_has_grains      !! True if it has an inertial number
-      procedure :: plastic => law_plastic            !! True if it flows and so takes energy
+      procedure :: is_plastic => law_is_plastic            !! True if it flows and so takes energy
       procedure(request_i), deferred :: request      !! Asks for the fields it needs
-      procedure :: predict => law_predict            !! Trial deviator of the step
+      procedure :: predict_trial => law_predict_trial            !! Trial deviator of the step
       procedure(update_i), deferred :: update        !! Corrects the trial deviator
-      procedure :: stiffen => law_stiffen            !! Its share of the square of the wave speed
-      procedure :: damp => law_damp                  !! What its viscosity asks of the time step
-      procedure :: stored => law_stored              !! Energy stored in a particle
+      procedure :: add_wave_speed => law_add_wave_speed !! Its share of the square of the wave speed
+      !> What its viscosity asks of the time step
+      procedure :: add_viscous_speed => law_add_viscous_speed
+      procedure :: stored_energy => law_stored_energy              !! Energy stored in a particle
       procedure :: least_pressure => law_least_pressure !! Least pressure it can bear
    end type law_t
 
    abstract interface
-      pure subroutine request_i(self, wishes)
+      pure subroutine request_i(self, requests)
          import :: law_t, field_requests_t
          implicit none
          class(law_t), intent(in) :: self
-         class(field_requests_t), intent(inout) :: wishes              !! Fields to be carried
+         class(field_requests_t), intent(inout) :: requests              !! Fields to be carried
       end subroutine request_i
 
       !> On entry the stress holds the trial deviator, on return the deviator. Plastic increment and
@@ -81,10 +83,10 @@ contains
 
    !> Read the words that decide which other models the material has, before the deck is known to be
    !! right.
-   pure subroutine law_select(self, group)
+   pure subroutine law_read_mode(self, group)
       class(law_t), intent(inout) :: self                      !! The law
       type(group_t), intent(in) :: group                       !! &material
-   end subroutine law_select
+   end subroutine law_read_mode
 
    !> What is wrong with the keys of the law taken together, which the single ones cannot tell;
    !! empty if nothing is.
@@ -98,11 +100,11 @@ contains
 
    !> True if the law gives the whole stress. Then the material has no equation of state and no
    !! limit of tension, and there is no elastic trial but what the law makes of it.
-   pure logical function law_whole(self) result(whole)
+   pure logical function law_gives_whole_stress(self) result(whole)
       class(law_t), intent(in) :: self                         !! The law
 
       whole = .false.
-   end function law_whole
+   end function law_gives_whole_stress
 
    !> True if the law has a shear modulus.
    pure logical function law_has_shear(self) result(has)
@@ -134,14 +136,14 @@ contains
    end function law_needs_eos
 
    !> True if the law flows: it takes energy, and damage by plastic strain can follow it.
-   pure logical function law_plastic(self) result(plastic)
+   pure logical function law_is_plastic(self) result(plastic)
       class(law_t), intent(in) :: self                         !! The law
 
       plastic = .true.
-   end function law_plastic
+   end function law_is_plastic
 
    !> Elastic trial of the deviator with constant shear modulus and Jaumann rate, and the volume.
-   pure subroutine law_predict(self, state, deformation, first, last)
+   pure subroutine law_predict_trial(self, state, deformation, first, last)
       class(law_t), intent(in) :: self                         !! The law
       type(material_state_t), intent(inout) :: state                  !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
@@ -151,11 +153,11 @@ contains
       call predict_deviator(first, last, deformation%plane, self%shear, deformation%gradient, &
          state%volume, state%stress, deformation%old_volume, deformation%dilatation, &
          deformation%pressure)
-   end subroutine law_predict
+   end subroutine law_predict_trial
 
    !> Add to the square of the wave speed what the law contributes. A law that gives the whole
    !! stress finds 0 and leaves the square of its fastest wave.
-   pure subroutine law_stiffen(self, state, deformation, first, last)
+   pure subroutine law_add_wave_speed(self, state, deformation, first, last)
       class(law_t), intent(in) :: self                         !! The law
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
@@ -163,26 +165,28 @@ contains
       integer, intent(in) :: last                              !! Last particle of the range
 
       if (allocated(state%failed)) then
-         call stiffen_intact(first, last, self%shear, state%failed, state%mass, state%volume, &
+         call add_intact_shear_speed(first, last, self%shear, state%failed, state%mass, &
+            state%volume, &
             deformation%wave_speed)
       else
-         call stiffen(first, last, self%shear, state%mass, state%volume, deformation%wave_speed)
+         call add_shear_speed(first, last, self%shear, state%mass, state%volume, &
+            deformation%wave_speed)
       end if
-   end subroutine law_stiffen
+   end subroutine law_add_wave_speed
 
    !> Raise the wave speed that limits the time step where the law has a viscosity.
-   pure subroutine law_damp(self, state, deformation, first, last, spacing)
+   pure subroutine law_add_viscous_speed(self, state, deformation, first, last, spacing)
       class(law_t), intent(in) :: self                         !! The law
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range
       real(wp), intent(in) :: spacing                          !! Cell size [m]
-   end subroutine law_damp
+   end subroutine law_add_viscous_speed
 
    !> Energy [J] stored in the deviator of the stress of one particle; in the whole stress for a law
    !! that gives it.
-   pure real(wp) function law_stored(self, state, particle) result(energy)
+   pure real(wp) function law_stored_energy(self, state, particle) result(energy)
       class(law_t), intent(in) :: self                         !! The law
       type(material_state_t), intent(in) :: state                     !! State of the store
       integer, intent(in) :: particle                          !! Which particle
@@ -193,7 +197,7 @@ contains
       mean = sum(state%stress(particle, 1:3))/3.0_wp
       energy = state%volume(particle)*(sum((state%stress(particle, 1:3) - mean)**2) &
          + 2.0_wp*sum(state%stress(particle, 4:6)**2))/(4.0_wp*self%shear)
-   end function law_stored
+   end function law_stored_energy
 
    !> Least pressure that the law can bear [Pa].
    pure real(wp) function law_least_pressure(self) result(pressure)

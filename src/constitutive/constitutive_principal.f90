@@ -49,7 +49,8 @@ contains
       end do
    end subroutine principal
 
-   !> One rotation in the plane of two axes that makes their component vanish (W. H. Press and
+   !> One rotation in the plane of two axes that makes their component remove_failed_stress (W. H.
+   !! Press and
    !> others, "Numerical Recipes", section 11.1).
    pure subroutine turn(a, axes, p, q)
       real(wp), intent(inout) :: a(3, 3)             !! The tensor

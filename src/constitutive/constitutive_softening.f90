@@ -22,13 +22,13 @@ module constitutive_softening
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use base_text, only: brief
-   use constitutive_brittle, only: upper_bound
+   use constitutive_brittle, only: bound_deviator
    use constitutive_principal, only: compose, principal
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
-   public :: declare_softening, opening_share, softening_fault, softening_t
+   public :: declare_softening, crack_damage, softening_fault, softening_t
 
    !> How the strength of a material falls.
    type :: softening_t
@@ -42,9 +42,11 @@ module constitutive_softening
    contains
       procedure :: read => softening_read            !! Reads its keys
       procedure :: band_fault => softening_band_fault !! What is wrong with the cell size
-      procedure :: recover => softening_recover      !! Stress without cracks, before the trial
-      procedure :: open => softening_open            !! Lets cracks open, and stress that acts
-      procedure :: missing => softening_missing      !! Energy that the stress that acts hides
+      !> Stress without cracks, before the trial
+      procedure :: restore_uncracked_stress => softening_restore_stress
+      procedure :: open_cracks => softening_open_cracks !! Lets cracks open, and stress that acts
+      !> Energy that the stress that acts hides
+      procedure :: hidden_energy => softening_hidden_energy
    end type softening_t
 
 contains
@@ -163,7 +165,7 @@ contains
    end function softening_band_fault
 
    !> Damage D of a state. Equation (F.8).
-   elemental real(wp) function opening_share(exponential, strength, band_strain, stress, strain) &
+   elemental real(wp) function crack_damage(exponential, strength, band_strain, stress, strain) &
       result(damage)
       logical, intent(in) :: exponential             !! The curve; else linear
       real(wp), intent(in) :: strength               !! f [Pa]
@@ -195,11 +197,11 @@ contains
       end do
       damage = opening/strain
       if (exp(-opening/band_strain) < least) damage = 1.0_wp
-   end function opening_share
+   end function crack_damage
 
    !> Stress that matter with open cracks would have without them. The viscous pressure is no stress
    !! of the matter and stays as it is.
-   pure subroutine softening_recover(self, state, first, last)
+   pure subroutine softening_restore_stress(self, state, first, last)
       class(softening_t), intent(in) :: self         !! How strength falls
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
@@ -220,11 +222,11 @@ contains
          tensor(1:3) = tensor(1:3) - viscous
          state%stress(k, :) = tensor
       end do
-   end subroutine softening_recover
+   end subroutine softening_restore_stress
 
    !> Let cracks open and weaken the tension of what has some. On entry deviator and pressure are
    !! those without cracks, on return those that act. What cracks take is booked as plastic work.
-   pure subroutine softening_open(self, state, deformation, first, last, spacing)
+   pure subroutine softening_open_cracks(self, state, deformation, first, last, spacing)
       class(softening_t), intent(in) :: self             !! How strength falls
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
@@ -235,7 +237,7 @@ contains
       integer :: i, k
       logical :: near
 
-      call upper_bound(first, last, state%stress, deformation%homologous)
+      call bound_deviator(first, last, state%stress, deformation%homologous)
       factor = 1.0_wp
       do i = 1, last - first + 1
          k = first - 1 + i
@@ -252,7 +254,7 @@ contains
          call crack(self, factor, spacing, state%volume(k), state%stress, k, &
             deformation%pressure(i), state%damage(k), deformation%plastic_work(i))
       end do
-   end subroutine softening_open
+   end subroutine softening_open_cracks
 
    !> One particle that is near its strength or has cracks. Equations (F.9) and (F.10).
    pure subroutine crack(softening, factor, spacing, volume, stress, particle, pressure, damage, &
@@ -279,7 +281,7 @@ contains
          *softening%limit*factor
       if (values(1) > strength .and. strain(1) > 0.0_wp) then
          width = softening%width*spacing*sum(abs(axes(:, 1)))
-         grown = max(damage, opening_share(softening%exponential, strength, &
+         grown = max(damage, crack_damage(softening%exponential, strength, &
             merge(1.0_wp, 2.0_wp, softening%exponential)*softening%energy/(strength*width), &
             values(1), strain(1)))
       end if
@@ -295,12 +297,12 @@ contains
 
    !> Energy [J] of a particle with cracks beyond that of the deviator and, if the pressure is not
    !! that of an equation of state, the pressure that act.
-   pure real(wp) function softening_missing(self, state, particle, of_pressure) result(energy)
+   pure real(wp) function softening_hidden_energy(self, state, particle, of_pressure) result(energy)
       class(softening_t), intent(in) :: self         !! How strength falls
       type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                !! Which particle
       logical, intent(in) :: of_pressure             !! No equation of state
-      real(wp) :: tensor(6), values(3), axes(3, 3), whole(3), mean, mean_integer, share
+      real(wp) :: tensor(6), values(3), axes(3, 3), whole(3), mean, uncracked_mean, share
 
       energy = 0.0_wp
       share = state%damage(particle)
@@ -311,10 +313,10 @@ contains
       call principal(tensor, values, axes)
       whole = merge(values/(1.0_wp - share), values, values > 0.0_wp)
       mean = sum(values)/3.0_wp
-      mean_integer = sum(whole)/3.0_wp
-      energy = 0.25_wp*(sum((whole - mean_integer)**2) - sum((values - mean)**2))/self%shear
-      if (of_pressure) energy = energy + 0.5_wp*(mean_integer**2 - mean**2)/self%bulk
+      uncracked_mean = sum(whole)/3.0_wp
+      energy = 0.25_wp*(sum((whole - uncracked_mean)**2) - sum((values - mean)**2))/self%shear
+      if (of_pressure) energy = energy + 0.5_wp*(uncracked_mean**2 - mean**2)/self%bulk
       energy = state%volume(particle)*(energy - 0.5_wp*share*sum(max(whole, 0.0_wp) &
-         *(0.5_wp*(whole - mean_integer)/self%shear + mean_integer/(3.0_wp*self%bulk))))
-   end function softening_missing
+         *(0.5_wp*(whole - uncracked_mean)/self%shear + uncracked_mean/(3.0_wp*self%bulk))))
+   end function softening_hidden_energy
 end module constitutive_softening

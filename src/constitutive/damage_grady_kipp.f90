@@ -13,7 +13,7 @@ module damage_grady_kipp
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
-   use constitutive_brittle, only: exponential, extremes, upper_bound
+   use constitutive_brittle, only: bound_deviator, find_extremes, random_exponential
    use constitutive_damage, only: damage_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
@@ -35,7 +35,7 @@ module damage_grady_kipp
       procedure :: takes_scatter => grady_kipp_takes_scatter !! It does
       procedure :: read => grady_kipp_read           !! Reads its keys
       procedure :: request => grady_kipp_request     !! Asks for damage and scatter
-      procedure :: draw => grady_kipp_draw           !! The weakest flaw
+      procedure :: draw_strength => grady_kipp_draw_strength           !! The weakest flaw
       procedure :: update => grady_kipp_update       !! Lets flaws grow
    end type damage_grady_kipp_t
 
@@ -81,16 +81,16 @@ contains
    end subroutine grady_kipp_read
 
    !> Damage, and the weakest flaw.
-   pure subroutine grady_kipp_request(self, wishes)
+   pure subroutine grady_kipp_request(self, requests)
       class(damage_grady_kipp_t), intent(in) :: self !! The model
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      call wishes%ask("damage", "damage model grady_kipp", 1)
-      if (self%scatters) call wishes%ask("scatter", "size_scatter", 1)
+      call requests%add("damage", "damage model grady_kipp", 1)
+      if (self%scatters) call requests%add("scatter", "size_scatter", 1)
    end subroutine grady_kipp_request
 
    !> Flaws that the mean counts when the weakest one of a particle grows.
-   pure subroutine grady_kipp_draw(self, seed, identity, first, last, mass, scatter)
+   pure subroutine grady_kipp_draw_strength(self, seed, identity, first, last, mass, scatter)
       class(damage_grady_kipp_t), intent(in) :: self       !! The model
       integer(int64), intent(in) :: seed                   !! Seed of the run
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
@@ -102,9 +102,9 @@ contains
 
       !GCC$ novector
       do k = first, last
-         scatter(k) = exponential(seed, identity(k))
+         scatter(k) = random_exponential(seed, identity(k))
       end do
-   end subroutine grady_kipp_draw
+   end subroutine grady_kipp_draw_strength
 
    !> Let the flaws of strained particles grow.
    pure subroutine grady_kipp_update(self, state, deformation, first, last, dt)
@@ -117,7 +117,7 @@ contains
       integer :: count
 
       count = last - first + 1
-      call upper_bound(first, last, state%stress, deformation%homologous)
+      call bound_deviator(first, last, state%stress, deformation%homologous)
       if (self%scatters) then
          deformation%loosening(:count) = state%scatter(first:last)
       else
@@ -151,7 +151,7 @@ contains
          if (strain <= 0.0_wp .or. damage(k) >= 1.0_wp) cycle
          volume = mass(k)/model%density
          if (model%flaws*volume*strain**model%exponent < weakest(i)) cycle
-         call extremes(stress, k, greatest, least)
+         call find_extremes(stress, k, greatest, least)
          strain = 0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk)
          number = model%flaws*volume*max(strain, 0.0_wp)**model%exponent - weakest(i) + 1.0_wp
          if (number < 1.0_wp) cycle

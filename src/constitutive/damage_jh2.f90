@@ -84,12 +84,12 @@ contains
    end subroutine damage_jh2_read
 
    !> Damage, and pressure where fracture makes some.
-   pure subroutine damage_jh2_request(self, wishes)
+   pure subroutine damage_jh2_request(self, requests)
       class(damage_jh2_t), intent(in) :: self        !! The model
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      call wishes%ask("damage", "damage model jh2", 1)
-      if (self%share > 0.0_wp) call wishes%ask("bulking", "jh2_beta", 1)
+      call requests%add("damage", "damage model jh2", 1)
+      if (self%share > 0.0_wp) call requests%add("bulking", "jh2_beta", 1)
    end subroutine damage_jh2_request
 
    !> Let the damage of flowing particles grow.

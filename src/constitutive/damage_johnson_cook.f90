@@ -10,7 +10,7 @@ module damage_johnson_cook
    use constitutive_damage, only: damage_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
-   use constitutive_heat, only: homologous_temperature, melting_range_t, read_range
+   use constitutive_heat, only: homologous_temperature, melting_range_t, read_melting_range
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -61,17 +61,17 @@ contains
       end if
       if (effects%thermal .and. abs(self%coefficient(5)) > 0.0_wp) then
          allocate (self%range)
-         call read_range(group, self%range)
+         call read_melting_range(group, self%range)
       end if
    end subroutine johnson_cook_read
 
    !> Damage grows with plastic strain, and the strain to failure may depend on temperature.
-   pure subroutine johnson_cook_request(self, wishes)
+   pure subroutine johnson_cook_request(self, requests)
       class(damage_johnson_cook_t), intent(in) :: self !! The model
-      class(field_requests_t), intent(inout) :: wishes         !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests         !! Fields to be carried
 
-      call wishes%ask("damage", "damage model johnson_cook", 1)
-      if (allocated(self%range)) call wishes%ask("temperature", "damage model johnson_cook", 1)
+      call requests%add("damage", "damage model johnson_cook", 1)
+      if (allocated(self%range)) call requests%add("temperature", "damage model johnson_cook", 1)
    end subroutine johnson_cook_request
 
    !> Strain to failure [1] of a state.

@@ -5,9 +5,10 @@ module damage_principal_strain
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
-   use constitutive_brittle, only: draw_weibull, extremes, read_weibull, upper_bound, weibull_t
+   use constitutive_brittle, only: bound_deviator, draw_weibull, find_extremes, read_weibull, &
+      weibull_t
    use constitutive_damage, only: damage_t
-   use constitutive_delay, only: ages, delay_fault, delay_t
+   use constitutive_delay, only: age_damage, delay_fault, delay_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_state, only: deformation_t, material_state_t
@@ -28,7 +29,7 @@ module damage_principal_strain
       procedure :: takes_scatter => principal_takes_scatter !! It does
       procedure :: read => principal_read            !! Reads its keys
       procedure :: request => principal_request      !! Asks for damage and scatter
-      procedure :: draw => principal_draw            !! Random strength
+      procedure :: draw_strength => principal_draw_strength            !! Random strength
       procedure :: update => principal_update        !! Failure
    end type damage_principal_strain_t
 
@@ -84,17 +85,17 @@ contains
    end subroutine principal_read
 
    !> Damage, and a strength of its own for each particle.
-   pure subroutine principal_request(self, wishes)
+   pure subroutine principal_request(self, requests)
       class(damage_principal_strain_t), intent(in) :: self !! The model
-      class(field_requests_t), intent(inout) :: wishes         !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests         !! Fields to be carried
 
-      call wishes%ask("damage", "damage model principal_strain", 1)
-      call self%delay%request(wishes)
-      if (allocated(self%weibull)) call wishes%ask("scatter", "size_scatter", 1)
+      call requests%add("damage", "damage model principal_strain", 1)
+      call self%delay%request(requests)
+      if (allocated(self%weibull)) call requests%add("scatter", "size_scatter", 1)
    end subroutine principal_request
 
    !> Random strength.
-   pure subroutine principal_draw(self, seed, identity, first, last, mass, scatter)
+   pure subroutine principal_draw_strength(self, seed, identity, first, last, mass, scatter)
       class(damage_principal_strain_t), intent(in) :: self !! The model
       integer(int64), intent(in) :: seed                   !! Seed of the run
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
@@ -105,7 +106,7 @@ contains
 
       if (allocated(self%weibull)) call draw_weibull(self%weibull, self%density, seed, identity, &
          first, last, mass, scatter)
-   end subroutine principal_draw
+   end subroutine principal_draw_strength
 
    !> Let overloaded particles fail. Few are near their strength, and only these are looked at one
    !! by one.
@@ -119,7 +120,7 @@ contains
       integer :: count
 
       count = last - first + 1
-      call upper_bound(first, last, state%stress, deformation%homologous)
+      call bound_deviator(first, last, state%stress, deformation%homologous)
       if (allocated(self%weibull)) then
          deformation%loosening(:count) = state%scatter(first:last)
       else
@@ -128,7 +129,7 @@ contains
       if (allocated(state%overload)) then
          call find_load(self, first, last, deformation%pressure, deformation%homologous, &
             state%stress, state%overload, deformation%loosening)
-         call self%delay%nucleate(first, last, dt, deformation%loosening, state%overload, &
+         call self%delay%grow_damage(first, last, dt, deformation%loosening, state%overload, &
             state%damage)
       else
          call overload(self, first, last, dt, deformation%pressure, deformation%homologous, &
@@ -156,10 +157,10 @@ contains
          if (0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk) &
             < model%limit*factor(i)) cycle
          k = first - 1 + i
-         call extremes(stress, k, greatest, least)
+         call find_extremes(stress, k, greatest, least)
          if (0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk) &
             < model%limit*factor(i)) cycle
-         damage(k) = ages(damage(k), model%delay%time, dt)
+         damage(k) = age_damage(damage(k), model%delay%time, dt)
       end do
    end subroutine overload
 
@@ -188,7 +189,7 @@ contains
          limit = model%limit*load(i)
          load(i) = (0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk))/limit
          if (load(i) < 1.0_wp .and. .not. overload(k) > 0.0_wp) cycle
-         call extremes(stress, k, greatest, least)
+         call find_extremes(stress, k, greatest, least)
          load(i) = (0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk))/limit
       end do
    end subroutine find_load

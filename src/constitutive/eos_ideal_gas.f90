@@ -24,8 +24,8 @@ module eos_ideal_gas
       procedure :: sets_bulk => ideal_gas_sets_bulk  !! It does: 0 without energy
       procedure :: request => ideal_gas_request      !! Asks for energy
       procedure :: update => ideal_gas_update        !! Pressure and square of the sound speed
-      procedure :: gruneisen => ideal_gas_gruneisen  !! Grueneisen number times density
-      procedure :: stored => ideal_gas_stored        !! Nothing, energy is carried
+      procedure :: find_gruneisen => ideal_gas_find_gruneisen  !! Grueneisen number times density
+      procedure :: stored_energy => ideal_gas_stored_energy        !! Nothing, energy is carried
    end type eos_ideal_gas_t
 
 contains
@@ -57,11 +57,11 @@ contains
    end function ideal_gas_sets_bulk
 
    !> The pressure depends on energy.
-   pure subroutine ideal_gas_request(self, wishes)
+   pure subroutine ideal_gas_request(self, requests)
       class(eos_ideal_gas_t), intent(in) :: self     !! The equation of state
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      call wishes%ask("energy", "equation of state ideal_gas", 1)
+      call requests%add("energy", "equation of state ideal_gas", 1)
    end subroutine ideal_gas_request
 
    !> Pressure and square of the sound speed.
@@ -100,7 +100,7 @@ contains
 
    !> Grueneisen number gamma - 1 times density at the middle of the step. Equation (A.13) of
    !! doc/theory/matter.md.
-   pure subroutine ideal_gas_gruneisen(self, state, deformation, first, last)
+   pure subroutine ideal_gas_find_gruneisen(self, state, deformation, first, last)
       class(eos_ideal_gas_t), intent(in) :: self           !! The equation of state
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -113,15 +113,15 @@ contains
          deformation%gruneisen(i) = (self%heat_ratio - 1.0_wp)*2.0_wp*state%mass(k) &
             /(state%volume(k) + deformation%old_volume(i))
       end do
-   end subroutine ideal_gas_gruneisen
+   end subroutine ideal_gas_find_gruneisen
 
    !> The energy is carried by the particles.
-   pure real(wp) function ideal_gas_stored(self, mass, volume, limit) result(energy)
+   pure real(wp) function ideal_gas_stored_energy(self, mass, volume, limit) result(energy)
       class(eos_ideal_gas_t), intent(in) :: self     !! The equation of state
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]
 
       energy = 0.0_wp
-   end function ideal_gas_stored
+   end function ideal_gas_stored_energy
 end module eos_ideal_gas

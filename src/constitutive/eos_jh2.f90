@@ -28,7 +28,7 @@ module eos_jh2
       procedure :: sets_bulk => jh2_sets_bulk        !! It does, K1
       procedure :: request => jh2_request            !! Asks for nothing
       procedure :: update => jh2_update              !! Pressure and square of the sound speed
-      procedure :: stored => jh2_stored              !! Energy stored in the change of volume
+      procedure :: stored_energy => jh2_stored_energy !! Energy stored in the change of volume
    end type eos_jh2_t
 
 contains
@@ -83,9 +83,9 @@ contains
    end function jh2_sets_bulk
 
    !> The pressure depends on density alone.
-   pure subroutine jh2_request(self, wishes)
+   pure subroutine jh2_request(self, requests)
       class(eos_jh2_t), intent(in) :: self           !! The equation of state
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
    end subroutine jh2_request
 
    !> Pressure and square of the sound speed.
@@ -124,7 +124,7 @@ contains
 
    !> Energy stored in the change of volume: in tension that of a linear equation of state, in
    !! compression m/rho0 times the integral of p/(1 + mu)**2, by Gauss.
-   pure real(wp) function jh2_stored(self, mass, volume, limit) result(energy)
+   pure real(wp) function jh2_stored_energy(self, mass, volume, limit) result(energy)
       class(eos_jh2_t), intent(in) :: self           !! The equation of state
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
@@ -151,5 +151,5 @@ contains
          end do
       end do
       energy = mass/self%density*energy
-   end function jh2_stored
+   end function jh2_stored_energy
 end module eos_jh2

@@ -39,8 +39,8 @@ module eos_mie_gruneisen
       procedure :: sets_bulk => mie_gruneisen_sets_bulk !! It does
       procedure :: request => mie_gruneisen_request  !! Asks for energy
       procedure :: update => mie_gruneisen_update    !! Pressure and square of the sound speed
-      procedure :: gruneisen => mie_gruneisen_gruneisen !! Grueneisen number times density
-      procedure :: stored => mie_gruneisen_stored    !! Nothing, energy is carried
+      procedure :: find_gruneisen => mie_gruneisen_find_gruneisen !! Grueneisen number times density
+      procedure :: stored_energy => mie_gruneisen_stored_energy    !! Nothing, energy is carried
    end type eos_mie_gruneisen_t
 
    interface eos_mie_gruneisen_t
@@ -98,11 +98,11 @@ contains
    end function mie_gruneisen_sets_bulk
 
    !> The pressure depends on energy.
-   pure subroutine mie_gruneisen_request(self, wishes)
+   pure subroutine mie_gruneisen_request(self, requests)
       class(eos_mie_gruneisen_t), intent(in) :: self     !! The equation of state
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      call wishes%ask("energy", "equation of state mie_gruneisen", 1)
+      call requests%add("energy", "equation of state mie_gruneisen", 1)
    end subroutine mie_gruneisen_request
 
    !> Pressure and square of the sound speed.
@@ -181,7 +181,7 @@ contains
    end subroutine mie_gruneisen_state
 
    !> Grueneisen number times density at the middle of the step. Equation (E.7).
-   pure subroutine mie_gruneisen_gruneisen(self, state, deformation, first, last)
+   pure subroutine mie_gruneisen_find_gruneisen(self, state, deformation, first, last)
       class(eos_mie_gruneisen_t), intent(in) :: self       !! The equation of state
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -190,7 +190,7 @@ contains
 
       call gamma_density(first, last, self%density, self%gamma, state%mass, state%volume, &
          deformation%old_volume, deformation%gruneisen)
-   end subroutine mie_gruneisen_gruneisen
+   end subroutine mie_gruneisen_find_gruneisen
 
    !> Kernel of the above.
    pure subroutine gamma_density(first, last, density, gamma, mass, volume, old_volume, gruneisen)
@@ -215,12 +215,12 @@ contains
    end subroutine gamma_density
 
    !> The energy is carried by the particles.
-   pure real(wp) function mie_gruneisen_stored(self, mass, volume, limit) result(energy)
+   pure real(wp) function mie_gruneisen_stored_energy(self, mass, volume, limit) result(energy)
       class(eos_mie_gruneisen_t), intent(in) :: self     !! The equation of state
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]
 
       energy = 0.0_wp
-   end function mie_gruneisen_stored
+   end function mie_gruneisen_stored_energy
 end module eos_mie_gruneisen

@@ -33,8 +33,8 @@ module eos_p_alpha
       procedure :: sets_bulk => p_alpha_sets_bulk    !! It does
       procedure :: request => p_alpha_request        !! Asks for energy and distension
       procedure :: update => p_alpha_update          !! Pressure and square of the sound speed
-      procedure :: remember => p_alpha_remember      !! Keeps the distension
-      procedure :: stored => p_alpha_stored          !! Nothing, energy is carried
+      procedure :: keep_state => p_alpha_keep_state      !! Keeps the distension
+      procedure :: stored_energy => p_alpha_stored_energy          !! Nothing, energy is carried
    end type eos_p_alpha_t
 
 contains
@@ -114,12 +114,12 @@ contains
    end function p_alpha_sets_bulk
 
    !> The pressure depends on energy and on what has been crushed.
-   pure subroutine p_alpha_request(self, wishes)
+   pure subroutine p_alpha_request(self, requests)
       class(eos_p_alpha_t), intent(in) :: self       !! The equation of state
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      call wishes%ask("energy", "equation of state p_alpha", 1)
-      call wishes%ask("distension", "equation of state p_alpha", 1)
+      call requests%add("energy", "equation of state p_alpha", 1)
+      call requests%add("distension", "equation of state p_alpha", 1)
    end subroutine p_alpha_request
 
    !> Pressure and square of the sound speed, that at constant distension: no wave is faster.
@@ -202,7 +202,7 @@ contains
    end function excess
 
    !> Keep the distension.
-   pure subroutine p_alpha_remember(self, state, deformation, first, last)
+   pure subroutine p_alpha_keep_state(self, state, deformation, first, last)
       class(eos_p_alpha_t), intent(in) :: self             !! The equation of state
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
@@ -210,15 +210,15 @@ contains
       integer, intent(in) :: last                          !! Last particle of the range
 
       state%distension(first:last) = deformation%distension(:last - first + 1)
-   end subroutine p_alpha_remember
+   end subroutine p_alpha_keep_state
 
    !> The energy is carried by the particles.
-   pure real(wp) function p_alpha_stored(self, mass, volume, limit) result(energy)
+   pure real(wp) function p_alpha_stored_energy(self, mass, volume, limit) result(energy)
       class(eos_p_alpha_t), intent(in) :: self       !! The equation of state
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]
 
       energy = 0.0_wp
-   end function p_alpha_stored
+   end function p_alpha_stored_energy
 end module eos_p_alpha

@@ -21,7 +21,7 @@ module eos_tait
       procedure :: read => tait_read                 !! Reads its key
       procedure :: request => tait_request           !! Asks for nothing
       procedure :: update => tait_update             !! Pressure and square of the sound speed
-      procedure :: stored => tait_stored             !! Energy stored in the change of volume
+      procedure :: stored_energy => tait_stored_energy !! Energy stored in the change of volume
    end type eos_tait_t
 
 contains
@@ -45,9 +45,9 @@ contains
    end subroutine tait_read
 
    !> The pressure depends on density alone.
-   pure subroutine tait_request(self, wishes)
+   pure subroutine tait_request(self, requests)
       class(eos_tait_t), intent(in) :: self          !! The equation of state
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
    end subroutine tait_request
 
    !> Pressure and square of the sound speed.
@@ -93,7 +93,7 @@ contains
    !> Energy stored in the change of volume. With x = V rho0/m it is m K/(n rho0) times (x**(1 - n)
    !! - 1)/(n - 1) + x - 1, and beyond the x at which the pressure would be less than its limit it
    !! grows linearly.
-   pure real(wp) function tait_stored(self, mass, volume, limit) result(energy)
+   pure real(wp) function tait_stored_energy(self, mass, volume, limit) result(energy)
       class(eos_tait_t), intent(in) :: self          !! The equation of state
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
@@ -106,7 +106,7 @@ contains
          largest = (1.0_wp + self%exponent*limit/self%bulk)**(-1.0_wp/self%exponent) - 1.0_wp
       energy = mass/self%density*(self%bulk/self%exponent*excess(min(ratio, largest), &
          self%exponent) - limit*max(0.0_wp, ratio - largest))
-   end function tait_stored
+   end function tait_stored_energy
 
    !> ((1 + y)**(1 - n) - 1)/(n - 1) + y, by its series where the difference would lose digits; for
    !! n = 1 the first term is -ln(1 + y).

@@ -41,8 +41,8 @@ module eos_tillotson
       procedure :: sets_bulk => tillotson_sets_bulk  !! It does
       procedure :: request => tillotson_request      !! Asks for energy
       procedure :: update => tillotson_update        !! Pressure and square of the sound speed
-      procedure :: gruneisen => tillotson_gruneisen  !! Grueneisen number times density
-      procedure :: stored => tillotson_stored        !! Nothing, energy is carried
+      procedure :: find_gruneisen => tillotson_find_gruneisen  !! Grueneisen number times density
+      procedure :: stored_energy => tillotson_stored_energy        !! Nothing, energy is carried
    end type eos_tillotson_t
 
 contains
@@ -108,11 +108,11 @@ contains
    end function tillotson_sets_bulk
 
    !> The pressure depends on energy.
-   pure subroutine tillotson_request(self, wishes)
+   pure subroutine tillotson_request(self, requests)
       class(eos_tillotson_t), intent(in) :: self     !! The equation of state
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      call wishes%ask("energy", "equation of state tillotson", 1)
+      call requests%add("energy", "equation of state tillotson", 1)
    end subroutine tillotson_request
 
    !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de: (E.1).
@@ -137,7 +137,7 @@ contains
 
    !> Grueneisen number (a + b/w**2) of condensed material times density at the middle of the step.
    !! In vapour b/w**2 is small.
-   pure subroutine tillotson_gruneisen(self, state, deformation, first, last)
+   pure subroutine tillotson_find_gruneisen(self, state, deformation, first, last)
       class(eos_tillotson_t), intent(in) :: self           !! The equation of state
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -152,7 +152,7 @@ contains
          w = 1.0_wp + max(state%energy(k), 0.0_wp)*(self%density/density)**2/self%energy
          deformation%gruneisen(i) = (self%a + self%b/w**2)*density
       end do
-   end subroutine tillotson_gruneisen
+   end subroutine tillotson_find_gruneisen
 
    !> Pressure of a state, and its derivatives to density and energy.
    pure subroutine find_state(eos, density, given, pressure, to_density, to_energy)
@@ -199,12 +199,12 @@ contains
    end subroutine find_state
 
    !> The energy is carried by the particles.
-   pure real(wp) function tillotson_stored(self, mass, volume, limit) result(energy)
+   pure real(wp) function tillotson_stored_energy(self, mass, volume, limit) result(energy)
       class(eos_tillotson_t), intent(in) :: self     !! The equation of state
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]
 
       energy = 0.0_wp
-   end function tillotson_stored
+   end function tillotson_stored_energy
 end module eos_tillotson

@@ -10,8 +10,8 @@ module law_drucker_prager
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
-   use constitutive_friction, only: angles_t, declare_angles, fault_of_angles, frictional_t, &
-      gain, loosen, read_angles
+   use constitutive_friction, only: add_dilation, add_dilation_pressure, angle_fault, angles_t, &
+      declare_angles, frictional_t, read_angles
    use constitutive_law, only: equivalent_stress, strain_trial
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
@@ -23,7 +23,7 @@ module law_drucker_prager
    type, extends(frictional_t) :: law_drucker_prager_t
       real(wp) :: slope = 0.0_wp                     !! M [1]
       real(wp) :: strength = 0.0_wp                  !! k, without pressure [Pa]
-      real(wp) :: gain = 0.0_wp                      !! b [1]
+      real(wp) :: dilation_slope = 0.0_wp                      !! b [1]
    contains
       procedure :: declare => drucker_prager_declare !! Declares its keys
       procedure :: fault => drucker_prager_fault     !! Angles that do not fit
@@ -52,7 +52,7 @@ contains
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
 
-      text = fault_of_angles(group)
+      text = angle_fault(group)
    end function drucker_prager_fault
 
    !> Read the keys of the law.
@@ -85,8 +85,8 @@ contains
       else
          self%strength = 2.0_wp*angles%cohesion
       end if
-      self%gain = cone(angles%dilation, where_cone)
-      self%dilates = self%gain > 0.0_wp
+      self%dilation_slope = cone(angles%dilation, where_cone)
+      self%dilates = self%dilation_slope > 0.0_wp
       self%heat_share = 1.0_wp
    end subroutine drucker_prager_set
 
@@ -114,7 +114,8 @@ contains
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
-      if (allocated(state%plastic_dilation)) call loosen(first, last, state%plastic_dilation, &
+      if (allocated(state%plastic_dilation)) call add_dilation_pressure(first, last, &
+         state%plastic_dilation, &
          state%mass, state%volume, deformation%wave_speed, deformation%pressure, &
          deformation%modulus)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
@@ -123,7 +124,7 @@ contains
          call return_to_cone(first, last, self, state%mass, state%volume, deformation%modulus, &
             state%stress, deformation%pressure, deformation%plastic_increment, &
             deformation%plastic_work, deformation%loosening)
-         call gain(first, last, deformation%loosening, state%plastic_dilation)
+         call add_dilation(first, last, deformation%loosening, state%plastic_dilation)
       else
          call return_to_cone(first, last, self, state%mass, state%volume, &
             deformation%wave_speed, state%stress, deformation%pressure, &
@@ -158,10 +159,10 @@ contains
          trial = plastic_increment(i)
          bulk = tangent(i)*mass(k)/volume(k)
          flow = max(0.0_wp, trial - law%slope*pressure(i) - law%strength) &
-            /(3.0_wp*law%shear + law%slope*bulk*law%gain)
+            /(3.0_wp*law%shear + law%slope*bulk*law%dilation_slope)
          equivalent = trial - 3.0_wp*law%shear*flow
          apart = equivalent <= 0.0_wp .and. flow > 0.0_wp
-         loosening(i) = merge(0.0_wp, law%gain*flow, apart)
+         loosening(i) = merge(0.0_wp, law%dilation_slope*flow, apart)
          least = pressure(i) + bulk*loosening(i)
          pressure(i) = merge(law%apex, least, apart)
          equivalent = merge(0.0_wp, min(equivalent, trial), apart)

@@ -13,7 +13,7 @@ module law_elastic
    !> Elastic law with Jaumann rate.
    type, extends(law_t) :: law_elastic_t
    contains
-      procedure :: plastic => elastic_plastic        !! It does not flow
+      procedure :: is_plastic => elastic_is_plastic        !! It does not flow
       procedure :: request => elastic_request        !! Asks for nothing
       procedure :: update => elastic_update          !! Keeps the trial
    end type law_elastic_t
@@ -21,16 +21,16 @@ module law_elastic
 contains
 
    !> An elastic law does not flow.
-   pure logical function elastic_plastic(self) result(plastic)
+   pure logical function elastic_is_plastic(self) result(plastic)
       class(law_elastic_t), intent(in) :: self       !! The law
 
       plastic = .false.
-   end function elastic_plastic
+   end function elastic_is_plastic
 
    !> An elastic particle remembers nothing but its stress.
-   pure subroutine elastic_request(self, wishes)
+   pure subroutine elastic_request(self, requests)
       class(law_elastic_t), intent(in) :: self           !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
    end subroutine elastic_request
 
    !> The trial deviator is right already.

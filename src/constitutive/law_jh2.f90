@@ -27,7 +27,7 @@ module law_jh2
       procedure :: needs_eos => law_jh2_needs_eos    !! It does
       procedure :: request => law_jh2_request        !! Asks for energy
       procedure :: update => law_jh2_update          !! Radial return
-      procedure :: stiffen => law_jh2_stiffen        !! Fractured matter is stiff too
+      procedure :: add_wave_speed => law_jh2_add_wave_speed        !! Fractured matter is stiff too
       procedure :: least_pressure => law_jh2_least_pressure !! That of the tension
    end type law_jh2_t
 
@@ -72,11 +72,11 @@ contains
    end function law_jh2_needs_eos
 
    !> Pressure that fracture made is no function of the density, so that the energy is carried.
-   pure subroutine law_jh2_request(self, wishes)
+   pure subroutine law_jh2_request(self, requests)
       class(law_jh2_t), intent(in) :: self           !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      call wishes%ask("energy", "strength model jh2", 1)
+      call requests%add("energy", "strength model jh2", 1)
    end subroutine law_jh2_request
 
    !> Return to the yield surface, which does not change in the step.
@@ -161,7 +161,7 @@ contains
 
    !> Shear modulus in the square of the wave speed, also of fractured matter. It does not grow with
    !! the volume, or a cloud of fragments would shorten the time step.
-   pure subroutine law_jh2_stiffen(self, state, deformation, first, last)
+   pure subroutine law_jh2_add_wave_speed(self, state, deformation, first, last)
       class(law_jh2_t), intent(in) :: self                 !! The law
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -174,7 +174,7 @@ contains
          deformation%wave_speed(i) = deformation%wave_speed(i) + 4.0_wp/3.0_wp*self%shear &
             *min(state%volume(k)/state%mass(k), 1.0_wp/self%density)
       end do
-   end subroutine law_jh2_stiffen
+   end subroutine law_jh2_add_wave_speed
 
    !> Least pressure that the law can bear [Pa].
    pure real(wp) function law_jh2_least_pressure(self) result(pressure)

@@ -9,7 +9,7 @@ module law_johnson_cook
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
-   use constitutive_heat, only: homologous_temperature, melting_range_t, read_range
+   use constitutive_heat, only: homologous_temperature, melting_range_t, read_melting_range
    use constitutive_law, only: equivalent_stress, law_t, mean_work, strain_trial
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
@@ -70,17 +70,17 @@ contains
       if (effects%thermal) then
          call group%get("jc_m", self%softening_exponent)
          allocate (self%range)
-         call read_range(group, self%range)
+         call read_melting_range(group, self%range)
       end if
    end subroutine johnson_cook_read
 
    !> Hardening needs the plastic strain, softening the temperature.
-   pure subroutine johnson_cook_request(self, wishes)
+   pure subroutine johnson_cook_request(self, requests)
       class(law_johnson_cook_t), intent(in) :: self  !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      call wishes%ask("plastic_strain", "hardening of johnson_cook", 1)
-      if (allocated(self%range)) call wishes%ask("temperature", "softening of johnson_cook", 1)
+      call requests%add("plastic_strain", "hardening of johnson_cook", 1)
+      if (allocated(self%range)) call requests%add("temperature", "softening of johnson_cook", 1)
    end subroutine johnson_cook_request
 
    !> Return to the yield surface. Few particles flow at a time, and these need powers and

@@ -9,8 +9,8 @@ module law_mohr_coulomb
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use constitutive_effects, only: effects_t
-   use constitutive_friction, only: angles_t, fault_of_angles, frictional_t, gain, loosen, &
-      read_angles
+   use constitutive_friction, only: add_dilation, add_dilation_pressure, angle_fault, angles_t, &
+      frictional_t, read_angles
    use constitutive_law, only: equivalent_stress
    use constitutive_principal, only: compose, principal
    use constitutive_state, only: deformation_t, material_state_t
@@ -39,7 +39,7 @@ contains
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
 
-      text = fault_of_angles(group)
+      text = angle_fault(group)
    end function mohr_coulomb_fault
 
    !> Read the keys of the law, which those of Drucker and Prager declare.
@@ -79,7 +79,8 @@ contains
       real(wp) :: s(6), strain(6), pressure, bulk, inside, inner, offset
       integer :: i, k
 
-      if (allocated(state%plastic_dilation)) call loosen(first, last, state%plastic_dilation, &
+      if (allocated(state%plastic_dilation)) call add_dilation_pressure(first, last, &
+         state%plastic_dilation, &
          state%mass, state%volume, deformation%wave_speed, deformation%pressure, &
          deformation%modulus)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
@@ -109,7 +110,7 @@ contains
          deformation%plastic_work(i) = deformation%plastic_work(i)*state%volume(k)
       end do
       if (allocated(state%plastic_dilation)) &
-         call gain(first, last, deformation%loosening, state%plastic_dilation)
+         call add_dilation(first, last, deformation%loosening, state%plastic_dilation)
    end subroutine mohr_coulomb_update
 
    !> One particle: deviator and pressure after the flow, and what the flow took.

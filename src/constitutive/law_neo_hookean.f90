@@ -24,41 +24,42 @@ module law_neo_hookean
    !> Law of Neo and Hooke; lambda = bulk - 2/3 shear and mu = shear.
    type, extends(law_t) :: law_neo_hookean_t
    contains
-      procedure :: whole => neo_hookean_whole        !! It gives the whole stress
-      procedure :: plastic => neo_hookean_plastic    !! It does not flow
+      procedure :: gives_whole_stress => neo_hookean_gives_whole_stress !! It gives the whole stress
+      procedure :: is_plastic => neo_hookean_is_plastic    !! It does not flow
       procedure :: request => neo_hookean_request    !! Asks for the deformation gradient
-      procedure :: predict => neo_hookean_predict    !! Volume and deformation gradient
+      procedure :: predict_trial => neo_hookean_predict_trial    !! Volume and deformation gradient
       procedure :: update => neo_hookean_update      !! Stress
-      procedure :: stiffen => neo_hookean_stiffen    !! Fastest wave of the deformed state
-      procedure :: stored => neo_hookean_stored      !! Energy of a particle
+      !> Fastest wave of the deformed state
+      procedure :: add_wave_speed => neo_hookean_add_wave_speed
+      procedure :: stored_energy => neo_hookean_stored_energy      !! Energy of a particle
    end type law_neo_hookean_t
 
 contains
 
    !> There is no equation of state beside it.
-   pure logical function neo_hookean_whole(self) result(whole)
+   pure logical function neo_hookean_gives_whole_stress(self) result(whole)
       class(law_neo_hookean_t), intent(in) :: self   !! The law
 
       whole = .true.
-   end function neo_hookean_whole
+   end function neo_hookean_gives_whole_stress
 
    !> A hyperelastic law does not flow.
-   pure logical function neo_hookean_plastic(self) result(plastic)
+   pure logical function neo_hookean_is_plastic(self) result(plastic)
       class(law_neo_hookean_t), intent(in) :: self   !! The law
 
       plastic = .false.
-   end function neo_hookean_plastic
+   end function neo_hookean_is_plastic
 
    !> A particle remembers how it is deformed.
-   pure subroutine neo_hookean_request(self, wishes)
+   pure subroutine neo_hookean_request(self, requests)
       class(law_neo_hookean_t), intent(in) :: self   !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      call wishes%ask("deformation_gradient", "strength neo_hookean", 9)
+      call requests%add("deformation_gradient", "strength neo_hookean", 9)
    end subroutine neo_hookean_request
 
    !> Volume and deformation gradient after the step.
-   pure subroutine neo_hookean_predict(self, state, deformation, first, last)
+   pure subroutine neo_hookean_predict_trial(self, state, deformation, first, last)
       class(law_neo_hookean_t), intent(in) :: self             !! The law
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -67,7 +68,7 @@ contains
 
       call deform(first, last, deformation%gradient, state%volume, state%deformation_gradient, &
          deformation%old_volume, deformation%dilatation)
-   end subroutine neo_hookean_predict
+   end subroutine neo_hookean_predict_trial
 
    !> Deviator and pressure of the stress.
    pure subroutine neo_hookean_update(self, state, deformation, first, last, dt)
@@ -83,7 +84,7 @@ contains
    end subroutine neo_hookean_update
 
    !> Square of the fastest wave speed.
-   pure subroutine neo_hookean_stiffen(self, state, deformation, first, last)
+   pure subroutine neo_hookean_add_wave_speed(self, state, deformation, first, last)
       class(law_neo_hookean_t), intent(in) :: self             !! The law
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -92,10 +93,10 @@ contains
 
       call fastest_wave(first, last, self%bulk - 2.0_wp/3.0_wp*self%shear, self%shear, &
          state%mass, state%volume, state%deformation_gradient, deformation%wave_speed)
-   end subroutine neo_hookean_stiffen
+   end subroutine neo_hookean_add_wave_speed
 
    !> Energy of a particle, whose reference volume is V/J.
-   pure real(wp) function neo_hookean_stored(self, state, particle) result(energy)
+   pure real(wp) function neo_hookean_stored_energy(self, state, particle) result(energy)
       class(law_neo_hookean_t), intent(in) :: self   !! The law
       type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                !! Which particle
@@ -104,7 +105,7 @@ contains
       f = state%deformation_gradient(particle, :)
       energy = state%volume(particle)/ratio(f) &
          *neo_hookean_energy(self%bulk - 2.0_wp/3.0_wp*self%shear, self%shear, f)
-   end function neo_hookean_stored
+   end function neo_hookean_stored_energy
 
    !> Stress [Pa] of a deformation gradient.
    pure subroutine neo_hookean_stress(lambda, mu, gradient, stress)

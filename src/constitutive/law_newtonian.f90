@@ -10,7 +10,7 @@ module law_newtonian
    use constitutive_kinematics, only: dilate
    use constitutive_law, only: law_t
    use constitutive_state, only: deformation_t, material_state_t
-   use constitutive_tension, only: drop_failed
+   use constitutive_tension, only: remove_failed_deviator
    implicit none
    private
 
@@ -25,11 +25,12 @@ module law_newtonian
       procedure :: has_shear => newtonian_has_shear  !! It has no shear modulus
       procedure :: follows_density => newtonian_follows_density !! Its pressure has no rate form
       procedure :: request => newtonian_request      !! Asks for nothing
-      procedure :: predict => newtonian_predict      !! Volume, there is no trial
+      procedure :: predict_trial => newtonian_predict_trial      !! Volume, there is no trial
       procedure :: update => newtonian_update        !! Viscous stress
-      procedure :: stiffen => newtonian_stiffen      !! Nothing
-      procedure :: damp => newtonian_damp            !! Limit of the time step by diffusion
-      procedure :: stored => newtonian_stored        !! Nothing
+      procedure :: add_wave_speed => newtonian_add_wave_speed      !! Nothing
+      !> Limit of the time step by diffusion
+      procedure :: add_viscous_speed => newtonian_add_viscous_speed
+      procedure :: stored_energy => newtonian_stored_energy        !! Nothing
    end type law_newtonian_t
 
 contains
@@ -69,13 +70,13 @@ contains
    end function newtonian_follows_density
 
    !> A fluid remembers nothing.
-   pure subroutine newtonian_request(self, wishes)
+   pure subroutine newtonian_request(self, requests)
       class(law_newtonian_t), intent(in) :: self     !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
    end subroutine newtonian_request
 
    !> Volume after the step.
-   pure subroutine newtonian_predict(self, state, deformation, first, last)
+   pure subroutine newtonian_predict_trial(self, state, deformation, first, last)
       class(law_newtonian_t), intent(in) :: self           !! The law
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -84,7 +85,7 @@ contains
 
       call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
          deformation%dilatation)
-   end subroutine newtonian_predict
+   end subroutine newtonian_predict_trial
 
    !> Viscous stress, and the work that it takes.
    pure subroutine newtonian_update(self, state, deformation, first, last, dt)
@@ -97,7 +98,8 @@ contains
 
       call shear_stress(first, last, self%viscosity/dt, deformation%gradient, state%volume, &
          state%stress, deformation%plastic_increment, deformation%plastic_work)
-      if (allocated(state%failed)) call drop_failed(first, last, state%failed, state%stress)
+      if (allocated(state%failed)) call remove_failed_deviator(first, last, state%failed, &
+         state%stress)
    end subroutine newtonian_update
 
    !> Kernel of the above.
@@ -136,18 +138,18 @@ contains
    end subroutine shear_stress
 
    !> Shear travels by diffusion, not as a wave.
-   pure subroutine newtonian_stiffen(self, state, deformation, first, last)
+   pure subroutine newtonian_add_wave_speed(self, state, deformation, first, last)
       class(law_newtonian_t), intent(in) :: self           !! The law
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
-   end subroutine newtonian_stiffen
+   end subroutine newtonian_add_wave_speed
 
    !> Explicit steps with a viscosity eta along a wave, here 4/3 of that of shear, are stable up to
    !! h/(Q + sqrt(Q**2 + c**2)) with Q = eta/(rho h), as for the artificial viscosity. Both together
    !! are not less than the wave speed found before plus 2 Q. Equation (Y.14).
-   pure subroutine newtonian_damp(self, state, deformation, first, last, spacing)
+   pure subroutine newtonian_add_viscous_speed(self, state, deformation, first, last, spacing)
       class(law_newtonian_t), intent(in) :: self           !! The law
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -157,7 +159,7 @@ contains
 
       call diffuse(first, last, 8.0_wp/3.0_wp*self%viscosity/spacing, state%mass, state%volume, &
          deformation%wave_speed)
-   end subroutine newtonian_damp
+   end subroutine newtonian_add_viscous_speed
 
    !> Kernel of the above.
    pure subroutine diffuse(first, last, factor, mass, volume, wave_speed)
@@ -176,11 +178,11 @@ contains
    end subroutine diffuse
 
    !> Viscous stress stores nothing.
-   pure real(wp) function newtonian_stored(self, state, particle) result(energy)
+   pure real(wp) function newtonian_stored_energy(self, state, particle) result(energy)
       class(law_newtonian_t), intent(in) :: self     !! The law
       type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                !! Which particle
 
       energy = 0.0_wp
-   end function newtonian_stored
+   end function newtonian_stored_energy
 end module law_newtonian

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Metals at high rates after D. J. Steinberg, S. G. Cochran, M. W. Guinan, J. Appl. Phys. 51 (1980)
-!! 1498: shear modulus and yield stress grow with pressure, fall with temperature, and vanish at
+!! 1498: shear modulus and yield stress grow with pressure, fall with temperature, and
+!! remove_failed_stress at
 !! melting.
 !!
 !!    G/G0 = 1 + A p/eta**(1/3) - B (T - 300 K),     eta = rho/rho0
@@ -16,7 +17,7 @@ module law_steinberg_guinan
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: predict_deviator
-   use constitutive_law, only: equivalent_stress, law_stored, law_t, mean_work, strain_trial
+   use constitutive_law, only: equivalent_stress, law_stored_energy, law_t, mean_work, strain_trial
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -45,10 +46,12 @@ module law_steinberg_guinan
       procedure :: fault => steinberg_guinan_fault   !! Constants of other units
       procedure :: read => steinberg_guinan_read     !! Reads its keys
       procedure :: request => steinberg_guinan_request !! Asks for plastic strain and temperature
-      procedure :: predict => steinberg_guinan_predict !! Trial with the modulus of the state
+      !> Trial with the modulus of the state
+      procedure :: predict_trial => steinberg_guinan_predict_trial
       procedure :: update => steinberg_guinan_update !! Radial return
-      procedure :: stiffen => steinberg_guinan_stiffen !! Modulus of the state
-      procedure :: stored => steinberg_guinan_stored !! Energy with the modulus of the state
+      procedure :: add_wave_speed => steinberg_guinan_add_wave_speed !! Modulus of the state
+      !> Energy with the modulus of the state
+      procedure :: stored_energy => steinberg_guinan_stored_energy
       procedure :: modulus => steinberg_guinan_modulus !! G/G0 of a particle
    end type law_steinberg_guinan_t
 
@@ -132,12 +135,13 @@ contains
    end subroutine steinberg_guinan_read
 
    !> Hardening needs the plastic strain, softening the temperature.
-   pure subroutine steinberg_guinan_request(self, wishes)
+   pure subroutine steinberg_guinan_request(self, requests)
       class(law_steinberg_guinan_t), intent(in) :: self !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      call wishes%ask("plastic_strain", "hardening of steinberg_guinan", 1)
-      if (allocated(self%curve)) call wishes%ask("temperature", "softening of steinberg_guinan", 1)
+      call requests%add("plastic_strain", "hardening of steinberg_guinan", 1)
+      if (allocated(self%curve)) call requests%add("temperature", &
+         "softening of steinberg_guinan", 1)
    end subroutine steinberg_guinan_request
 
    !> Shear modulus of a particle over that of the reference state, 0 if it has melted.
@@ -163,7 +167,7 @@ contains
 
    !> Elastic trial with the modulus of the state before the step. The trial is linear in stress and
    !! modulus, so that with r = G/G0 it is r times that of the stress over r with G0.
-   pure subroutine steinberg_guinan_predict(self, state, deformation, first, last)
+   pure subroutine steinberg_guinan_predict_trial(self, state, deformation, first, last)
       class(law_steinberg_guinan_t), intent(in) :: self    !! The law
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -188,7 +192,7 @@ contains
             deformation%pressure(i) = deformation%pressure(i)*ratio(i)
          end do
       end associate
-   end subroutine steinberg_guinan_predict
+   end subroutine steinberg_guinan_predict_trial
 
    !> Return to the yield surface of the new pressure. Few particles flow at a time, so they are
    !! treated one by one.
@@ -257,7 +261,7 @@ contains
    end subroutine flow
 
    !> Modulus of the state in the square of the wave speed.
-   pure subroutine steinberg_guinan_stiffen(self, state, deformation, first, last)
+   pure subroutine steinberg_guinan_add_wave_speed(self, state, deformation, first, last)
       class(law_steinberg_guinan_t), intent(in) :: self    !! The law
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -279,17 +283,17 @@ contains
          deformation%wave_speed(i) = deformation%wave_speed(i) &
             + 4.0_wp/3.0_wp*self%shear*deformation%modulus(i)*state%volume(k)/state%mass(k)
       end do
-   end subroutine steinberg_guinan_stiffen
+   end subroutine steinberg_guinan_add_wave_speed
 
    !> Energy in the deviator with the modulus of the state.
-   pure real(wp) function steinberg_guinan_stored(self, state, particle) result(energy)
+   pure real(wp) function steinberg_guinan_stored_energy(self, state, particle) result(energy)
       class(law_steinberg_guinan_t), intent(in) :: self !! The law
       type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                !! Which particle
       real(wp) :: pressure
 
       pressure = -sum(state%stress(particle, 1:3))/3.0_wp
-      energy = law_stored(self, state, particle) &
+      energy = law_stored_energy(self, state, particle) &
          /max(self%modulus(state, particle, pressure), least_modulus)
-   end function steinberg_guinan_stored
+   end function steinberg_guinan_stored_energy
 end module law_steinberg_guinan

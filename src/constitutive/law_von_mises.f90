@@ -51,11 +51,11 @@ contains
    end subroutine von_mises_read
 
    !> Perfect plasticity needs no memory, hardening needs the plastic strain.
-   pure subroutine von_mises_request(self, wishes)
+   pure subroutine von_mises_request(self, requests)
       class(law_von_mises_t), intent(in) :: self         !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
 
-      if (self%hardening > 0.0_wp) call wishes%ask("plastic_strain", "hardening of von_mises", 1)
+      if (self%hardening > 0.0_wp) call requests%add("plastic_strain", "hardening of von_mises", 1)
    end subroutine von_mises_request
 
    !> Return to the yield surface.

@@ -39,7 +39,7 @@ module material_models
       type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
       type(spall_t), allocatable :: spall            !! Tension cut-off without memory
       type(fracture_t), allocatable :: fracture      !! Failure for good
-      type(failed_law_t), allocatable :: remains        !! Law of failed matter
+      type(failed_law_t), allocatable :: failed_law        !! Law of failed matter
       type(voids_t), allocatable :: voids            !! Voids open and close
       logical :: elastic_pressure = .false. !! The eos is K (rho/rho0 - 1) as the effect is off
       logical :: repacks = .false.                   !! The fill of nodes corrects volumes
@@ -48,8 +48,8 @@ module material_models
       type(heat_t), allocatable :: heat              !! Temperature follows the work
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]
    contains
-      procedure :: wishes => models_wishes           !! Fields to be carried, and why
-      procedure :: request => models_request         !! Allocates these fields
+      procedure :: field_requests => models_field_requests !! Fields to be carried, and why
+      procedure :: allocate_state => models_allocate_state         !! Allocates these fields
       procedure :: carries_energy => models_carries_energy !! Is an internal energy among them?
       procedure :: start => models_start             !! Initial state of particles
       procedure :: scatter => models_scatter         !! Random strength of particles
@@ -61,67 +61,68 @@ module material_models
 contains
 
    !> The fields that the chain needs its particles to carry.
-   pure function models_wishes(self) result(wishes)
+   pure function models_field_requests(self) result(requests)
       class(models_t), intent(in) :: self            !! The material
-      type(field_requests_t) :: wishes
+      type(field_requests_t) :: requests
 
-      call wishes%ask("mass", "every material", 1)
-      call wishes%ask("volume", "every material", 1)
-      call wishes%ask("stress", "every material", 6)
-      if (allocated(self%viscosity)) call wishes%ask("viscous_pressure", "artificial viscosity", 1)
-      if (allocated(self%eos)) call self%eos%request(wishes)
-      if (allocated(self%law)) call self%law%request(wishes)
-      if (allocated(self%damage)) call self%damage%request(wishes)
-      if (allocated(self%voids)) call wishes%ask("solid_fraction", "voids", 1)
-      if (allocated(self%heat)) call wishes%ask("temperature", "thermal effect", 1)
+      call requests%add("mass", "every material", 1)
+      call requests%add("volume", "every material", 1)
+      call requests%add("stress", "every material", 6)
+      if (allocated(self%viscosity)) call requests%add("viscous_pressure", &
+         "artificial viscosity", 1)
+      if (allocated(self%eos)) call self%eos%request(requests)
+      if (allocated(self%law)) call self%law%request(requests)
+      if (allocated(self%damage)) call self%damage%request(requests)
+      if (allocated(self%voids)) call requests%add("solid_fraction", "voids", 1)
+      if (allocated(self%heat)) call requests%add("temperature", "thermal effect", 1)
       if (allocated(self%fracture)) then
-         call wishes%ask("damage", "failure", 1)
-         call wishes%ask("failed", "failure", 1)
+         call requests%add("damage", "failure", 1)
+         call requests%add("failed", "failure", 1)
       end if
-      if (self%record%strain) call wishes%ask("equivalent_strain", "output", 1)
+      if (self%record%strain) call requests%add("equivalent_strain", "output", 1)
       if (self%record%inertia .and. allocated(self%law)) then
-         if (self%law%has_grains()) call wishes%ask("inertial_number", "output", 1)
+         if (self%law%has_grains()) call requests%add("inertial_number", "output", 1)
       end if
-   end function models_wishes
+   end function models_field_requests
 
    !> Do its particles carry an internal energy?
    pure logical function models_carries_energy(self) result(carries)
       class(models_t), intent(in) :: self            !! The material
-      type(field_requests_t) :: wishes
+      type(field_requests_t) :: requests
 
-      wishes = self%wishes()
-      carries = wishes%asked("energy")
+      requests = self%field_requests()
+      carries = requests%has("energy")
    end function models_carries_energy
 
    !> Allocate exactly the fields that the chain needs.
-   pure subroutine models_request(self, state, particles)
+   pure subroutine models_allocate_state(self, state, particles)
       class(models_t), intent(in) :: self            !! The material
       type(material_state_t), intent(out) :: state          !! State of its particles
       integer, optional, intent(in) :: particles     !! Room for so many; none if not given
-      type(field_requests_t) :: wishes
+      type(field_requests_t) :: requests
       integer :: n
 
       n = 0
       if (present(particles)) n = particles
-      wishes = self%wishes()
+      requests = self%field_requests()
       allocate (state%mass(n), state%volume(n), state%stress(n, 6))
-      if (wishes%asked("viscous_pressure")) allocate (state%viscous_pressure(n))
-      if (wishes%asked("energy")) allocate (state%energy(n))
-      if (wishes%asked("temperature")) allocate (state%temperature(n))
-      if (wishes%asked("plastic_strain")) allocate (state%plastic_strain(n))
-      if (wishes%asked("plastic_rate")) allocate (state%plastic_rate(n))
-      if (wishes%asked("plastic_dilation")) allocate (state%plastic_dilation(n))
-      if (wishes%asked("distension")) allocate (state%distension(n))
-      if (wishes%asked("damage")) allocate (state%damage(n))
-      if (wishes%asked("scatter")) allocate (state%scatter(n))
-      if (wishes%asked("overload")) allocate (state%overload(n))
-      if (wishes%asked("bulking")) allocate (state%bulking(n))
-      if (wishes%asked("solid_fraction")) allocate (state%solid_fraction(n))
-      if (wishes%asked("deformation_gradient")) allocate (state%deformation_gradient(n, 9))
-      if (wishes%asked("equivalent_strain")) allocate (state%equivalent_strain(n))
-      if (wishes%asked("inertial_number")) allocate (state%inertial_number(n))
-      if (wishes%asked("failed")) allocate (state%failed(n))
-   end subroutine models_request
+      if (requests%has("viscous_pressure")) allocate (state%viscous_pressure(n))
+      if (requests%has("energy")) allocate (state%energy(n))
+      if (requests%has("temperature")) allocate (state%temperature(n))
+      if (requests%has("plastic_strain")) allocate (state%plastic_strain(n))
+      if (requests%has("plastic_rate")) allocate (state%plastic_rate(n))
+      if (requests%has("plastic_dilation")) allocate (state%plastic_dilation(n))
+      if (requests%has("distension")) allocate (state%distension(n))
+      if (requests%has("damage")) allocate (state%damage(n))
+      if (requests%has("scatter")) allocate (state%scatter(n))
+      if (requests%has("overload")) allocate (state%overload(n))
+      if (requests%has("bulking")) allocate (state%bulking(n))
+      if (requests%has("solid_fraction")) allocate (state%solid_fraction(n))
+      if (requests%has("deformation_gradient")) allocate (state%deformation_gradient(n, 9))
+      if (requests%has("equivalent_strain")) allocate (state%equivalent_strain(n))
+      if (requests%has("inertial_number")) allocate (state%inertial_number(n))
+      if (requests%has("failed")) allocate (state%failed(n))
+   end subroutine models_allocate_state
 
    !> Initial state of particles: at rest without stress. Mass and volume are set by the caller.
    pure subroutine models_start(self, state, first, last, temperature)
@@ -161,7 +162,8 @@ contains
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
 
-      if (allocated(state%scatter)) call self%damage%draw(self%seed, identity, first, last, &
+      if (allocated(state%scatter)) call self%damage%draw_strength(self%seed, identity, first, &
+         last, &
          state%mass, state%scatter)
    end subroutine models_scatter
 
@@ -171,7 +173,7 @@ contains
       class(models_t), intent(in) :: self            !! The material
 
       follows = .not. allocated(self%eos)
-      if (follows .and. allocated(self%law)) follows = .not. self%law%whole()
+      if (follows .and. allocated(self%law)) follows = .not. self%law%gives_whole_stress()
    end function models_bulk_in_rate_form
 
    !> Fastest signal [m/s] in the reference state, for the first time step.

@@ -42,7 +42,7 @@ contains
       class(point_t), intent(inout) :: self          !! The point
       class(chain_t), intent(in) :: chain            !! Its material
 
-      call chain%request(self%state, 1)
+      call chain%allocate_state(self%state, 1)
       call self%deformation%reserve(1)
       self%state%volume = self%volume
       self%state%mass = chain%density*self%volume

@@ -179,10 +179,10 @@ contains
       if (effects%strength .and. word == "isotropic") then
          call group%get("strength_model", word)
          call choose_law(word, material%law)
-         if (allocated(material%law)) call material%law%select(group)
+         if (allocated(material%law)) call material%law%read_mode(group)
       end if
       call group%get("eos_model", word)
-      if (effects%eos .and. .not. gives_integer(material)) call choose_eos(word, material%eos)
+      if (effects%eos .and. .not. gives_whole_stress(material)) call choose_eos(word, material%eos)
       if (allocated(material%law) .and. .not. effects%eos) &
          material%elastic_pressure = material%law%follows_density()
       if (material%elastic_pressure) call choose_eos("linear", material%eos)
@@ -193,12 +193,12 @@ contains
    end subroutine choose_models
 
    !> True if the law gives the whole stress.
-   pure logical function gives_integer(material) result(whole)
+   pure logical function gives_whole_stress(material) result(whole)
       class(material_t), intent(in) :: material      !! The material with its law chosen
 
       whole = .false.
-      if (allocated(material%law)) whole = material%law%whole()
-   end function gives_integer
+      if (allocated(material%law)) whole = material%law%gives_whole_stress()
+   end function gives_whole_stress
 
    !> True if the material has a shear modulus.
    pure logical function has_shear(material) result(has)
@@ -255,7 +255,7 @@ contains
       logical :: plastic
 
       plastic = .false.
-      if (allocated(material%law)) plastic = material%law%plastic()
+      if (allocated(material%law)) plastic = material%law%is_plastic()
       call check_failure(material, group, effects, plastic, deck)
       call check_packing(material, group, effects, deck)
       if (effects%voids .and. allocated(material%eos)) then
@@ -283,8 +283,8 @@ contains
       if (group%given("jc_rate") .and. abs(rate - 1.0_wp) > 0.0_wp .and. &
          strength /= "johnson_cook" .and. damage /= "johnson_cook") &
          call deck%complain(group, "jc_rate is given but no model of Johnson and Cook", "jc_rate")
-      if (gives_integer(material)) then
-         call check_integer(material, group, deck)
+      if (gives_whole_stress(material)) then
+         call check_whole_stress(material, group, deck)
          return
       end if
       if (.not. effects%thermal) return
@@ -358,7 +358,7 @@ contains
    end subroutine check_failure
 
    !> A law that gives the whole stress stands alone.
-   subroutine check_integer(material, group, deck)
+   subroutine check_whole_stress(material, group, deck)
       class(material_t), intent(in) :: material      !! The material with its models chosen
       type(group_t), intent(in) :: group             !! &material
       type(deck_t), intent(inout) :: deck            !! Notes what is wrong
@@ -371,7 +371,7 @@ contains
          "eos_model is not used, as strength_model = '"//strength//"' gives the whole stress; "// &
          "remove it", "eos_model")
       if (allocated(material%damage)) then
-         if (material%law%plastic() .or. .not. material%damage%needs_flow()) &
+         if (material%law%is_plastic() .or. .not. material%damage%needs_flow()) &
             call deck%complain(group, "damage_model is not used by strength_model = '"// &
             strength//"'; remove it", "damage_model")
       end if
@@ -379,7 +379,7 @@ contains
          "spall is not used by strength_model = '"//strength//"'; remove it", "spall")
       if (group%given("t_melt")) call deck%complain(group, "t_melt is not used by "// &
          "strength_model = '"//strength//"', which does not melt; remove it", "t_melt")
-   end subroutine check_integer
+   end subroutine check_whole_stress
 
    !> True if strength or damage follows the temperature up to melting.
    logical function needs_melting(material, group) result(needed)
@@ -450,7 +450,7 @@ contains
          if (group%given("conductivity")) &
             call group%get("conductivity", material%heat%conductivity)
       end if
-      if (effects%melting .and. .not. gives_integer(material)) then
+      if (effects%melting .and. .not. gives_whole_stress(material)) then
          allocate (material%melting)
          call group%get("t_melt", material%melting)
       end if
@@ -490,9 +490,9 @@ contains
       if (group%given("spall")) call group%get("spall", material%fracture%strength)
       call group%get("failed_as", word)
       call choose_failed_law(group, material%shear, material%bulk, material%density, &
-         material%remains)
+         material%failed_law)
       material%fracture%leaves_nothing = word == "nothing"
-      material%fracture%leaves_strength = allocated(material%remains)
+      material%fracture%leaves_strength = allocated(material%failed_law)
       if (allocated(material%damage) .and. .not. group%given("failed_as")) &
          material%fracture%leaves_strength = material%damage%leaves_strength()
    end subroutine read_failure

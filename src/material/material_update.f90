@@ -3,16 +3,18 @@
 !! Its links are equations (A.1) to (A.13) of doc/theory/matter.md and those of the laws.
 module material_update
    use base_kinds, only: int64, wp
-   use constitutive_heat, only: heat, melt
+   use constitutive_heat, only: cut_melted_tension, heat_particles
    use constitutive_kinematics, only: dilate
    use constitutive_state, only: deformation_t, material_state_t
-   use constitutive_tension, only: break, cut_tension, drop_failed, drop_melted, fail, open_voids
-   use material_failed, only: share_t, vanish
+   use constitutive_tension, only: cut_tension, drop_loose_pressure, fail_as_rubble, &
+      fail_with_strength, remove_failed_deviator, remove_melted_deviator
+   use material_failed, only: failed_subset_t, remove_failed_stress
    use material_models, only: effect_damage, effect_eos, effect_strength, effect_thermal, &
       effect_viscosity, effect_voids, models_t
    use material_record, only: add_strain
-   use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
-   use material_viscosity, only: resist, viscous_losses
+   use material_stress, only: assemble_pressure, assemble_stress, integrate_pressure, &
+      take_square_root
+   use material_viscosity, only: add_viscous_pressure, find_viscous_work
    use material_voids, only: expand_grains
    implicit none
    private
@@ -74,16 +76,16 @@ contains
       if (allocated(self%voids)) then
          squeezed = state
          deformation%share(:count) = 1.0_wp
-         call self%voids%squeeze(squeezed, deformation, first, last)
+         call self%voids%to_solid_volume(squeezed, deformation, first, last)
          call self%eos%update(squeezed, deformation, first, last)
-         call self%voids%relax(squeezed, deformation, first, last)
+         call self%voids%to_total_volume(squeezed, deformation, first, last)
       else if (allocated(self%eos)) then
          call self%eos%update(state, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
          deformation%wave_speed(:count) = self%bulk*state%volume(first:last) &
             /state%mass(first:last)
       end if
-      if (allocated(self%law)) call self%law%stiffen(state, deformation, first, last)
+      if (allocated(self%law)) call self%law%add_wave_speed(state, deformation, first, last)
       speed = sqrt(maxval(deformation%wave_speed(:count)))
    end function chain_signal_speed
 
@@ -97,19 +99,19 @@ contains
       integer, intent(in) :: last                        !! Last particle of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
-      type(share_t) :: share
+      type(failed_subset_t) :: subset
       integer :: stage
 
       if (last < first) return
       do stage = 1, chain_stages
-         call self%advance(stage, state, deformation, first, last, dt, spacing, share)
+         call self%advance(stage, state, deformation, first, last, dt, spacing, subset)
       end do
    end subroutine chain_update
 
    !> One stage of that, so that a caller can take the time between them. The order of the chain is
    !! that of the cases.
    ! gate: long kernel because the chain is one list
-   pure subroutine chain_advance(self, stage, state, deformation, first, last, dt, spacing, share)
+   pure subroutine chain_advance(self, stage, state, deformation, first, last, dt, spacing, subset)
       class(chain_t), intent(in) :: self                 !! The material
       integer, intent(in) :: stage                       !! From 1 to `chain_stages`
       type(material_state_t), intent(inout) :: state            !! State of the store
@@ -118,17 +120,18 @@ contains
       integer, intent(in) :: last                        !! Last particle, not before it
       real(wp), intent(in) :: dt                         !! Time step [s]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
-      type(share_t), intent(inout) :: share              !! Failed particles, kept between stages
+      type(failed_subset_t), intent(inout) :: subset !! Failed particles, kept between stages
       integer :: count
 
       count = last - first + 1
       select case (stage)
       case (1)
-         if (allocated(self%softening)) call self%softening%recover(state, first, last)
-         if (allocated(self%remains)) &
-            call self%remains%collect(state, deformation, first, last, share)
+         if (allocated(self%softening)) call self%softening%restore_uncracked_stress(state, &
+            first, last)
+         if (allocated(self%failed_law)) &
+            call self%failed_law%gather(state, deformation, first, last, subset)
       case (2)
-         if (allocated(self%voids)) call self%voids%choose(state, deformation, first, last)
+         if (allocated(self%voids)) call self%voids%choose_fraction(state, deformation, first, last)
       case (3)
          deformation%plastic_work(:count) = 0.0_wp
          deformation%viscous_work(:count) = 0.0_wp
@@ -136,52 +139,56 @@ contains
          if (allocated(state%equivalent_strain)) call add_strain(first, last, deformation%plane, &
             deformation%gradient, state%equivalent_strain)
          if (allocated(self%law)) then
-            call self%law%predict(state, deformation, first, last)
+            call self%law%predict_trial(state, deformation, first, last)
          else
             call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
                deformation%dilatation)
          end if
       case (4)
-         if (allocated(self%voids)) call self%voids%open(state, deformation, first, last)
+         if (allocated(self%voids)) call self%voids%update_solid_fraction(state, deformation, &
+            first, last)
       case (5)
          call update_pressure(self, state, deformation, first, last)
       case (6)
-         if (allocated(self%remains)) &
-            call self%remains%follow(state, deformation, first, dt, share)
+         if (allocated(self%failed_law)) &
+            call self%failed_law%update(state, deformation, first, dt, subset)
       case (7)
          if (allocated(self%law)) call update_deviator(self, state, deformation, first, last, dt)
       case (8)
-         if (allocated(self%remains)) &
-            call self%remains%give_back(share, state, deformation, first)
+         if (allocated(self%failed_law)) &
+            call self%failed_law%scatter(subset, state, deformation, first)
          if (allocated(self%softening)) &
-            call self%softening%open(state, deformation, first, last, spacing)
+            call self%softening%open_cracks(state, deformation, first, last, spacing)
          if (allocated(self%damage)) call self%damage%update(state, deformation, first, last, dt)
          call limit_tension(self, state, deformation, first, last)
       case (9)
-         if (allocated(self%viscosity)) call viscous_losses(first, last, state%viscous_pressure, &
+         if (allocated(self%viscosity)) call find_viscous_work(first, last, &
+            state%viscous_pressure, &
             deformation%old_volume, deformation%dilatation, deformation%viscous_work)
       case (10)
          if (allocated(self%heat)) call update_temperature(self, state, deformation, first, last)
       case (11)
          if (allocated(self%viscosity)) then
             if (self%viscosity%limited) then
-               call resist(first, last, self%viscosity, dt, spacing, state%mass, state%volume, &
+               call add_viscous_pressure(first, last, self%viscosity, dt, spacing, state%mass, &
+                  state%volume, &
                   deformation%jump, state%viscous_pressure, deformation%pressure, &
                   deformation%wave_speed)
             else
-               call resist(first, last, self%viscosity, dt, spacing, state%mass, state%volume, &
+               call add_viscous_pressure(first, last, self%viscosity, dt, spacing, state%mass, &
+                  state%volume, &
                   deformation%dilatation, state%viscous_pressure, deformation%pressure, &
                   deformation%wave_speed)
             end if
          else
-            call square_root(count, deformation%wave_speed)
+            call take_square_root(count, deformation%wave_speed)
          end if
       case (12)
          if (allocated(self%law)) then
-            call self%law%damp(state, deformation, first, last, spacing)
-            call assemble(first, last, deformation%pressure, state%stress)
+            call self%law%add_viscous_speed(state, deformation, first, last, spacing)
+            call assemble_stress(first, last, deformation%pressure, state%stress)
          else
-            call assemble_isotropic(first, last, deformation%pressure, state%stress)
+            call assemble_pressure(first, last, deformation%pressure, state%stress)
          end if
       case default
          call leave_nothing(self, state, deformation, first, last)
@@ -198,7 +205,7 @@ contains
 
       if (.not. allocated(self%fracture)) return
       if (.not. self%fracture%leaves_nothing) return
-      call vanish(first, last, state%failed, state%stress, deformation%wave_speed)
+      call remove_failed_stress(first, last, state%failed, state%stress, deformation%wave_speed)
       if (allocated(self%viscosity)) state%viscous_pressure(first:last) = &
          merge(0.0_wp, state%viscous_pressure(first:last), state%failed(first:last) /= 0)
    end subroutine leave_nothing
@@ -212,18 +219,18 @@ contains
       integer, intent(in) :: last                        !! Last particle of the range
 
       if (allocated(self%voids)) then
-         call self%voids%squeeze(state, deformation, first, last)
+         call self%voids%to_solid_volume(state, deformation, first, last)
          call self%eos%update(state, deformation, first, last)
          call add_bulking(state, deformation, first, last)
-         call self%voids%relax(state, deformation, first, last)
+         call self%voids%to_total_volume(state, deformation, first, last)
       else if (allocated(self%eos)) then
          call self%eos%update(state, deformation, first, last)
          call add_bulking(state, deformation, first, last)
-         call self%eos%remember(state, deformation, first, last)
+         call self%eos%keep_state(state, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
          if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
             deformation%pressure(:last - first + 1) - state%viscous_pressure(first:last)
-         call follow_rate(first, last, self%bulk, state%mass, state%volume, &
+         call integrate_pressure(first, last, self%bulk, state%mass, state%volume, &
             deformation%dilatation, deformation%pressure, deformation%wave_speed)
       else
          deformation%wave_speed(:last - first + 1) = 0.0_wp
@@ -251,11 +258,11 @@ contains
       real(wp), intent(in) :: dt                         !! Time step [s]
 
       ! Before the law, so that what has no strength does not flow plastically.
-      if (drops(self)) call drop_failed(first, last, state%failed, state%stress)
+      if (drops(self)) call remove_failed_deviator(first, last, state%failed, state%stress)
       if (allocated(self%melting)) &
-         call drop_melted(first, last, self%melting, state%temperature, state%stress)
+         call remove_melted_deviator(first, last, self%melting, state%temperature, state%stress)
       call self%law%update(state, deformation, first, last, dt)
-      call self%law%stiffen(state, deformation, first, last)
+      call self%law%add_wave_speed(state, deformation, first, last)
    end subroutine update_deviator
 
    !> True if the law of strength must not see failed matter.
@@ -263,7 +270,7 @@ contains
       class(chain_t), intent(in) :: self                 !! The material
 
       must_not = .false.
-      if (allocated(self%fracture)) must_not = allocated(self%remains) .or. &
+      if (allocated(self%fracture)) must_not = allocated(self%failed_law) .or. &
          .not. self%fracture%leaves_strength
    end function drops
 
@@ -276,11 +283,12 @@ contains
       integer, intent(in) :: last                        !! Last particle of the range
 
       if (self%fracture%leaves_strength) then
-         call fail(first, last, self%fracture%strength, self%bulk, state%volume, &
+         call fail_with_strength(first, last, self%fracture%strength, self%bulk, state%volume, &
             deformation%pressure, deformation%pressure_floor, state%damage, state%failed, &
             deformation%plastic_work)
       else
-         call break(first, last, self%fracture%strength, self%shear, self%bulk, state%volume, &
+         call fail_as_rubble(first, last, self%fracture%strength, self%shear, self%bulk, &
+            state%volume, &
             state%stress, deformation%pressure, deformation%pressure_floor, state%damage, &
             state%failed, deformation%plastic_work)
       end if
@@ -296,7 +304,8 @@ contains
 
       if (allocated(self%fracture)) then
          call break_or_fail(self, state, deformation, first, last)
-         if (.not. allocated(self%eos)) call open_voids(first, last, self%density, self%bulk, &
+         if (.not. allocated(self%eos)) call drop_loose_pressure(first, last, self%density, &
+            self%bulk, &
             state%mass, state%volume, state%failed, deformation%pressure, &
             deformation%wave_speed)
       else if (allocated(self%spall)) then
@@ -305,7 +314,8 @@ contains
       else if (allocated(self%heat)) then
          deformation%pressure_floor(:last - first + 1) = -huge(1.0_wp)
       end if
-      if (allocated(self%melting)) call melt(first, last, self%melting, state%temperature, &
+      if (allocated(self%melting)) call cut_melted_tension(first, last, self%melting, &
+         state%temperature, &
          deformation%pressure, deformation%pressure_floor)
    end subroutine limit_tension
 
@@ -316,21 +326,22 @@ contains
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
-      real(wp) :: share
+      real(wp) :: plastic_share
 
-      share = 0.9_wp
+      plastic_share = 0.9_wp
       if (allocated(self%law)) then
-         share = self%law%heat_share
+         plastic_share = self%law%heat_share
          deformation%pressure_floor(:last - first + 1) = max(self%law%least_pressure(), &
             deformation%pressure_floor(:last - first + 1))
       end if
       ! Nobody needs the homologous temperature any more in this step.
       if (allocated(self%voids)) &
          deformation%homologous(:last - first + 1) = state%temperature(first:last)
-      if (allocated(self%voids)) call self%voids%squeeze_both(state, deformation, first, last)
+      if (allocated(self%voids)) call self%voids%to_solid_volumes(state, deformation, first, last)
       deformation%gruneisen(:last - first + 1) = 0.0_wp
-      if (allocated(self%eos)) call self%eos%gruneisen(state, deformation, first, last)
-      call heat(first, last, self%heat%specific_heat, share, deformation%gruneisen, state%mass, &
+      if (allocated(self%eos)) call self%eos%find_gruneisen(state, deformation, first, last)
+      call heat_particles(first, last, self%heat%specific_heat, plastic_share, &
+         deformation%gruneisen, state%mass, &
          state%volume, deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
          deformation%plastic_work, deformation%viscous_work, state%temperature)
       if (.not. allocated(self%voids)) return
@@ -371,7 +382,7 @@ contains
          if (gone(self, state, k)) cycle
          limit = -huge(1.0_wp)
          if (allocated(self%law)) then
-            energy(i) = self%law%stored(state, k)
+            energy(i) = self%law%stored_energy(state, k)
             limit = self%law%least_pressure()
          end if
          if (allocated(self%eos)) then
@@ -380,14 +391,14 @@ contains
             volume = state%volume(k)
             if (allocated(state%solid_fraction)) volume = volume*state%solid_fraction(k)
             if (allocated(state%plastic_dilation)) volume = volume*exp(-state%plastic_dilation(k))
-            energy(i) = energy(i) + self%eos%stored(state%mass(k), volume, limit)
+            energy(i) = energy(i) + self%eos%stored_energy(state%mass(k), volume, limit)
          else if (self%bulk_in_rate_form()) then
             pressure = -sum(state%stress(k, 1:3))/3.0_wp
             if (allocated(state%viscous_pressure)) pressure = pressure - state%viscous_pressure(k)
             energy(i) = energy(i) + state%volume(k)*pressure**2/(2.0_wp*self%bulk)
          end if
          if (allocated(self%softening)) energy(i) = energy(i) &
-            + self%softening%missing(state, k, .not. allocated(self%eos))
+            + self%softening%hidden_energy(state, k, .not. allocated(self%eos))
       end do
    end subroutine chain_stored_energy
 end module material_update

@@ -18,7 +18,7 @@ module material_voids
    implicit none
    private
 
-   public :: declare_voids, expand_grains, expanded, voids_t
+   public :: declare_voids, expand_grains, expanded_fraction, voids_t
 
    !> Rules of the voids of a material.
    type :: voids_t
@@ -32,11 +32,12 @@ module material_voids
    contains
       procedure :: read => voids_read                !! Reads the keys
       procedure :: fault => voids_fault              !! What is wrong with them
-      procedure :: choose => voids_choose            !! Which share matter takes of the motion
-      procedure :: open => voids_open                !! Opens and closes voids
-      procedure :: squeeze => voids_squeeze          !! Volume becomes that of the matter
-      procedure :: relax => voids_relax              !! And back again
-      procedure :: squeeze_both => voids_squeeze_both !! The same before and after the step
+      !> Which share matter takes of the motion
+      procedure :: choose_fraction => voids_choose_fraction
+      procedure :: update_solid_fraction => voids_update_solid_fraction !! Opens and closes voids
+      procedure :: to_solid_volume => voids_to_solid_volume !! Volume becomes that of the matter
+      procedure :: to_total_volume => voids_to_total_volume              !! And back again
+      procedure :: to_solid_volumes => voids_to_solid_volumes !! The same before and after the step
    end type voids_t
 
 contains
@@ -102,7 +103,7 @@ contains
    end subroutine voids_read
 
    !> Which share of the dilatation the matter takes in the step, from the stress before it.
-   pure subroutine voids_choose(self, state, deformation, first, last)
+   pure subroutine voids_choose_fraction(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self                   !! The rules
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -122,7 +123,7 @@ contains
          deformation%loosening(:count) - state%viscous_pressure(first:last)
       call choose(first, last, self, deformation%gradient, deformation%homologous, &
          deformation%loosening, state%solid_fraction, deformation%share)
-   end subroutine voids_choose
+   end subroutine voids_choose_fraction
 
    !> Kernel of the above, with the voids that shear opens. Equations (F.19) and (F.20).
    pure subroutine choose(first, last, voids, gradient, loose, pressure, solid_fraction, share)
@@ -161,7 +162,7 @@ contains
    end subroutine choose
 
    !> Open and close voids, with the volume before and after the step.
-   pure subroutine voids_open(self, state, deformation, first, last)
+   pure subroutine voids_update_solid_fraction(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self                   !! The rules
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
@@ -170,7 +171,7 @@ contains
 
       call open_or_close(first, last, self%critical, state%volume, deformation%old_volume, &
          deformation%share, state%solid_fraction)
-   end subroutine voids_open
+   end subroutine voids_update_solid_fraction
 
    !> Kernel of the above. What closes voids beyond the touching of grains is left to the matter.
    !! Equation (F.18).
@@ -194,7 +195,7 @@ contains
    end subroutine open_or_close
 
    !> Give laws of the matter its own volume.
-   pure subroutine voids_squeeze(self, state, deformation, first, last)
+   pure subroutine voids_to_solid_volume(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self                   !! The rules
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -203,11 +204,11 @@ contains
 
       deformation%whole_volume(:last - first + 1) = state%volume(first:last)
       state%volume(first:last) = state%volume(first:last)*state%solid_fraction(first:last)
-   end subroutine voids_squeeze
+   end subroutine voids_to_solid_volume
 
    !> Volumes before and after the step become those of the material itself, which takes its part of
    !! the dilatation. The volume of the motion is left in `whole_volume`.
-   pure subroutine voids_squeeze_both(self, state, deformation, first, last)
+   pure subroutine voids_to_solid_volumes(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self                   !! The rules
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -218,12 +219,12 @@ contains
          :last - first + 1), share => deformation%share(:last - first + 1))
          old = state%solid_fraction(first:last)*(volume + share*(old - volume))
       end associate
-      call self%squeeze(state, deformation, first, last)
-   end subroutine voids_squeeze_both
+      call self%to_solid_volume(state, deformation, first, last)
+   end subroutine voids_to_solid_volumes
 
    !> Volume becomes that of the motion again, and the pressure that on a whole surface. Where voids
    !! open or close there is none: round-off of it would stop the opening.
-   pure subroutine voids_relax(self, state, deformation, first, last)
+   pure subroutine voids_to_total_volume(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self                   !! The rules
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -233,7 +234,7 @@ contains
       state%volume(first:last) = deformation%whole_volume(:last - first + 1)
       deformation%pressure(:last - first + 1) = merge(deformation%pressure(:last - first + 1) &
          *state%solid_fraction(first:last), 0.0_wp, deformation%share(:last - first + 1) > 0.0_wp)
-   end subroutine voids_relax
+   end subroutine voids_to_total_volume
 
    !> Let heated grains fill voids: B = expansion dT/dt. Equation (F.20).
    pure subroutine expand_grains(first, last, expansion, temperature, old_temperature, &
@@ -248,18 +249,18 @@ contains
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         solid_fraction(k) = expanded(solid_fraction(k), &
+         solid_fraction(k) = expanded_fraction(solid_fraction(k), &
             expansion*(temperature(k) - old_temperature(i)))
       end do
    end subroutine expand_grains
 
    !> Share of grains that expand, theta exp(growth) but not above 1, with the positive Pade
    !! approximant of order (2, 2), which cooling takes back to round-off.
-   pure real(wp) function expanded(solid_fraction, growth) result(share)
+   pure real(wp) function expanded_fraction(solid_fraction, growth) result(share)
       real(wp), intent(in) :: solid_fraction         !! Before [1]
       real(wp), intent(in) :: growth                 !! Of the logarithm of their volume [1]
 
       share = min(1.0_wp, solid_fraction*(1.0_wp + growth*(0.5_wp + growth/12.0_wp)) &
          /(1.0_wp - growth*(0.5_wp - growth/12.0_wp)))
-   end function expanded
+   end function expanded_fraction
 end module material_voids

@@ -186,7 +186,7 @@ contains
 
       n = size(pressure)
       if (n == 0) return
-      call material%request(trial, n)
+      call material%allocate_state(trial, n)
       before = 1.0_wp
       factor = 1.0_wp + pressure/material%bulk
       call find(before, earlier)

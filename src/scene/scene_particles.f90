@@ -95,7 +95,7 @@ contains
       simulation%carries_energy = .false.
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
-            call simulation%materials(index)%request(store%state)
+            call simulation%materials(index)%allocate_state(store%state)
             call store%start(store_name(simulation%materials, index), simulation%grid%tile_cells, &
                traits)
             store%material = index

@@ -8,7 +8,7 @@ module step_simulation
    use constitutive_state, only: deformation_t
    use ddmp_dual, only: dual_t
    use exact_solution, only: exact_case_t
-   use material_effect_timers, only: laps_t
+   use material_effect_timers, only: stage_clock_t
    use material_models, only: chain_effects
    use material_type, only: material_t
    use mesh_absorbing, only: absorbing_t
@@ -152,7 +152,7 @@ module step_simulation
       !> (particle, 9) Half of the strain with the velocity before the step, if it counts [1]
       real(wp), allocatable :: earlier(:, :)
       type(ledger_t) :: ledger                       !! Sums of this thread
-      type(laps_t) :: laps                           !! Times of effects
+      type(stage_clock_t) :: laps                           !! Times of effects
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
       logical :: sound = .true.                      !! Are all particles in their bounds?
       logical :: retired = .false.                   !! Has one been taken out for leaving them?
