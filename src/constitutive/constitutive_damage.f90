@@ -6,6 +6,7 @@ module constitutive_damage
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
+   use constitutive_law, only: law_t
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -22,6 +23,8 @@ module constitutive_damage
       procedure :: fault => damage_fault             !! What is wrong with its keys together
       procedure :: needs_flow => damage_needs_flow   !! True if it counts plastic strain
       procedure :: takes_scatter => damage_takes_scatter !! True if strength may scatter
+      procedure :: needs_weibull => damage_needs_weibull !! True if it needs a Weibull modulus
+      procedure :: uses_jc_rate => damage_uses_jc_rate !! True if it reads the key jc_rate
       procedure :: leaves_strength => damage_leaves_strength !! True if the law knows failed matter
       procedure(read_i), deferred :: read            !! Reads its keys
       procedure(request_i), deferred :: request      !! Asks for the fields it needs
@@ -69,9 +72,10 @@ module constitutive_damage
 contains
 
    !> What is wrong with the keys of the model taken together; empty if nothing is.
-   pure function damage_fault(self, group) result(text)
-      class(damage_t), intent(in) :: self                      !! The model
+   pure function damage_fault(self, group, law) result(text)
+      class(damage_t), intent(in) :: self
       type(group_t), intent(in) :: group                       !! &material
+      class(law_t), allocatable, intent(in) :: law             !! Law of strength, if there is one
       character(len=:), allocatable :: text
 
       text = ""
@@ -90,6 +94,21 @@ contains
 
       takes = .false.
    end function damage_takes_scatter
+
+   !> True if the model needs a Weibull modulus: where strength scatters, or always.
+   pure logical function damage_needs_weibull(self, scatter) result(needs)
+      class(damage_t), intent(in) :: self                      !! The model
+      logical, intent(in) :: scatter                           !! Switch size_scatter of &effects
+
+      needs = scatter .and. self%takes_scatter()
+   end function damage_needs_weibull
+
+   !> True if the model reads the key jc_rate, which several models share.
+   pure logical function damage_uses_jc_rate(self) result(uses)
+      class(damage_t), intent(in) :: self                      !! The model
+
+      uses = .false.
+   end function damage_uses_jc_rate
 
    !> True if the law of strength itself knows what failed matter bears.
    pure logical function damage_leaves_strength(self) result(leaves)

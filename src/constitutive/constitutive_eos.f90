@@ -22,6 +22,7 @@ module constitutive_eos
       procedure :: fault => eos_fault                !! What is wrong with its keys together
       procedure :: read => eos_read                  !! Reads its keys, if it has any
       procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
+      procedure :: has_pores => eos_has_pores        !! True if its material is porous
       procedure(request_i), deferred :: request      !! Asks for the fields it needs
       procedure :: keep_state => eos_keep_state          !! Keeps what the step did to its own state
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
@@ -91,6 +92,13 @@ contains
 
       sets = .false.
    end function eos_sets_bulk
+
+   !> True if the equation of state is that of porous material.
+   pure logical function eos_has_pores(self) result(has)
+      class(eos_t), intent(in) :: self                         !! The equation of state
+
+      has = .false.
+   end function eos_has_pores
 
    !> Grueneisen number times density at the middle of the step, for the temperature. It is 0 where
    !! the pressure does not depend on energy.

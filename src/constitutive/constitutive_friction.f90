@@ -10,10 +10,12 @@ module constitutive_friction
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use base_text, only: brief
+   use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_law, only: law_t
    use constitutive_state, only: deformation_t, material_state_t
    use constitutive_tension, only: add_intact_shear_speed
+   use eos_linear, only: eos_linear_t
    implicit none
    private
 
@@ -68,11 +70,12 @@ contains
    end subroutine read_angles
 
    !> What is wrong with the angles taken together.
-   pure function angle_fault(group) result(text)
+   pure function angle_fault(group, eos) result(text)
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
-      character(len=:), allocatable :: eos
       real(wp) :: friction, dilation, cohesion
+      logical :: linear
 
       text = ""
       if (.not. (group%known("friction_angle") .and. group%known("dilation_angle") .and. &
@@ -80,13 +83,20 @@ contains
       call group%get("friction_angle", friction)
       call group%get("dilation_angle", dilation)
       call group%get("cohesion", cohesion)
-      call group%get("eos_model", eos)
+      linear = .true.
+      if (allocated(eos)) then
+         select type (eos)
+         type is (eos_linear_t)
+         class default
+            linear = .false.
+         end select
+      end if
       if (friction > 0.0_wp .and. friction < 0.5_wp*pi) then
          text = "friction_angle = "//brief(friction)//" deg: did you mean radians ("// &
             brief(anint(friction*1800.0_wp/pi)/10.0_wp)//" deg)?"
       else if (dilation > friction) then
          text = "dilation_angle must not be above friction_angle, or flow would make energy"
-      else if (dilation > 0.0_wp .and. eos /= "linear") then
+      else if (dilation > 0.0_wp .and. .not. linear) then
          text = "dilation_angle needs eos_model = 'linear', as others know only the density"
       else if (.not. (friction > 0.0_wp .or. cohesion > 0.0_wp)) then
          text = "friction_angle or cohesion must be above 0; for a fluid set elastic = 'none'"

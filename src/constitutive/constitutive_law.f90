@@ -6,6 +6,7 @@ module constitutive_law
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: predict_deviator
    use constitutive_state, only: deformation_t, material_state_t
@@ -30,6 +31,9 @@ module constitutive_law
       procedure :: gives_whole_stress => law_gives_whole_stress !! True if it gives the whole stress
       procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
       procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
+      procedure :: supports_voids => law_supports_voids !! True if its material may be porous
+      procedure :: softens_by_damage => law_softens_by_damage !! True if damage lowers its strength
+      procedure :: uses_jc_rate => law_uses_jc_rate  !! True if it reads the key jc_rate
       procedure :: follows_density => law_follows_density !! True if its pressure must know it
       procedure :: has_grains => law_has_grains      !! True if it has an inertial number
       procedure :: is_plastic => law_is_plastic            !! True if it flows and so takes energy
@@ -90,9 +94,10 @@ contains
 
    !> What is wrong with the keys of the law taken together, which the single ones cannot tell;
    !! empty if nothing is.
-   pure function law_fault(self, group) result(text)
-      class(law_t), intent(in) :: self                         !! The law
+   pure function law_fault(self, group, eos) result(text)
+      class(law_t), intent(in) :: self
       type(group_t), intent(in) :: group                       !! &material
+      class(eos_t), allocatable, intent(in) :: eos             !! Equation of state, if there is one
       character(len=:), allocatable :: text
 
       text = ""
@@ -134,6 +139,27 @@ contains
 
       needs = .false.
    end function law_needs_eos
+
+   !> True if the material of the law may have voids or pores.
+   pure logical function law_supports_voids(self) result(supports)
+      class(law_t), intent(in) :: self                         !! The law
+
+      supports = .true.
+   end function law_supports_voids
+
+   !> True if the law itself lowers the strength of damaged material.
+   pure logical function law_softens_by_damage(self) result(softens)
+      class(law_t), intent(in) :: self                         !! The law
+
+      softens = .false.
+   end function law_softens_by_damage
+
+   !> True if the law reads the key jc_rate, which several models share.
+   pure logical function law_uses_jc_rate(self) result(uses)
+      class(law_t), intent(in) :: self                         !! The law
+
+      uses = .false.
+   end function law_uses_jc_rate
 
    !> True if the law flows: it takes energy, and damage by plastic strain can follow it.
    pure logical function law_is_plastic(self) result(plastic)

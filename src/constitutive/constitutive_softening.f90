@@ -23,6 +23,7 @@ module constitutive_softening
    use base_schema, only: schema_t
    use base_text, only: brief
    use constitutive_brittle, only: bound_deviator
+   use constitutive_law, only: law_t
    use constitutive_principal, only: compose, principal
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
@@ -35,7 +36,9 @@ module constitutive_softening
       real(wp) :: energy = 0.0_wp                    !! Gf, of a crack per area [J/m2]
       real(wp) :: strength = 0.0_wp                  !! Principal stress that opens cracks [Pa]
       real(wp) :: limit = 0.0_wp !! Or principal strain; 0 if it is the stress that counts [1]
-      real(wp) :: width = 1.0_wp                     !! Of a band across a cell [cells]
+      !> Width of the band that opens across an edge of the grid, set by the scene: one cell where
+      !! the gradient of a cell is that of its own nodes, more where gradients are smoother [cells]
+      real(wp) :: width = 1.0_wp
       logical :: exponential = .false.               !! The curve; else linear
       real(wp) :: shear = 0.0_wp                     !! Shear modulus of the material [Pa]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
@@ -66,18 +69,15 @@ contains
    end subroutine declare_softening
 
    !> Read the keys.
-   pure subroutine softening_read(self, group, run, method, shear, bulk)
+   pure subroutine softening_read(self, group, shear, bulk)
       class(softening_t), intent(inout) :: self      !! How strength falls
       type(group_t), intent(in) :: group             !! &material
-      type(group_t), intent(in) :: run               !! &run
-      type(group_t), intent(in) :: method            !! &method
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       character(len=:), allocatable :: word
 
       self%shear = shear
       self%bulk = bulk
-      self%width = band_width(run, method)
       call group%get("fracture_energy", self%energy)
       if (group%given("failure_stress")) call group%get("failure_stress", self%strength)
       if (group%given("failure_strain")) call group%get("failure_strain", self%limit)
@@ -85,29 +85,10 @@ contains
       self%exponential = word == "exponential"
    end subroutine softening_read
 
-   !> Width of the band in cells that opens across an edge of the grid. Where the gradient of a cell
-   !! is that of its own nodes it is a cell. Smoother gradients drag particles of the cells beside
-   !! it along; the numbers are those that a bar needs (test/verify/crack).
-   pure real(wp) function band_width(run, method) result(width)
-      type(group_t), intent(in) :: run               !! &run
-      type(group_t), intent(in) :: method            !! &method
-      character(len=:), allocatable :: word
-
-      width = 1.0_wp
-      if (.not. run%known("method")) return
-      call run%get("method", word)
-      if (word == "ddmp") then
-         width = 1.2_wp
-         return
-      end if
-      call method%get("basis", word)
-      if (word == "quadratic") width = 1.9_wp
-      if (word == "cubic") width = 2.0_wp
-   end function band_width
-
    !> What is wrong with the keys taken together; empty if nothing is.
-   pure function softening_fault(group) result(text)
+   pure function softening_fault(group, law) result(text)
       type(group_t), intent(in) :: group             !! &material
+      class(law_t), allocatable, intent(in) :: law   !! Law of strength, if there is one
       character(len=:), allocatable :: text
       character(len=:), allocatable :: word
       real(wp) :: delay
@@ -117,9 +98,11 @@ contains
       if (word == "exponential" .and. .not. group%given("fracture_energy")) &
          text = "softening = 'exponential' needs fracture_energy [J/m2]"
       if (.not. group%given("fracture_energy")) return
-      call group%get("strength_model", word)
-      if (word == "jh2") text = "fracture_energy is not used by strength_model = 'jh2', whose "// &
-         "damage weakens it in its own way; remove it"
+      if (allocated(law)) then
+         call group%get("strength_model", word)
+         if (law%softens_by_damage()) text = "fracture_energy is not used by strength_model = '" &
+            //word//"', whose damage weakens it in its own way; remove it"
+      end if
       if (.not. (group%given("failure_delay") .and. group%known("failure_delay"))) return
       call group%get("failure_delay", delay)
       if (delay > 0.0_wp) text = "fracture_energy and failure_delay are both given; keep one: "// &
@@ -128,37 +111,25 @@ contains
 
    !> What is wrong with moduli and cell size; empty if nothing is. In too large a cell the stress
    !! falls while the cell itself springs back, and it releases more energy than the crack takes.
-   !! The limit is that of uniaxial stress and cracks in any direction. Equation (F.11).
-   pure function softening_band_fault(self, run, grid) result(text)
+   !! The limit is that of uniaxial stress and cracks in any direction of the scene. Equation
+   !! (F.11).
+   pure function softening_band_fault(self, spacing, dimensions) result(text)
       class(softening_t), intent(in) :: self         !! How strength falls
-      type(group_t), intent(in) :: run               !! &run
-      type(group_t), intent(in) :: grid              !! &grid
+      real(wp), intent(in) :: spacing                !! Cell size [m]
+      integer, intent(in) :: dimensions              !! Directions of the scene
       character(len=:), allocatable :: text
-      character(len=:), allocatable :: word
-      real(wp) :: young, strength, greatest, spacing, lower(3), upper(3)
-      integer :: cells(3)
+      real(wp) :: young, strength, greatest
 
       text = ""
-      if (.not. self%bulk > 0.0_wp) text = "fracture_energy needs an eos_model with a bulk "// &
-         "modulus at rest; a gas does not crack"
-      if (len(text) > 0) return
-      spacing = 0.0_wp
-      if (grid%given("dx")) then
-         if (grid%known("dx")) call grid%get("dx", spacing)
-      else if (grid%known("cells") .and. grid%known("lo") .and. grid%known("hi")) then
-         call grid%get("cells", cells)
-         call grid%get("lo", lower)
-         call grid%get("hi", upper)
-         spacing = (upper(1) - lower(1))/real(cells(1), wp)
+      if (.not. self%bulk > 0.0_wp) then
+         text = "fracture_energy needs an eos_model with a bulk modulus at rest; a gas does not crack"
+         return
       end if
-      if (.not. spacing > 0.0_wp) return
       young = 9.0_wp*self%bulk*self%shear/(3.0_wp*self%bulk + self%shear)
       strength = self%strength
       if (self%limit > 0.0_wp) strength = young*self%limit
       greatest = merge(1.0_wp, 2.0_wp, self%exponential)*young*self%energy/strength**2/self%width
-      call run%get("dimension", word)
-      if (word == "3d") greatest = greatest/sqrt(3.0_wp)
-      if (word == "plane_strain" .or. word == "axisymmetric") greatest = greatest/sqrt(2.0_wp)
+      if (dimensions > 1) greatest = greatest/sqrt(real(dimensions, wp))
       if (spacing <= greatest) return
       text = "cells of "//brief(spacing)//" m are too large for this fracture_energy: a cell "// &
          "that cracks would spring back; dx must be at most "//brief(greatest)//" m"
@@ -237,13 +208,14 @@ contains
       integer :: i, k
       logical :: near
 
-      call bound_deviator(first, last, state%stress, deformation%homologous)
+      call deformation%damage%reserve(last - first + 1)
+      call bound_deviator(first, last, state%stress, deformation%damage%bound)
       factor = 1.0_wp
       do i = 1, last - first + 1
          k = first - 1 + i
          if (state%damage(k) >= 1.0_wp) cycle
-         if (allocated(state%scatter)) factor = state%scatter(k)
-         greatest = deformation%homologous(i)
+         if (allocated(state%brittle%scatter)) factor = state%brittle%scatter(k)
+         greatest = deformation%damage%bound(i)
          if (self%limit > 0.0_wp) then
             near = 0.5_wp*greatest/self%shear - deformation%pressure(i)/(3.0_wp*self%bulk) &
                >= self%limit*factor

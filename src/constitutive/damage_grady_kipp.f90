@@ -33,6 +33,7 @@ module damage_grady_kipp
       procedure :: declare => grady_kipp_declare     !! Declares its keys
       procedure :: needs_flow => grady_kipp_needs_flow !! It does not
       procedure :: takes_scatter => grady_kipp_takes_scatter !! It does
+      procedure :: needs_weibull => grady_kipp_needs_weibull !! Always, for the flaws
       procedure :: read => grady_kipp_read           !! Reads its keys
       procedure :: request => grady_kipp_request     !! Asks for damage and scatter
       procedure :: draw_strength => grady_kipp_draw_strength           !! The weakest flaw
@@ -67,6 +68,14 @@ contains
 
       takes = .true.
    end function grady_kipp_takes_scatter
+
+   !> The modulus is the exponent of flaws over strain.
+   pure logical function grady_kipp_needs_weibull(self, scatter) result(needs)
+      class(damage_grady_kipp_t), intent(in) :: self !! The model
+      logical, intent(in) :: scatter                 !! Switch size_scatter of &effects
+
+      needs = .true.
+   end function grady_kipp_needs_weibull
 
    !> Read the keys of the model.
    pure subroutine grady_kipp_read(self, group, effects)
@@ -117,14 +126,15 @@ contains
       integer :: count
 
       count = last - first + 1
-      call bound_deviator(first, last, state%stress, deformation%homologous)
+      call deformation%damage%reserve(count)
+      call bound_deviator(first, last, state%stress, deformation%damage%bound)
       if (self%scatters) then
-         deformation%loosening(:count) = state%scatter(first:last)
+         deformation%damage%scatter(:count) = state%brittle%scatter(first:last)
       else
-         deformation%loosening(:count) = 1.0_wp
+         deformation%damage%scatter(:count) = 1.0_wp
       end if
-      call grow(self, first, last, dt, deformation%pressure, deformation%homologous, &
-         deformation%loosening, state%mass, state%stress, state%damage)
+      call grow(self, first, last, dt, deformation%pressure, deformation%damage%bound, &
+         deformation%damage%scatter, state%mass, state%stress, state%damage)
    end subroutine grady_kipp_update
 
    !> Kernel of the above.

@@ -13,6 +13,7 @@ module damage_jh2
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_jh2, only: jh2_t
+   use constitutive_law, only: law_t
    use constitutive_state, only: deformation_t, material_state_t
    use law_jh2, only: strain_rate
    implicit none
@@ -53,15 +54,17 @@ contains
    end subroutine damage_jh2_declare
 
    !> It is a part of the law.
-   pure function damage_jh2_fault(self, group) result(text)
+   pure function damage_jh2_fault(self, group, law) result(text)
       class(damage_jh2_t), intent(in) :: self        !! The model
       type(group_t), intent(in) :: group             !! &material
+      class(law_t), allocatable, intent(in) :: law   !! Law of strength, if there is one
       character(len=:), allocatable :: text
-      character(len=:), allocatable :: law
+      logical :: fits
 
       text = ""
-      call group%get("strength_model", law)
-      if (law /= "jh2") text = "damage_model = 'jh2' needs strength_model = 'jh2'"
+      fits = .false.
+      if (allocated(law)) fits = law%softens_by_damage()
+      if (.not. fits) text = "damage_model = 'jh2' needs strength_model = 'jh2'"
    end function damage_jh2_fault
 
    !> Failed matter has the fractured strength.
@@ -104,13 +107,14 @@ contains
 
       count = last - first + 1
       ! Of use in the bulking: the damage before, and the rate of the strength.
-      deformation%homologous(:count) = state%damage(first:last)
+      deformation%strength%old_damage(:count) = state%damage(first:last)
       call grow(self, first, last, deformation%pressure, deformation%plastic_increment, &
          state%damage)
-      if (.not. allocated(state%bulking)) return
-      call strain_rate(count, deformation%gradient, dt, deformation%loosening)
-      call gain_pressure(self, first, last, deformation%homologous, deformation%loosening, &
-         state%damage, state%mass, state%volume, state%bulking, deformation%pressure)
+      if (.not. allocated(state%brittle%bulking)) return
+      call strain_rate(count, deformation%gradient, dt, deformation%strength%strain_rate)
+      call gain_pressure(self, first, last, deformation%strength%old_damage, &
+         deformation%strength%strain_rate, &
+         state%damage, state%mass, state%volume, state%brittle%bulking, deformation%pressure)
    end subroutine damage_jh2_update
 
    !> Add the share of the step to the damage of the particles that flow.

@@ -29,6 +29,7 @@ module damage_johnson_cook
       type(melting_range_t), allocatable :: range    !! Only if temperature matters
    contains
       procedure :: declare => johnson_cook_declare   !! Declares its keys
+      procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! It does
       procedure :: read => johnson_cook_read         !! Reads its keys
       procedure :: request => johnson_cook_request   !! Asks for damage and temperature
       procedure :: update => johnson_cook_update     !! Lets the damage grow
@@ -46,6 +47,13 @@ contains
          owner="effects.damage & damage_model = johnson_cook")
       call schema%require("material", "jcd")
    end subroutine johnson_cook_declare
+
+   !> The strain to failure depends on the rate.
+   pure logical function johnson_cook_uses_jc_rate(self) result(uses)
+      class(damage_johnson_cook_t), intent(in) :: self !! The model
+
+      uses = .true.
+   end function johnson_cook_uses_jc_rate
 
    !> Read the keys of the model.
    pure subroutine johnson_cook_read(self, group, effects)
@@ -101,12 +109,12 @@ contains
 
       if (allocated(self%range)) then
          call homologous_temperature(first, last, self%range, state%temperature, &
-            deformation%homologous)
+            deformation%strength%homologous)
       else
-         deformation%homologous(1:last - first + 1) = 0.0_wp
+         deformation%strength%homologous(1:last - first + 1) = 0.0_wp
       end if
       call grow(self, first, last, dt, state%stress, deformation%pressure, &
-         deformation%plastic_increment, deformation%homologous, state%damage)
+         deformation%plastic_increment, deformation%strength%homologous, state%damage)
    end subroutine johnson_cook_update
 
    !> Add the share of the step to the damage of the particles that flow.

@@ -11,7 +11,8 @@ module damage_principal_strain
    use constitutive_delay, only: age_damage, delay_fault, delay_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
-   use constitutive_state, only: deformation_t, material_state_t
+   use constitutive_law, only: law_t
+   use constitutive_state, only: damage_scratch_t, deformation_t, material_state_t
    implicit none
    private
 
@@ -47,9 +48,10 @@ contains
    end subroutine principal_declare
 
    !> What is wrong with its keys taken together; empty if nothing is.
-   pure function principal_fault(self, group) result(text)
+   pure function principal_fault(self, group, law) result(text)
       class(damage_principal_strain_t), intent(in) :: self !! The model
       type(group_t), intent(in) :: group                  !! &material
+      class(law_t), allocatable, intent(in) :: law        !! Law of strength, if there is one
       character(len=:), allocatable :: text
 
       text = delay_fault(group)
@@ -120,32 +122,32 @@ contains
       integer :: count
 
       count = last - first + 1
-      call bound_deviator(first, last, state%stress, deformation%homologous)
+      call deformation%damage%reserve(count)
+      call bound_deviator(first, last, state%stress, deformation%damage%bound)
       if (allocated(self%weibull)) then
-         deformation%loosening(:count) = state%scatter(first:last)
+         deformation%damage%scatter(:count) = state%brittle%scatter(first:last)
       else
-         deformation%loosening(:count) = 1.0_wp
+         deformation%damage%scatter(:count) = 1.0_wp
       end if
-      if (allocated(state%overload)) then
-         call find_load(self, first, last, deformation%pressure, deformation%homologous, &
-            state%stress, state%overload, deformation%loosening)
-         call self%delay%grow_damage(first, last, dt, deformation%loosening, state%overload, &
-            state%damage)
+      if (allocated(state%brittle%overload)) then
+         call find_load(self, first, last, deformation%pressure, deformation%damage, &
+            state%stress, state%brittle%overload)
+         call self%delay%grow_damage(first, last, dt, deformation%damage%load, &
+            state%brittle%overload, state%damage)
       else
-         call overload(self, first, last, dt, deformation%pressure, deformation%homologous, &
-            deformation%loosening, state%stress, state%damage)
+         call overload(self, first, last, dt, deformation%pressure, deformation%damage, &
+            state%stress, state%damage)
       end if
    end subroutine principal_update
 
    !> Kernel of the above.
-   pure subroutine overload(model, first, last, dt, pressure, bound, factor, stress, damage)
+   pure subroutine overload(model, first, last, dt, pressure, scratch, stress, damage)
       class(damage_principal_strain_t), intent(in) :: model !! The model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
-      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
-      real(wp), contiguous, intent(in) :: factor(:)        !! Strength of its own (range) [1]
+      type(damage_scratch_t), intent(in) :: scratch        !! Bound and random strength
       real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: damage(:)     !! (store) [1]
       real(wp) :: greatest, least
@@ -154,43 +156,42 @@ contains
       ! A gas has no bulk modulus at rest and no elastic strain.
       if (.not. model%bulk > 0.0_wp) return
       do i = 1, last - first + 1
-         if (0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk) &
-            < model%limit*factor(i)) cycle
+         if (0.5_wp*scratch%bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk) &
+            < model%limit*scratch%scatter(i)) cycle
          k = first - 1 + i
          call find_extremes(stress, k, greatest, least)
          if (0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk) &
-            < model%limit*factor(i)) cycle
+            < model%limit*scratch%scatter(i)) cycle
          damage(k) = age_damage(damage(k), model%delay%time, dt)
       end do
    end subroutine overload
 
    !> Strain over its limit. Where it is below 1, and was before, a bound that it does not exceed
    !! will do. Equation (F.3).
-   pure subroutine find_load(model, first, last, pressure, bound, stress, overload, load)
+   pure subroutine find_load(model, first, last, pressure, scratch, stress, overload)
       class(damage_principal_strain_t), intent(in) :: model !! The model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
-      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
+      type(damage_scratch_t), intent(inout) :: scratch     !! Bound and random strength in, load out
       real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(in) :: overload(:)      !! Before the step (store) [1]
-      !> On entry the strength of its own, on return the load over strength (range) [1]
-      real(wp), contiguous, intent(inout) :: load(:)
       real(wp) :: greatest, least, limit
       integer :: i, k
 
       if (.not. model%bulk > 0.0_wp) then
          ! A gas has no bulk modulus at rest and no elastic strain.
-         load(:last - first + 1) = 0.0_wp
+         scratch%load(:last - first + 1) = 0.0_wp
          return
       end if
       do i = 1, last - first + 1
          k = first - 1 + i
-         limit = model%limit*load(i)
-         load(i) = (0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk))/limit
-         if (load(i) < 1.0_wp .and. .not. overload(k) > 0.0_wp) cycle
+         limit = model%limit*scratch%scatter(i)
+         scratch%load(i) = (0.5_wp*scratch%bound(i)/model%shear - &
+            pressure(i)/(3.0_wp*model%bulk))/limit
+         if (scratch%load(i) < 1.0_wp .and. .not. overload(k) > 0.0_wp) cycle
          call find_extremes(stress, k, greatest, least)
-         load(i) = (0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk))/limit
+         scratch%load(i) = (0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk))/limit
       end do
    end subroutine find_load
 end module damage_principal_strain

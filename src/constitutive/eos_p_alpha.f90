@@ -31,6 +31,7 @@ module eos_p_alpha
       procedure :: read => p_alpha_read              !! Reads its keys
       procedure :: set => p_alpha_set                !! Sets its constants
       procedure :: sets_bulk => p_alpha_sets_bulk    !! It does
+      procedure :: has_pores => p_alpha_has_pores    !! It does
       procedure :: request => p_alpha_request        !! Asks for energy and distension
       procedure :: update => p_alpha_update          !! Pressure and square of the sound speed
       procedure :: keep_state => p_alpha_keep_state      !! Keeps the distension
@@ -112,6 +113,13 @@ contains
 
       sets = .true.
    end function p_alpha_sets_bulk
+
+   !> Its material is porous.
+   pure logical function p_alpha_has_pores(self) result(has)
+      class(eos_p_alpha_t), intent(in) :: self       !! The equation of state
+
+      has = .true.
+   end function p_alpha_has_pores
 
    !> The pressure depends on energy and on what has been crushed.
    pure subroutine p_alpha_request(self, requests)

@@ -10,6 +10,7 @@ module law_drucker_prager
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
    use constitutive_friction, only: add_dilation, add_dilation_pressure, angle_fault, angles_t, &
       declare_angles, frictional_t, read_angles
    use constitutive_law, only: equivalent_stress, strain_trial
@@ -47,12 +48,13 @@ contains
    end subroutine drucker_prager_declare
 
    !> What is wrong with the angles taken together.
-   pure function drucker_prager_fault(self, group) result(text)
+   pure function drucker_prager_fault(self, group, eos) result(text)
       class(law_drucker_prager_t), intent(in) :: self !! The law
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
 
-      text = angle_fault(group)
+      text = angle_fault(group, eos)
    end function drucker_prager_fault
 
    !> Read the keys of the law.
@@ -117,18 +119,19 @@ contains
       if (allocated(state%plastic_dilation)) call add_dilation_pressure(first, last, &
          state%plastic_dilation, &
          state%mass, state%volume, deformation%wave_speed, deformation%pressure, &
-         deformation%modulus)
+         deformation%strength%tangent)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       if (allocated(state%plastic_dilation)) then
-         call return_to_cone(first, last, self, state%mass, state%volume, deformation%modulus, &
+         call return_to_cone(first, last, self, state%mass, state%volume, &
+            deformation%strength%tangent, &
             state%stress, deformation%pressure, deformation%plastic_increment, &
-            deformation%plastic_work, deformation%loosening)
-         call add_dilation(first, last, deformation%loosening, state%plastic_dilation)
+            deformation%plastic_work, deformation%strength%dilation)
+         call add_dilation(first, last, deformation%strength%dilation, state%plastic_dilation)
       else
          call return_to_cone(first, last, self, state%mass, state%volume, &
             deformation%wave_speed, state%stress, deformation%pressure, &
-            deformation%plastic_increment, deformation%plastic_work, deformation%loosening)
+            deformation%plastic_increment, deformation%plastic_work, deformation%strength%dilation)
       end if
    end subroutine drucker_prager_update
 
@@ -136,7 +139,7 @@ contains
    !! plasticity", 2008, section 8.3). Flow loosens only on the cone: what has come apart has no
    !! grains that climb over each other. Equation (Y.22).
    pure subroutine return_to_cone(first, last, law, mass, volume, tangent, stress, pressure, &
-      plastic_increment, plastic_work, loosening)
+      plastic_increment, plastic_work, dilation)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       type(law_drucker_prager_t), intent(in) :: law  !! Constants
@@ -149,7 +152,7 @@ contains
       real(wp), contiguous, intent(inout) :: plastic_increment(:)
       !> Trial deviator times strain [Pa] in, plastic work [J] out (range).
       real(wp), contiguous, intent(inout) :: plastic_work(:)
-      real(wp), contiguous, intent(inout) :: loosening(:)    !! (range) [1]
+      real(wp), contiguous, intent(inout) :: dilation(:)    !! (range) [1]
       real(wp) :: bulk, trial, flow, equivalent, scaling, least
       logical :: apart
       integer :: i, k
@@ -162,15 +165,15 @@ contains
             /(3.0_wp*law%shear + law%slope*bulk*law%dilation_slope)
          equivalent = trial - 3.0_wp*law%shear*flow
          apart = equivalent <= 0.0_wp .and. flow > 0.0_wp
-         loosening(i) = merge(0.0_wp, law%dilation_slope*flow, apart)
-         least = pressure(i) + bulk*loosening(i)
+         dilation(i) = merge(0.0_wp, law%dilation_slope*flow, apart)
+         least = pressure(i) + bulk*dilation(i)
          pressure(i) = merge(law%apex, least, apart)
          equivalent = merge(0.0_wp, min(equivalent, trial), apart)
          plastic_increment(i) = (trial - equivalent)/(3.0_wp*law%shear)
          scaling = equivalent/max(trial, tiny(1.0_wp))
          scaling = merge(scaling, 1.0_wp, flow > 0.0_wp)
          plastic_work(i) = volume(k)*max(0.0_wp, (1.0_wp - scaling)*((1.0_wp + scaling)*trial**2 &
-            /(6.0_wp*law%shear) - 0.5_wp*plastic_work(i)) - pressure(i)*loosening(i))
+            /(6.0_wp*law%shear) - 0.5_wp*plastic_work(i)) - pressure(i)*dilation(i))
          stress(k, 1) = scaling*stress(k, 1)
          stress(k, 2) = scaling*stress(k, 2)
          stress(k, 3) = scaling*stress(k, 3)

@@ -13,6 +13,7 @@ module law_granular
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: follow_motion
    use constitutive_law, only: law_add_wave_speed, law_stored_energy, law_t
@@ -71,9 +72,10 @@ contains
    end subroutine granular_read_mode
 
    !> One of the two relaxations must be there.
-   pure function granular_fault(self, group) result(text)
+   pure function granular_fault(self, group, eos) result(text)
       class(law_granular_t), intent(in) :: self      !! The law
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
 
       text = ""

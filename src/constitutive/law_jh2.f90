@@ -8,6 +8,7 @@ module law_jh2
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_jh2, only: jh2_t
    use constitutive_law, only: equivalent_stress, law_t, mean_work, strain_trial
@@ -25,6 +26,8 @@ module law_jh2
       procedure :: fault => law_jh2_fault            !! Limits that do not fit
       procedure :: read => law_jh2_read              !! Reads its keys
       procedure :: needs_eos => law_jh2_needs_eos    !! It does
+      procedure :: supports_voids => law_jh2_supports_voids !! It does not
+      procedure :: softens_by_damage => law_jh2_softens_by_damage !! It does
       procedure :: request => law_jh2_request        !! Asks for energy
       procedure :: update => law_jh2_update          !! Radial return
       procedure :: add_wave_speed => law_jh2_add_wave_speed        !! Fractured matter is stiff too
@@ -42,9 +45,10 @@ contains
    end subroutine law_jh2_declare
 
    !> The stress of the limit has a deviator.
-   pure function law_jh2_fault(self, group) result(text)
+   pure function law_jh2_fault(self, group, eos) result(text)
       class(law_jh2_t), intent(in) :: self           !! The law
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
       real(wp) :: limit, pressure
 
@@ -71,6 +75,20 @@ contains
       needs = .true.
    end function law_jh2_needs_eos
 
+   !> Its constants are those of material without pores.
+   pure logical function law_jh2_supports_voids(self) result(supports)
+      class(law_jh2_t), intent(in) :: self           !! The law
+
+      supports = .false.
+   end function law_jh2_supports_voids
+
+   !> Its strength goes from intact to fractured with the damage.
+   pure logical function law_jh2_softens_by_damage(self) result(softens)
+      class(law_jh2_t), intent(in) :: self           !! The law
+
+      softens = .true.
+   end function law_jh2_softens_by_damage
+
    !> Pressure that fracture made is no function of the density, so that the energy is carried.
    pure subroutine law_jh2_request(self, requests)
       class(law_jh2_t), intent(in) :: self           !! The law
@@ -91,14 +109,15 @@ contains
 
       count = last - first + 1
       if (allocated(state%damage)) then
-         deformation%homologous(:count) = state%damage(first:last)
+         deformation%strength%old_damage(:count) = state%damage(first:last)
       else
-         deformation%homologous(:count) = 0.0_wp
+         deformation%strength%old_damage(:count) = 0.0_wp
       end if
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
-      call strain_rate(count, deformation%gradient, dt, deformation%loosening)
-      call return_to_strength(first, last, self, deformation%homologous, deformation%loosening, &
+      call strain_rate(count, deformation%gradient, dt, deformation%strength%strain_rate)
+      call return_to_strength(first, last, self, deformation%strength%old_damage, &
+         deformation%strength%strain_rate, &
          state%volume, state%stress, deformation%pressure, deformation%plastic_increment, &
          deformation%plastic_work)
    end subroutine law_jh2_update

@@ -28,6 +28,7 @@ module law_johnson_cook
       type(melting_range_t), allocatable :: range    !! Only if temperature softens
    contains
       procedure :: declare => johnson_cook_declare   !! Declares its keys
+      procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! It does
       procedure :: read => johnson_cook_read         !! Reads its keys
       procedure :: request => johnson_cook_request   !! Asks for plastic strain and temperature
       procedure :: update => johnson_cook_update     !! Radial return
@@ -53,6 +54,13 @@ contains
          range="> 0", owner=owner//" & effects.thermal")
       call schema%require("material", "jc_a jc_b jc_n jc_c jc_m")
    end subroutine johnson_cook_declare
+
+   !> The flow stress depends on the rate.
+   pure logical function johnson_cook_uses_jc_rate(self) result(uses)
+      class(law_johnson_cook_t), intent(in) :: self  !! The law
+
+      uses = .true.
+   end function johnson_cook_uses_jc_rate
 
    !> Read the keys of the law.
    pure subroutine johnson_cook_read(self, group, effects)
@@ -97,16 +105,17 @@ contains
 
       if (allocated(self%range)) then
          call homologous_temperature(first, last, self%range, state%temperature, &
-            deformation%homologous)
+            deformation%strength%homologous)
       else
-         deformation%homologous(1:last - first + 1) = 0.0_wp
+         deformation%strength%homologous(1:last - first + 1) = 0.0_wp
       end if
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       do i = 1, last - first + 1
          associate (trial => deformation%plastic_increment(i))
             k = first - 1 + i
-            call flow(self, trial, state%plastic_strain(k), dt, deformation%homologous(i), limit, &
+            call flow(self, trial, state%plastic_strain(k), dt, &
+               deformation%strength%homologous(i), limit, &
                increment)
             if (limit < trial) state%stress(k, :) = limit/trial*state%stress(k, :)
             state%plastic_strain(k) = state%plastic_strain(k) + increment

@@ -9,6 +9,7 @@ module law_mohr_coulomb
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
    use constitutive_friction, only: add_dilation, add_dilation_pressure, angle_fault, angles_t, &
       frictional_t, read_angles
    use constitutive_law, only: equivalent_stress
@@ -34,12 +35,13 @@ module law_mohr_coulomb
 contains
 
    !> What is wrong with the angles taken together.
-   pure function mohr_coulomb_fault(self, group) result(text)
+   pure function mohr_coulomb_fault(self, group, eos) result(text)
       class(law_mohr_coulomb_t), intent(in) :: self  !! The law
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
 
-      text = angle_fault(group)
+      text = angle_fault(group, eos)
    end function mohr_coulomb_fault
 
    !> Read the keys of the law, which those of Drucker and Prager declare.
@@ -82,7 +84,7 @@ contains
       if (allocated(state%plastic_dilation)) call add_dilation_pressure(first, last, &
          state%plastic_dilation, &
          state%mass, state%volume, deformation%wave_speed, deformation%pressure, &
-         deformation%modulus)
+         deformation%strength%tangent)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       inner = 1.0_wp/sqrt(1.0_wp + self%friction**2/3.0_wp)
       offset = 0.5_wp*sqrt(3.0_wp)*self%strength*inner
@@ -91,7 +93,7 @@ contains
          k = first - 1 + i
          inside = inner*deformation%pressure(i) + offset - deformation%plastic_increment(i)
          deformation%plastic_increment(i) = 0.0_wp
-         deformation%loosening(i) = 0.0_wp
+         deformation%strength%dilation(i) = 0.0_wp
          if (inside >= 0.0_wp) cycle
          s = state%stress(k, :)
          strain = [deformation%gradient(i, [1, 5, 9]), 0.5_wp*(deformation%gradient(i, [2, 6, 3]) &
@@ -99,25 +101,25 @@ contains
          pressure = deformation%pressure(i)
          bulk = state%mass(k)/state%volume(k)
          if (allocated(state%plastic_dilation)) then
-            bulk = bulk*deformation%modulus(i)
+            bulk = bulk*deformation%strength%tangent(i)
          else
             bulk = bulk*deformation%wave_speed(i)
          end if
          call flow(self, bulk, strain, s, pressure, deformation%plastic_increment(i), &
-            deformation%plastic_work(i), deformation%loosening(i))
+            deformation%plastic_work(i), deformation%strength%dilation(i))
          state%stress(k, :) = s
          deformation%pressure(i) = pressure
          deformation%plastic_work(i) = deformation%plastic_work(i)*state%volume(k)
       end do
       if (allocated(state%plastic_dilation)) &
-         call add_dilation(first, last, deformation%loosening, state%plastic_dilation)
+         call add_dilation(first, last, deformation%strength%dilation, state%plastic_dilation)
    end subroutine mohr_coulomb_update
 
    !> One particle: deviator and pressure after the flow, and what the flow took.
    !!
    !! The work is that of the mean of the stresses before and after the step on the plastic strain,
    !! (s + s') : (s* - s')/(4 G), with s = s* - 2 G e but for the rotation.
-   pure subroutine flow(law, bulk, strain, s, pressure, increment, work, loosening)
+   pure subroutine flow(law, bulk, strain, s, pressure, increment, work, dilation)
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: bulk                   !! Tangent bulk modulus [Pa]
       real(wp), intent(in) :: strain(6)              !! Increment of strain [1]
@@ -125,16 +127,16 @@ contains
       real(wp), intent(inout) :: pressure            !! [Pa]
       real(wp), intent(inout) :: increment           !! Equivalent plastic strain, 0 on entry [1]
       real(wp), intent(inout) :: work                !! Plastic work, 0 on entry [J/m3]
-      real(wp), intent(inout) :: loosening           !! Volume gained, 0 on entry [1]
+      real(wp), intent(inout) :: dilation           !! Volume gained, 0 on entry [1]
       real(wp) :: trial(3), values(3), axes(3, 3), both(6), change(6), multipliers
 
       call principal(s, trial, axes)
       if (excess(law, trial(1), trial(3), pressure) <= 0.0_wp) return
       call return_principal(law, bulk, pressure, trial, values, multipliers)
-      loosening = 2.0_wp*law%dilation*multipliers
-      pressure = pressure + bulk*loosening
+      dilation = 2.0_wp*law%dilation*multipliers
+      pressure = pressure + bulk*dilation
       if (pressure < law%apex) then
-         loosening = 0.0_wp
+         dilation = 0.0_wp
          pressure = law%apex
          values = 0.0_wp
       else
@@ -146,7 +148,7 @@ contains
       both = both + s
       change = compose(trial - values, axes)
       work = max(0.0_wp, (sum(both(1:3)*change(1:3)) + 2.0_wp*sum(both(4:6)*change(4:6))) &
-         /(4.0_wp*law%shear) - pressure*loosening)
+         /(4.0_wp*law%shear) - pressure*dilation)
    end subroutine flow
 
    !> By how much two principal values of a deviator are outside the surface [Pa].

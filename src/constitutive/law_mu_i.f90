@@ -11,6 +11,7 @@ module law_mu_i
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
    use constitutive_friction, only: frictional_t
    use constitutive_law, only: equivalent_stress, strain_trial
    use constitutive_state, only: deformation_t, material_state_t
@@ -56,9 +57,10 @@ contains
    end subroutine mu_i_declare
 
    !> Friction must not fall with the rate.
-   pure function mu_i_fault(self, group) result(text)
+   pure function mu_i_fault(self, group, eos) result(text)
       class(law_mu_i_t), intent(in) :: self          !! The law
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
       real(wp) :: slow, fast
 
@@ -108,9 +110,9 @@ contains
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       call return_to_flow(first, last, self, dt, state%volume, state%stress, &
          deformation%pressure, deformation%plastic_increment, deformation%plastic_work)
-      if (allocated(state%inertial_number)) call note_inertial_number(first, last, &
+      if (allocated(state%recorded%inertial_number)) call note_inertial_number(first, last, &
          self%grain/dt, deformation%pressure, deformation%plastic_increment, &
-         state%inertial_number)
+         state%recorded%inertial_number)
    end subroutine mu_i_update
 
    !> Inertial number of the step, that of the shear rate of the flow, 0 where no pressure holds

@@ -15,6 +15,7 @@ module law_steinberg_guinan
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: predict_deviator
    use constitutive_law, only: equivalent_stress, law_stored_energy, law_t, mean_work, strain_trial
@@ -95,9 +96,10 @@ contains
    end subroutine steinberg_guinan_declare
 
    !> A modulus that doubles within 1 MPa was given per Mbar.
-   pure function steinberg_guinan_fault(self, group) result(text)
+   pure function steinberg_guinan_fault(self, group, eos) result(text)
       class(law_steinberg_guinan_t), intent(in) :: self !! The law
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
       real(wp) :: number, other
 
@@ -176,7 +178,7 @@ contains
       real(wp) :: pressure
       integer :: i, k
 
-      associate (ratio => deformation%modulus, stress => state%stress)
+      associate (ratio => deformation%strength%shear_ratio, stress => state%stress)
          do i = 1, last - first + 1
             k = first - 1 + i
             pressure = -(stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
@@ -213,8 +215,8 @@ contains
          associate (trial => deformation%plastic_increment(i))
             ratio = self%modulus(state, k, deformation%pressure(i))
             ! matter that freezes has the modulus after the step: its trial had almost none
-            stiffness = 3.0_wp*self%shear*merge(deformation%modulus(i), ratio, &
-               deformation%modulus(i) > least_modulus)
+            stiffness = 3.0_wp*self%shear*merge(deformation%strength%shear_ratio(i), ratio, &
+               deformation%strength%shear_ratio(i) > least_modulus)
             call flow(self, trial, state%plastic_strain(k), ratio, stiffness, limit, increment)
             if (limit < trial) state%stress(k, :) = limit/trial*state%stress(k, :)
             state%plastic_strain(k) = state%plastic_strain(k) + increment
@@ -270,18 +272,20 @@ contains
       integer :: i, k
 
       do i = 1, last - first + 1
-         deformation%modulus(i) = self%modulus(state, first - 1 + i, deformation%pressure(i))
+         deformation%strength%shear_ratio(i) = self%modulus(state, first - 1 + i, &
+            deformation%pressure(i))
       end do
       if (allocated(state%failed)) then
          do concurrent (i=1:last - first + 1)
-            deformation%modulus(i) = merge(0.0_wp, deformation%modulus(i), &
+            deformation%strength%shear_ratio(i) = merge(0.0_wp, &
+               deformation%strength%shear_ratio(i), &
                state%failed(first - 1 + i) /= 0)
          end do
       end if
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          deformation%wave_speed(i) = deformation%wave_speed(i) &
-            + 4.0_wp/3.0_wp*self%shear*deformation%modulus(i)*state%volume(k)/state%mass(k)
+            + 4.0_wp/3.0_wp*self%shear*deformation%strength%shear_ratio(i)*state%volume(k)/state%mass(k)
       end do
    end subroutine steinberg_guinan_add_wave_speed
 

@@ -8,8 +8,8 @@ module material_effect_timers
    use base_timer, only: timer_t, wall_seconds
    use constitutive_state, only: deformation_t, material_state_t
    use material_failed, only: failed_subset_t
-   use material_models, only: chain_effects
-   use material_update, only: chain_stages, chain_t, effect_of_stage
+   use material_stages, only: effect_count, effect_of_stage, stage_count
+   use material_update, only: chain_t
    implicit none
    private
 
@@ -21,7 +21,7 @@ module material_effect_timers
    type :: stage_clock_t
       logical :: on = .false.                        !! Is this step timed?
       real(wp) :: whole = 0.0_wp                     !! Nodes to particles in those steps [s]
-      real(wp) :: effect(chain_effects) = 0.0_wp     !! Each effect in them [s]
+      real(wp) :: effect(effect_count) = 0.0_wp     !! Each effect in them [s]
    contains
       procedure :: start_step => stage_clock_start_step               !! A step begins
       procedure :: read_clock => stage_clock_read               !! Clock, if it is read at all
@@ -76,8 +76,8 @@ contains
          return
       end if
       began = wall_seconds()
-      do stage = 1, chain_stages
-         call chain%advance(stage, state, deformation, first, last, dt, spacing, subset)
+      do stage = 1, stage_count
+         call chain%run_stage(stage, state, deformation, first, last, dt, spacing, subset)
          now = wall_seconds()
          associate (effect => self%effect(effect_of_stage(stage)))
             effect = effect + now - began
@@ -90,7 +90,7 @@ contains
    subroutine divide_phase_time(laps, from, rows, timer)
       type(stage_clock_t), intent(in) :: laps(:)            !! Of all threads
       integer, intent(in) :: from                    !! The phase that holds them all
-      integer, intent(in) :: rows(chain_effects)     !! Phase of each effect, 0 = off
+      integer, intent(in) :: rows(effect_count)     !! Phase of each effect, 0 = off
       type(timer_t), intent(inout) :: timer          !! The times
       real(wp) :: whole, seconds
       integer :: effect, thread
@@ -98,7 +98,7 @@ contains
       whole = sum(laps%whole)
       if (.not. whole > 0.0_wp) return
       seconds = timer%seconds(from)
-      do effect = 1, chain_effects
+      do effect = 1, effect_count
          if (rows(effect) > 0) call timer%move(from, rows(effect), &
             seconds*sum([(laps(thread)%effect(effect), thread=1, size(laps))])/whole)
       end do

@@ -13,14 +13,17 @@ module material_failed
    use base_schema, only: schema_t
    use constitutive_friction, only: angles_t
    use constitutive_law, only: law_t
+   use constitutive_softening, only: softening_t
    use constitutive_state, only: deformation_t, material_state_t
+   use constitutive_tension, only: fracture_t, spall_t
    use law_drucker_prager, only: law_drucker_prager_t
    use law_granular, only: law_granular_t
    implicit none
    private
 
-   public :: choose_failed_law, declare_failed_law, failed_law_t, failed_subset_t, &
-      remove_failed_stress
+   public :: choose_failed_law, declare_failed_law, failed_law_fault, failed_law_t, &
+      failed_subset_t, &
+      failure_t, keeps_no_stress, remove_failed_stress
 
    !> The law of failed matter.
    type :: failed_law_t
@@ -30,6 +33,15 @@ module material_failed
       procedure :: update => failed_law_update          !! Lets them follow the law
       procedure :: scatter => failed_law_scatter    !! Puts them back
    end type failed_law_t
+
+   !> How particles of a material fail.
+   type :: failure_t
+      type(spall_t), allocatable :: spall            !! Limit of tension without failure
+      type(fracture_t), allocatable :: fracture      !! Failure for good
+      type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
+      type(failed_law_t), allocatable :: failed_law  !! Law of failed material
+      integer(int64) :: seed = 0                     !! Of random strength
+   end type failure_t
 
    !> The failed particles of a range.
    type :: failed_subset_t
@@ -59,6 +71,36 @@ contains
       call schema%real("material", "failed_gamma_c", "strain that a contact of failed matter "// &
          "survives", range="> 0", owner=owner//"granular")
    end subroutine declare_failed_law
+
+   !> What is wrong with the keys taken together; empty if nothing is.
+   pure function failed_law_fault(group, fails, has_shear) result(text)
+      type(group_t), intent(in) :: group             !! &material
+      logical, intent(in) :: fails                   !! True if its particles can fail
+      logical, intent(in) :: has_shear               !! True if it has a shear modulus
+      character(len=:), allocatable :: text
+      character(len=:), allocatable :: word
+
+      text = ""
+      if (.not. group%given("failed_as")) return
+      call group%get("failed_as", word)
+      if (.not. fails) then
+         text = "failed_as is given but nothing fails; give damage_model or spall"
+      else if (word == "granular" .and. .not. (group%given("failed_tau") .or. &
+         group%given("failed_gamma_c"))) then
+         text = "failed_as = 'granular' needs failed_tau [s], failed_gamma_c or both"
+      else if ((word == "granular" .or. word == "drucker_prager") .and. .not. has_shear) then
+         text = "failed material with a law of its own needs a shear modulus"
+      end if
+   end function failed_law_fault
+
+   !> True if failed particles keep no stress at all.
+   pure logical function keeps_no_stress(group) result(none)
+      type(group_t), intent(in) :: group             !! &material
+      character(len=:), allocatable :: word
+
+      call group%get("failed_as", word)
+      none = word == "nothing"
+   end function keeps_no_stress
 
    !> The law of failed matter, if it has one of its own.
    subroutine choose_failed_law(group, shear, bulk, density, failed_law)

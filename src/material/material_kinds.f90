@@ -25,7 +25,7 @@ contains
 
       yes = .false.
       if (.not. allocated(material%law) .or. allocated(material%damage) .or. &
-         allocated(material%fracture)) return
+         allocated(material%failure%fracture)) return
       yes = material%law%has_shear() .and. .not. (material%law%is_plastic() .or. &
          material%law%gives_whole_stress() &
          .or. material%law%has_grains())
@@ -53,7 +53,7 @@ contains
       do index = 1, size(materials)
          associate (material => materials(index))
             stored = stored .and. allocated(material%law) .and. .not. &
-               (allocated(material%damage) .or. allocated(material%fracture))
+               (allocated(material%damage) .or. allocated(material%failure%fracture))
             if (.not. stored) return
             stored = .not. (material%law%is_plastic() .or. material%carries_energy())
          end associate

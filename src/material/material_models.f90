@@ -7,24 +7,17 @@ module material_models
    use constitutive_field_requests, only: field_requests_t
    use constitutive_heat, only: heat_t
    use constitutive_law, only: law_t
-   use constitutive_softening, only: softening_t
    use constitutive_state, only: material_state_t
-   use constitutive_tension, only: fracture_t, spall_t
-   use material_failed, only: failed_law_t
+   use material_failed, only: failure_t
    use material_record, only: record_t
+   use material_stages, only: effect_damage, effect_eos, effect_strength, effect_thermal, &
+      effect_viscosity, effect_voids
    use material_viscosity, only: viscosity_t
    use material_voids, only: voids_t
    implicit none
    private
 
-   public :: effect_names, models_t
-
-   integer, parameter, public :: effect_strength = 1, effect_eos = 2, effect_voids = 3, &
-      effect_damage = 4, effect_thermal = 5, effect_viscosity = 6
-   integer, parameter, public :: chain_effects = 6   !! Effects that are timed one by one
-   !> Their names, as in &effects
-   character(len=20), parameter :: effect_names(chain_effects) = [character(len=20) :: &
-      "strength", "eos", "voids", "damage", "thermal", "artificial_viscosity"]
+   public :: models_t
 
    !> The models of one material. What is not allocated does not happen and costs nothing.
    type :: models_t
@@ -35,16 +28,12 @@ module material_models
       class(law_t), allocatable :: law               !! Strength; none: stress is pressure alone
       class(eos_t), allocatable :: eos               !! None: mean stress in rate form
       class(damage_t), allocatable :: damage         !! Lets damage grow
-      type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
       type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
-      type(spall_t), allocatable :: spall            !! Tension cut-off without memory
-      type(fracture_t), allocatable :: fracture      !! Failure for good
-      type(failed_law_t), allocatable :: failed_law        !! Law of failed matter
+      type(failure_t) :: failure                     !! Limits of tension, and failed material
       type(voids_t), allocatable :: voids            !! Voids open and close
       logical :: elastic_pressure = .false. !! The eos is K (rho/rho0 - 1) as the effect is off
       logical :: repacks = .false.                   !! The fill of nodes corrects volumes
       type(record_t) :: record                       !! What outputs alone ask of particles
-      integer(int64) :: seed = 0                     !! Of random strength
       type(heat_t), allocatable :: heat              !! Temperature follows the work
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]
    contains
@@ -53,6 +42,8 @@ module material_models
       procedure :: carries_energy => models_carries_energy !! Is an internal energy among them?
       procedure :: start => models_start             !! Initial state of particles
       procedure :: scatter => models_scatter         !! Random strength of particles
+      procedure :: has_shear => models_has_shear     !! Has it a shear modulus?
+      procedure :: has_whole_stress => models_has_whole_stress !! Does the law give all stress?
       procedure :: has => models_has                 !! Is an effect on?
       procedure :: reference_speed => models_reference_speed   !! Fastest signal at rest
       procedure :: bulk_in_rate_form => models_bulk_in_rate_form !! Mean stress follows the volume
@@ -75,7 +66,7 @@ contains
       if (allocated(self%damage)) call self%damage%request(requests)
       if (allocated(self%voids)) call requests%add("solid_fraction", "voids", 1)
       if (allocated(self%heat)) call requests%add("temperature", "thermal effect", 1)
-      if (allocated(self%fracture)) then
+      if (allocated(self%failure%fracture)) then
          call requests%add("damage", "failure", 1)
          call requests%add("failed", "failure", 1)
       end if
@@ -110,17 +101,16 @@ contains
       if (requests%has("energy")) allocate (state%energy(n))
       if (requests%has("temperature")) allocate (state%temperature(n))
       if (requests%has("plastic_strain")) allocate (state%plastic_strain(n))
-      if (requests%has("plastic_rate")) allocate (state%plastic_rate(n))
       if (requests%has("plastic_dilation")) allocate (state%plastic_dilation(n))
       if (requests%has("distension")) allocate (state%distension(n))
       if (requests%has("damage")) allocate (state%damage(n))
-      if (requests%has("scatter")) allocate (state%scatter(n))
-      if (requests%has("overload")) allocate (state%overload(n))
-      if (requests%has("bulking")) allocate (state%bulking(n))
+      if (requests%has("scatter")) allocate (state%brittle%scatter(n))
+      if (requests%has("overload")) allocate (state%brittle%overload(n))
+      if (requests%has("bulking")) allocate (state%brittle%bulking(n))
       if (requests%has("solid_fraction")) allocate (state%solid_fraction(n))
       if (requests%has("deformation_gradient")) allocate (state%deformation_gradient(n, 9))
-      if (requests%has("equivalent_strain")) allocate (state%equivalent_strain(n))
-      if (requests%has("inertial_number")) allocate (state%inertial_number(n))
+      if (requests%has("equivalent_strain")) allocate (state%recorded%equivalent_strain(n))
+      if (requests%has("inertial_number")) allocate (state%recorded%inertial_number(n))
       if (requests%has("failed")) allocate (state%failed(n))
    end subroutine models_allocate_state
 
@@ -137,20 +127,21 @@ contains
       if (allocated(state%energy)) state%energy(first:last) = 0.0_wp
       if (allocated(state%temperature)) state%temperature(first:last) = temperature
       if (allocated(state%plastic_strain)) state%plastic_strain(first:last) = 0.0_wp
-      if (allocated(state%plastic_rate)) state%plastic_rate(first:last) = 0.0_wp
       if (allocated(state%plastic_dilation)) state%plastic_dilation(first:last) = 0.0_wp
       if (allocated(state%distension)) state%distension(first:last) = self%eos%distension
       if (allocated(state%damage)) state%damage(first:last) = 0.0_wp
-      if (allocated(state%scatter)) state%scatter(first:last) = 1.0_wp
-      if (allocated(state%overload)) state%overload(first:last) = -1.0_wp
-      if (allocated(state%bulking)) state%bulking(first:last) = 0.0_wp
+      if (allocated(state%brittle%scatter)) state%brittle%scatter(first:last) = 1.0_wp
+      if (allocated(state%brittle%overload)) state%brittle%overload(first:last) = -1.0_wp
+      if (allocated(state%brittle%bulking)) state%brittle%bulking(first:last) = 0.0_wp
       if (allocated(state%solid_fraction)) state%solid_fraction(first:last) = self%voids%start
       if (allocated(state%deformation_gradient)) then
          state%deformation_gradient(first:last, :) = 0.0_wp
          state%deformation_gradient(first:last, [1, 5, 9]) = 1.0_wp
       end if
-      if (allocated(state%equivalent_strain)) state%equivalent_strain(first:last) = 0.0_wp
-      if (allocated(state%inertial_number)) state%inertial_number(first:last) = 0.0_wp
+      if (allocated(state%recorded%equivalent_strain)) &
+         state%recorded%equivalent_strain(first:last) = 0.0_wp
+      if (allocated(state%recorded%inertial_number)) state%recorded%inertial_number(first:last) = &
+         0.0_wp
       if (allocated(state%failed)) state%failed(first:last) = 0
    end subroutine models_start
 
@@ -162,9 +153,10 @@ contains
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
 
-      if (allocated(state%scatter)) call self%damage%draw_strength(self%seed, identity, first, &
+      if (allocated(state%brittle%scatter)) call self%damage%draw_strength(self%failure%seed, &
+         identity, first, &
          last, &
-         state%mass, state%scatter)
+         state%mass, state%brittle%scatter)
    end subroutine models_scatter
 
    !> True if the mean stress follows the dilatation, without equation of state and without a law
@@ -175,6 +167,22 @@ contains
       follows = .not. allocated(self%eos)
       if (follows .and. allocated(self%law)) follows = .not. self%law%gives_whole_stress()
    end function models_bulk_in_rate_form
+
+   !> True if the material has a shear modulus.
+   pure logical function models_has_shear(self) result(has)
+      class(models_t), intent(in) :: self            !! The material
+
+      has = .false.
+      if (allocated(self%law)) has = self%law%has_shear()
+   end function models_has_shear
+
+   !> True if the law gives the whole stress.
+   pure logical function models_has_whole_stress(self) result(has)
+      class(models_t), intent(in) :: self            !! The material
+
+      has = .false.
+      if (allocated(self%law)) has = self%law%gives_whole_stress()
+   end function models_has_whole_stress
 
    !> Fastest signal [m/s] in the reference state, for the first time step.
    pure real(wp) function models_reference_speed(self) result(speed)
@@ -196,7 +204,7 @@ contains
       case (effect_voids)
          is_on = allocated(self%voids)
       case (effect_damage)
-         is_on = allocated(self%fracture) .or. allocated(self%spall)
+         is_on = allocated(self%failure%fracture) .or. allocated(self%failure%spall)
       case (effect_thermal)
          is_on = allocated(self%heat)
       case (effect_viscosity)

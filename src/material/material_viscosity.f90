@@ -42,23 +42,21 @@ contains
    !! Q = q1 c + 2 q2 h D, the derivative of q to D. Explicit steps with a force that lags by
    !! half a step are stable up to 2/w (sqrt(1 + (Q/c)**2) - Q/c) = h/(Q + sqrt(Q**2 + c**2)).
    !! Equation (M.22) of doc/theory/method.md. Equation (S.2) of doc/theory/time_step.md.
-   pure subroutine add_viscous_pressure(first, last, viscosity, dt, spacing, mass, volume, jump, &
+   pure subroutine add_viscous_pressure(first, last, viscosity, rate, mass, volume, jump, &
       viscous_pressure, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       type(viscosity_t), intent(in) :: viscosity     !! Coefficients
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), intent(in) :: spacing                !! Cell size h [m]
+      real(wp), intent(in) :: rate                   !! Cell size h over time step [m/s]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
       real(wp), contiguous, intent(in) :: jump(:)    !! Trace of strain resisted (range) [1]
       real(wp), contiguous, intent(inout) :: viscous_pressure(:) !! After the step (store) [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)         !! Plus q on return (range) [Pa]
       real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square in, speed out (range) [m/s]
-      real(wp) :: rate, sound, damping
+      real(wp) :: sound, damping
       integer :: i, k
 
-      rate = spacing/dt
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          sound = sqrt(wave_speed(i))

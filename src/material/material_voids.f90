@@ -14,11 +14,13 @@ module material_voids
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use base_schema, only: schema_t
+   use constitutive_eos, only: eos_t
+   use constitutive_law, only: law_t
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
-   public :: declare_voids, expand_grains, expanded_fraction, voids_t
+   public :: declare_voids, expand_grains, expanded_fraction, voids_fault, voids_t
 
    !> Rules of the voids of a material.
    type :: voids_t
@@ -31,7 +33,6 @@ module material_voids
       real(wp) :: expansion = 0.0_wp                 !! Of B: thermal expansion of volume [1/K]
    contains
       procedure :: read => voids_read                !! Reads the keys
-      procedure :: fault => voids_fault              !! What is wrong with them
       !> Which share matter takes of the motion
       procedure :: choose_fraction => voids_choose_fraction
       procedure :: update_solid_fraction => voids_update_solid_fraction !! Opens and closes voids
@@ -64,25 +65,30 @@ contains
    end subroutine declare_voids
 
    !> What is wrong with the keys taken together; empty if nothing is.
-   pure function voids_fault(self, group) result(text)
-      class(voids_t), intent(in) :: self             !! The rules
+   pure function voids_fault(group, eos, law) result(text)
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), intent(in) :: eos
+      class(law_t), allocatable, intent(in) :: law   !! Law of strength, if there is one
       character(len=:), allocatable :: text
-      character(len=:), allocatable :: eos, law
-      real(wp) :: dilation, share
+      character(len=:), allocatable :: word
+      real(wp) :: dilation, fraction
+      logical :: solid
 
       text = ""
-      call group%get("eos_model", eos)
-      call group%get("strength_model", law)
-      call group%get("solid_fraction", share)
+      solid = .false.
+      if (allocated(law)) solid = .not. law%supports_voids()
+      call group%get("solid_fraction", fraction)
       dilation = 0.0_wp
       if (group%given("dilation_angle")) call group%get("dilation_angle", dilation)
-      if (eos == "p_alpha") then
-         text = "eos_model = 'p_alpha' has pores of its own; remove it or &effects voids"
+      if (eos%has_pores()) then
+         call group%get("eos_model", word)
+         text = "eos_model = '"//word//"' has pores of its own; remove it or &effects voids"
       else if (dilation > 0.0_wp) then
          text = "with &effects voids shear opens them by b_shear, not by dilation_angle"
-      else if (law == "jh2" .and. share < 1.0_wp) then
-         text = "strength_model = 'jh2' is that of matter without pores; remove solid_fraction"
+      else if (solid .and. fraction < 1.0_wp) then
+         call group%get("strength_model", word)
+         text = "strength_model = '"//word//"' is that of material without pores; remove "// &
+            "solid_fraction"
       end if
    end function voids_fault
 
@@ -112,17 +118,18 @@ contains
       integer :: count, k
 
       count = last - first + 1
-      deformation%homologous(:count) = merge(1.0_wp, 0.0_wp, self%loose)
-      if (allocated(state%failed)) deformation%homologous(:count) = &
-         max(deformation%homologous(:count), real(state%failed(first:last), wp))
+      call deformation%voids%reserve(count)
+      deformation%voids%loose(:count) = merge(1.0_wp, 0.0_wp, self%loose)
+      if (allocated(state%failed)) deformation%voids%loose(:count) = &
+         max(deformation%voids%loose(:count), real(state%failed(first:last), wp))
       do k = first, last
-         deformation%loosening(k - first + 1) = -(state%stress(k, 1) + state%stress(k, 2) &
+         deformation%voids%old_pressure(k - first + 1) = -(state%stress(k, 1) + state%stress(k, 2) &
             + state%stress(k, 3))/3.0_wp
       end do
-      if (allocated(state%viscous_pressure)) deformation%loosening(:count) = &
-         deformation%loosening(:count) - state%viscous_pressure(first:last)
-      call choose(first, last, self, deformation%gradient, deformation%homologous, &
-         deformation%loosening, state%solid_fraction, deformation%share)
+      if (allocated(state%viscous_pressure)) deformation%voids%old_pressure(:count) = &
+         deformation%voids%old_pressure(:count) - state%viscous_pressure(first:last)
+      call choose(first, last, self, deformation%gradient, deformation%voids%loose, &
+         deformation%voids%old_pressure, state%solid_fraction, deformation%voids%alpha)
    end subroutine voids_choose_fraction
 
    !> Kernel of the above, with the voids that shear opens. Equations (F.19) and (F.20).
@@ -170,7 +177,7 @@ contains
       integer, intent(in) :: last                          !! Last particle of the range
 
       call open_or_close(first, last, self%critical, state%volume, deformation%old_volume, &
-         deformation%share, state%solid_fraction)
+         deformation%voids%alpha, state%solid_fraction)
    end subroutine voids_update_solid_fraction
 
    !> Kernel of the above. What closes voids beyond the touching of grains is left to the matter.
@@ -202,7 +209,7 @@ contains
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      deformation%whole_volume(:last - first + 1) = state%volume(first:last)
+      deformation%voids%total_volume(:last - first + 1) = state%volume(first:last)
       state%volume(first:last) = state%volume(first:last)*state%solid_fraction(first:last)
    end subroutine voids_to_solid_volume
 
@@ -216,7 +223,7 @@ contains
       integer, intent(in) :: last                          !! Last particle of the range
 
       associate (volume => state%volume(first:last), old => deformation%old_volume( &
-         :last - first + 1), share => deformation%share(:last - first + 1))
+         :last - first + 1), share => deformation%voids%alpha(:last - first + 1))
          old = state%solid_fraction(first:last)*(volume + share*(old - volume))
       end associate
       call self%to_solid_volume(state, deformation, first, last)
@@ -231,9 +238,10 @@ contains
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      state%volume(first:last) = deformation%whole_volume(:last - first + 1)
+      state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
       deformation%pressure(:last - first + 1) = merge(deformation%pressure(:last - first + 1) &
-         *state%solid_fraction(first:last), 0.0_wp, deformation%share(:last - first + 1) > 0.0_wp)
+         *state%solid_fraction(first:last), 0.0_wp, deformation%voids%alpha(:last - first + 1) > &
+            0.0_wp)
    end subroutine voids_to_total_volume
 
    !> Let heated grains fill voids: B = expansion dT/dt. Equation (F.20).

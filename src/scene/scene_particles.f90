@@ -4,7 +4,7 @@ module scene_particles
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
-   use material_models, only: chain_effects, effect_names
+   use material_stages, only: effect_count, effect_names
    use mesh_hilbert, only: hilbert_key
    use mesh_tiles, only: partition_keys
    use omp_lib, only: omp_get_max_threads
@@ -72,7 +72,7 @@ contains
          phase%wait = timer%phase("waiting for ranks")
          phase%grid = timer%phase("grid")
          phase%gather = timer%phase("nodes to points")
-         do effect = 1, chain_effects
+         do effect = 1, effect_count
             if (any([(simulation%materials(n)%has(effect), n=1, size(simulation%materials))])) &
                phase%effect(effect) = timer%phase(trim(effect_names(effect)))
          end do

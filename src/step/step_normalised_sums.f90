@@ -139,7 +139,7 @@ contains
       integer :: tile, cell, lane
 
       if (.not. allocated(simulation%flows)) return
-      if (.not. simulation%is_fluid(index)) return
+      if (.not. simulation%flows(index)) return
       allocate (full(0:simulation%grid%tile_cells - 1, simulation%tiles%own), source=.true.)
       !$omp parallel do default(none) shared(simulation, full) private(tile, cell, lane) &
       !$omp schedule(static)

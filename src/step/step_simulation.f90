@@ -9,7 +9,7 @@ module step_simulation
    use ddmp_dual, only: dual_t
    use exact_solution, only: exact_case_t
    use material_effect_timers, only: stage_clock_t
-   use material_models, only: chain_effects
+   use material_stages, only: effect_count
    use material_type, only: material_t
    use mesh_absorbing, only: absorbing_t
    use mesh_boundary, only: boundary_t
@@ -185,7 +185,7 @@ module step_simulation
    type :: phases_t
       integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
          ledger = 0, output = 0, checkpoint = 0, conduction = 0, contact = 0 !! One each
-      integer :: effect(chain_effects) = 0           !! Of those of matter, 0 = off
+      integer :: effect(effect_count) = 0           !! Of those of matter, 0 = off
    end type phases_t
 
    !> A run.
