@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> What laws share whose strength grows with the pressure.
 !!
-!! The pressure is that of the equation of state and so knows the density: matter that has come
-!! apart bears nothing until it is as dense again as it was. Where shear loosens it for good, by the
+!! The pressure is that of the equation of state and so knows the density: material that has come
+!! apart supports no stress until it is as dense again as it was. Where shear loosens it for good,
+!! by the
 !! angle of dilation, the volume that is gained is carried and taken out of the pressure.
 module constitutive_friction
    use base_constants, only: pi
@@ -10,16 +11,19 @@ module constitutive_friction
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use base_text, only: brief
+   use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_law, only: law_t
    use constitutive_state, only: deformation_t, material_state_t
-   use constitutive_tension, only: stiffen_intact
+   use constitutive_tension, only: add_intact_shear_speed
+   use eos_linear, only: eos_linear_t
    implicit none
    private
 
-   public :: angles_t, declare_angles, fault_of_angles, frictional_t, gain, loosen, read_angles
+   public :: angles_t, declare_angles, angle_fault, frictional_t, add_dilation, &
+      add_dilation_pressure, read_angles
 
-   !> Constants of cohesive matter with friction.
+   !> Constants of cohesive material with friction.
    type :: angles_t
       real(wp) :: friction = 0.0_wp                  !! Angle of friction [rad]
       real(wp) :: dilation = 0.0_wp                  !! Angle of dilation [rad]
@@ -32,8 +36,9 @@ module constitutive_friction
       logical :: dilates = .false.                   !! Shear loosens
    contains
       procedure :: follows_density => frictional_follows_density !! Its pressure does
-      procedure :: request => frictional_request     !! Asks for what shear loosened
-      procedure :: stiffen => frictional_stiffen     !! Shear, where matter holds together
+      procedure :: request => frictional_request     !! Requests what shear loosened
+      !> Shear, where material holds together
+      procedure :: add_wave_speed => frictional_add_wave_speed
       procedure :: least_pressure => frictional_least_pressure !! That of the apex
    end type frictional_t
 
@@ -41,7 +46,7 @@ contains
 
    !> Declare the keys that several laws share.
    subroutine declare_angles(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = "// &
          "drucker_prager mohr_coulomb"
 
@@ -57,7 +62,7 @@ contains
    !> Read them.
    pure subroutine read_angles(group, angles)
       type(group_t), intent(in) :: group             !! &material
-      type(angles_t), intent(out) :: angles          !! The constants
+      type(angles_t), intent(out) :: angles
 
       call group%get("friction_angle", angles%friction)
       call group%get("dilation_angle", angles%dilation)
@@ -66,12 +71,13 @@ contains
       angles%dilation = angles%dilation*pi/180.0_wp
    end subroutine read_angles
 
-   !> What is wrong with the angles taken together.
-   pure function fault_of_angles(group) result(text)
+   !> Error in the combination of the angles; empty if there is none.
+   pure function angle_fault(group, eos) result(text)
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
-      character(len=:), allocatable :: eos
       real(wp) :: friction, dilation, cohesion
+      logical :: linear
 
       text = ""
       if (.not. (group%known("friction_angle") .and. group%known("dilation_angle") .and. &
@@ -79,62 +85,69 @@ contains
       call group%get("friction_angle", friction)
       call group%get("dilation_angle", dilation)
       call group%get("cohesion", cohesion)
-      call group%get("eos_model", eos)
+      linear = .true.
+      if (allocated(eos)) then
+         select type (eos)
+         type is (eos_linear_t)
+         class default
+            linear = .false.
+         end select
+      end if
       if (friction > 0.0_wp .and. friction < 0.5_wp*pi) then
          text = "friction_angle = "//brief(friction)//" deg: did you mean radians ("// &
             brief(anint(friction*1800.0_wp/pi)/10.0_wp)//" deg)?"
       else if (dilation > friction) then
          text = "dilation_angle must not be above friction_angle, or flow would make energy"
-      else if (dilation > 0.0_wp .and. eos /= "linear") then
+      else if (dilation > 0.0_wp .and. .not. linear) then
          text = "dilation_angle needs eos_model = 'linear', as others know only the density"
       else if (.not. (friction > 0.0_wp .or. cohesion > 0.0_wp)) then
          text = "friction_angle or cohesion must be above 0; for a fluid set elastic = 'none'"
       end if
-   end function fault_of_angles
+   end function angle_fault
 
    !> The pressure must know the density.
    pure logical function frictional_follows_density(self) result(follows)
-      class(frictional_t), intent(in) :: self        !! The law
+      class(frictional_t), intent(in) :: self
 
       follows = .true.
    end function frictional_follows_density
 
-   !> Matter that shear loosens carries by how much.
-   pure subroutine frictional_request(self, wishes)
-      class(frictional_t), intent(in) :: self        !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+   !> Material that shear loosens carries by how much.
+   pure subroutine frictional_request(self, requests)
+      class(frictional_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
-      if (self%dilates) call wishes%ask("plastic_dilation", "dilation_angle", 1)
+      if (self%dilates) call requests%add("plastic_dilation", "dilation_angle", 1)
    end subroutine frictional_request
 
-   !> Least pressure that the law can bear [Pa].
+   !> Least pressure that the law supports [Pa].
    pure real(wp) function frictional_least_pressure(self) result(pressure)
-      class(frictional_t), intent(in) :: self        !! The law
+      class(frictional_t), intent(in) :: self
 
       pressure = self%apex
    end function frictional_least_pressure
 
-   !> Shear modulus in the square of the wave speed. What has come apart bears no shear; its wave
+   !> Shear modulus in the square of the wave speed. What has separated supports no shear; its wave
    !! speed does not grow with its volume, or a cloud of it would shorten the time step.
-   pure subroutine frictional_stiffen(self, state, deformation, first, last)
-      class(frictional_t), intent(in) :: self              !! The law
+   pure subroutine frictional_add_wave_speed(self, state, deformation, first, last)
+      class(frictional_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
       if (allocated(state%failed)) then
-         call stiffen_intact(first, last, self%shear, state%failed, state%mass, state%volume, &
-            deformation%wave_speed)
+         call add_intact_shear_speed(first, last, self%shear, state%failed, state%mass, &
+            state%volume, deformation%wave_speed)
       else
-         call stiffen_joined(first, last, self%shear, self%bulk, self%apex, state%mass, &
+         call add_joined_shear_speed(first, last, self%shear, self%bulk, self%apex, state%mass, &
             state%volume, deformation%pressure, deformation%wave_speed)
       end if
-   end subroutine frictional_stiffen
+   end subroutine frictional_add_wave_speed
 
-   !> Kernel of the above. In matter at its least pressure the shear adds its share of the speed
+   !> Kernel of the above. In material at its least pressure the shear adds its share of the speed
    !! that the volume change has, G/K of it.
-   pure subroutine stiffen_joined(first, last, shear, bulk, apex, mass, volume, pressure, &
+   pure subroutine add_joined_shear_speed(first, last, shear, bulk, apex, mass, volume, pressure, &
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -156,13 +169,14 @@ contains
             min(share, 4.0_wp/3.0_wp*shear/max(bulk, least*shear, tiny(least))*wave_speed(i)), &
             pressure(i) > apex)
       end do
-   end subroutine stiffen_joined
+   end subroutine add_joined_shear_speed
 
    !> Take the volume that shear gained out of the pressure: p + rho c**2 (exp(gained) - 1), exact
    !! for p = K (rho/rho0 - 1). What the flow of the step gains, x times the volume gained before,
    !! then raises the pressure by exactly rho c**2 exp(gained) x. Equation (Y.27) of
    !! doc/theory/strength.md.
-   pure subroutine loosen(first, last, gained, mass, volume, wave_speed, pressure, tangent)
+   pure subroutine add_dilation_pressure(first, last, gained, mass, volume, wave_speed, pressure, &
+      tangent)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(in) :: gained(:)  !! Logarithm of the volume gained (store) [1]
@@ -173,28 +187,28 @@ contains
       real(wp), contiguous, intent(inout) :: tangent(:)    !! c**2 exp(gained) (range) [m2/s2]
       integer :: i, k
 
-      ! Not with vectors: exponentials of vectors differ in the last bits from those of the numbers
-      ! that are left at the end of a range, and bits must not depend on the place of a particle.
+      ! Not vectorised: vector exponentials differ in the last bits from the scalar ones of the
+      ! remainder of a range, and bits must not depend on the position of a particle.
       !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i
          tangent(i) = wave_speed(i)*exp(gained(k))
          pressure(i) = pressure(i) + mass(k)/volume(k)*(tangent(i) - wave_speed(i))
       end do
-   end subroutine loosen
+   end subroutine add_dilation_pressure
 
    !> Add what the flow of a step gained, as a share of the volume gained before. Equation (Y.27).
-   pure subroutine gain(first, last, share, gained)
+   pure subroutine add_dilation(first, last, share, gained)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(in) :: share(:)   !! Of the step (range) [1]
       real(wp), contiguous, intent(inout) :: gained(:) !! Logarithm of the volume (store) [1]
       integer :: i
 
-      ! Not with vectors, as above.
+      ! Not vectorised, for the same reason.
       !GCC$ novector
       do i = 1, last - first + 1
          gained(first - 1 + i) = gained(first - 1 + i) + log(1.0_wp + share(i))
       end do
-   end subroutine gain
+   end subroutine add_dilation
 end module constitutive_friction

@@ -6,7 +6,8 @@ module constitutive_heat
    implicit none
    private
 
-   public :: heat, heat_t, homologous_temperature, melt, melting_range_t, read_range
+   public :: heat_particles, heat_t, homologous_temperature, cut_melted_tension, melting_range_t, &
+      read_melting_range
 
    !> Heating of a material.
    type :: heat_t
@@ -23,13 +24,13 @@ module constitutive_heat
 contains
 
    !> Read the temperatures between which a material softens.
-   pure subroutine read_range(group, range)
+   pure subroutine read_melting_range(group, range)
       type(group_t), intent(in) :: group             !! &material
-      type(melting_range_t), intent(out) :: range    !! The temperatures
+      type(melting_range_t), intent(out) :: range
 
       call group%get("t_ref", range%reference)
       call group%get("t_melt", range%melt)
-   end subroutine read_range
+   end subroutine read_melting_range
 
    !> Temperature after the step.
    !!
@@ -37,10 +38,11 @@ contains
    !! rho of the middle of the step. Where Gamma rho is constant this is exactly
    !! T exp(Gamma rho (v - v')), where Gamma is, as in a gas, it is T (v/v')**Gamma to third order.
    !! To it the heat of the work of plastic flow and of artificial viscosity is added. Where the
-   !! material is at the least pressure it can bear, voids open or close and the material itself
+   !! material is at the least pressure it supports, voids open or close and the material itself
    !! keeps its volume and temperature. Equations (A.12) and (A.13) of doc/theory/matter.md.
-   pure subroutine heat(first, last, specific_heat, plastic_share, gruneisen, mass, volume, &
-      old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
+   ! gate: long kernel because heat has many sources
+   pure subroutine heat_particles(first, last, specific_heat, plastic_share, gruneisen, mass, &
+      volume, old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: specific_heat          !! At constant volume [J/(kg K)]
@@ -69,14 +71,14 @@ contains
          temperature(k) = max(0.0_wp, temperature(k)*growth &
             + (plastic_share*plastic_work(i) + viscous_work(i))/(mass(k)*specific_heat))
       end do
-   end subroutine heat
+   end subroutine heat_particles
 
    !> Temperature on a scale from 0 at the reference to 1 at melting, clipped to it. Equation
    !! (A.11).
    pure subroutine homologous_temperature(first, last, range, temperature, homologous)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      type(melting_range_t), intent(in) :: range     !! The scale
+      type(melting_range_t), intent(in) :: range
       real(wp), contiguous, intent(in) :: temperature(:)    !! (store) [K]
       real(wp), contiguous, intent(inout) :: homologous(:)  !! (range) [1]
       real(wp) :: factor
@@ -89,8 +91,8 @@ contains
       end do
    end subroutine homologous_temperature
 
-   !> A melted particle bears no tension.
-   pure subroutine melt(first, last, melting, temperature, pressure, pressure_floor)
+   !> A melted particle supports no tension.
+   pure subroutine cut_melted_tension(first, last, melting, temperature, pressure, pressure_floor)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: melting                !! Temperature of melting [K]
@@ -104,5 +106,5 @@ contains
             temperature(first - 1 + i) >= melting)
          pressure(i) = merge(pressure_floor(i), pressure(i), pressure(i) < pressure_floor(i))
       end do
-   end subroutine melt
+   end subroutine cut_melted_tension
 end module constitutive_heat

@@ -1,19 +1,21 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a law of strength is: it corrects the deviator of the stress after an elastic trial, or
+!> Abstract law of strength: it corrects the deviator of the stress after an elastic trial, or
 !> gives the whole stress itself.
 module constitutive_law
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: predict_deviator
    use constitutive_state, only: deformation_t, material_state_t
-   use constitutive_tension, only: stiffen, stiffen_intact
+   use constitutive_tension, only: add_intact_shear_speed, add_shear_speed
    implicit none
    private
 
-   public :: equivalent_stress, law_stiffen, law_stored, law_t, mean_work, strain_trial
+   public :: equivalent_stress, law_add_wave_speed, law_stored_energy, law_t, mean_work, &
+      strain_trial
 
    !> A law of strength. The material holds none if it has no strength.
    type, abstract :: law_t
@@ -23,30 +25,34 @@ module constitutive_law
       real(wp) :: heat_share = 0.9_wp !! Of plastic work, becomes heat (Taylor, Quinney 1934) [1]
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
-      procedure :: select => law_select              !! Reads what decides on other models
-      procedure :: fault => law_fault                !! What is wrong with its keys together
+      procedure :: read_mode => law_read_mode        !! Reads what decides on other models
+      procedure :: fault => law_fault                !! Error in the combination of its keys
       procedure :: read => law_read                  !! Reads its keys
-      procedure :: whole => law_whole                !! True if it gives the whole stress
+      procedure :: gives_whole_stress => law_gives_whole_stress !! True if it gives the whole stress
       procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
       procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
+      procedure :: supports_voids => law_supports_voids !! True if its material may be porous
+      procedure :: softens_by_damage => law_softens_by_damage !! True if damage lowers its strength
+      procedure :: uses_jc_rate => law_uses_jc_rate  !! True if it reads the key jc_rate
       procedure :: follows_density => law_follows_density !! True if its pressure must know it
       procedure :: has_grains => law_has_grains      !! True if it has an inertial number
-      procedure :: plastic => law_plastic            !! True if it flows and so takes energy
-      procedure(request_i), deferred :: request      !! Asks for the fields it needs
-      procedure :: predict => law_predict            !! Trial deviator of the step
+      procedure :: is_plastic => law_is_plastic      !! True if it flows and so dissipates
+      procedure(request_i), deferred :: request      !! Requests the fields it needs
+      procedure :: predict_trial => law_predict_trial !! Trial deviator of the step
       procedure(update_i), deferred :: update        !! Corrects the trial deviator
-      procedure :: stiffen => law_stiffen            !! Its share of the square of the wave speed
-      procedure :: damp => law_damp                  !! What its viscosity asks of the time step
-      procedure :: stored => law_stored              !! Energy stored in a particle
-      procedure :: least_pressure => law_least_pressure !! Least pressure it can bear
+      procedure :: add_wave_speed => law_add_wave_speed !! Its share of the square of the wave speed
+      !> Wave speed that its viscosity adds
+      procedure :: add_viscous_speed => law_add_viscous_speed
+      procedure :: stored_energy => law_stored_energy !! Energy stored in a particle
+      procedure :: least_pressure => law_least_pressure !! Least pressure it supports
    end type law_t
 
    abstract interface
-      pure subroutine request_i(self, wishes)
+      pure subroutine request_i(self, requests)
          import :: law_t, field_requests_t
          implicit none
          class(law_t), intent(in) :: self
-         class(field_requests_t), intent(inout) :: wishes              !! Fields to be carried
+         class(field_requests_t), intent(inout) :: requests
       end subroutine request_i
 
       !> On entry the stress holds the trial deviator, on return the deviator. Plastic increment and
@@ -68,29 +74,30 @@ contains
 
    !> Declare the keys of &material that belong to the law. Most laws override this.
    subroutine law_declare(self, schema)
-      class(law_t), intent(in) :: self                         !! The law
-      type(schema_t), intent(inout) :: schema                  !! Keys of the deck
+      class(law_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
    end subroutine law_declare
 
    !> Read the keys that belong to the law. The shear modulus is set by the material.
    pure subroutine law_read(self, group, effects)
-      class(law_t), intent(inout) :: self                      !! The law
+      class(law_t), intent(inout) :: self
       type(group_t), intent(in) :: group                       !! &material
-      type(effects_t), intent(in) :: effects                   !! What is asked for
+      type(effects_t), intent(in) :: effects
    end subroutine law_read
 
    !> Read the words that decide which other models the material has, before the deck is known to be
    !! right.
-   pure subroutine law_select(self, group)
-      class(law_t), intent(inout) :: self                      !! The law
+   pure subroutine law_read_mode(self, group)
+      class(law_t), intent(inout) :: self
       type(group_t), intent(in) :: group                       !! &material
-   end subroutine law_select
+   end subroutine law_read_mode
 
-   !> What is wrong with the keys of the law taken together, which the single ones cannot tell;
-   !! empty if nothing is.
-   pure function law_fault(self, group) result(text)
-      class(law_t), intent(in) :: self                         !! The law
+   !> Error in the combination of the keys of the law, beyond those of single keys;
+   !! empty if there is none.
+   pure function law_fault(self, group, eos) result(text)
+      class(law_t), intent(in) :: self
       type(group_t), intent(in) :: group                       !! &material
+      class(eos_t), allocatable, intent(in) :: eos             !! Equation of state, if there is one
       character(len=:), allocatable :: text
 
       text = ""
@@ -98,51 +105,72 @@ contains
 
    !> True if the law gives the whole stress. Then the material has no equation of state and no
    !! limit of tension, and there is no elastic trial but what the law makes of it.
-   pure logical function law_whole(self) result(whole)
-      class(law_t), intent(in) :: self                         !! The law
+   pure logical function law_gives_whole_stress(self) result(whole)
+      class(law_t), intent(in) :: self
 
       whole = .false.
-   end function law_whole
+   end function law_gives_whole_stress
 
    !> True if the law has a shear modulus.
    pure logical function law_has_shear(self) result(has)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       has = .true.
    end function law_has_shear
 
-   !> True if the law cannot do with a mean stress in rate form. Without an equation of state it
+   !> True if the law needs more than a mean stress in rate form. Without an equation of state it
    !! then gets p = K (rho/rho0 - 1) with the bulk modulus of the material.
    pure logical function law_follows_density(self) result(follows)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       follows = .false.
    end function law_follows_density
 
    !> True if the law knows the size and density of grains, and so their inertial number.
    pure logical function law_has_grains(self) result(has)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       has = .false.
    end function law_has_grains
 
    !> True if the law needs an equation of state of its own kind.
    pure logical function law_needs_eos(self) result(needs)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       needs = .false.
    end function law_needs_eos
 
+   !> True if the material of the law may have voids or pores.
+   pure logical function law_supports_voids(self) result(supports)
+      class(law_t), intent(in) :: self
+
+      supports = .true.
+   end function law_supports_voids
+
+   !> True if the law itself lowers the strength of damaged material.
+   pure logical function law_softens_by_damage(self) result(softens)
+      class(law_t), intent(in) :: self
+
+      softens = .false.
+   end function law_softens_by_damage
+
+   !> True if the law reads the key jc_rate, which several models share.
+   pure logical function law_uses_jc_rate(self) result(uses)
+      class(law_t), intent(in) :: self
+
+      uses = .false.
+   end function law_uses_jc_rate
+
    !> True if the law flows: it takes energy, and damage by plastic strain can follow it.
-   pure logical function law_plastic(self) result(plastic)
-      class(law_t), intent(in) :: self                         !! The law
+   pure logical function law_is_plastic(self) result(plastic)
+      class(law_t), intent(in) :: self
 
       plastic = .true.
-   end function law_plastic
+   end function law_is_plastic
 
    !> Elastic trial of the deviator with constant shear modulus and Jaumann rate, and the volume.
-   pure subroutine law_predict(self, state, deformation, first, last)
-      class(law_t), intent(in) :: self                         !! The law
+   pure subroutine law_predict_trial(self, state, deformation, first, last)
+      class(law_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state                  !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
@@ -151,41 +179,42 @@ contains
       call predict_deviator(first, last, deformation%plane, self%shear, deformation%gradient, &
          state%volume, state%stress, deformation%old_volume, deformation%dilatation, &
          deformation%pressure)
-   end subroutine law_predict
+   end subroutine law_predict_trial
 
    !> Add to the square of the wave speed what the law contributes. A law that gives the whole
    !! stress finds 0 and leaves the square of its fastest wave.
-   pure subroutine law_stiffen(self, state, deformation, first, last)
-      class(law_t), intent(in) :: self                         !! The law
+   pure subroutine law_add_wave_speed(self, state, deformation, first, last)
+      class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range
 
       if (allocated(state%failed)) then
-         call stiffen_intact(first, last, self%shear, state%failed, state%mass, state%volume, &
-            deformation%wave_speed)
+         call add_intact_shear_speed(first, last, self%shear, state%failed, state%mass, &
+            state%volume, deformation%wave_speed)
       else
-         call stiffen(first, last, self%shear, state%mass, state%volume, deformation%wave_speed)
+         call add_shear_speed(first, last, self%shear, state%mass, state%volume, &
+            deformation%wave_speed)
       end if
-   end subroutine law_stiffen
+   end subroutine law_add_wave_speed
 
    !> Raise the wave speed that limits the time step where the law has a viscosity.
-   pure subroutine law_damp(self, state, deformation, first, last, spacing)
-      class(law_t), intent(in) :: self                         !! The law
+   pure subroutine law_add_viscous_speed(self, state, deformation, first, last, spacing)
+      class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range
       real(wp), intent(in) :: spacing                          !! Cell size [m]
-   end subroutine law_damp
+   end subroutine law_add_viscous_speed
 
    !> Energy [J] stored in the deviator of the stress of one particle; in the whole stress for a law
    !! that gives it.
-   pure real(wp) function law_stored(self, state, particle) result(energy)
-      class(law_t), intent(in) :: self                         !! The law
+   pure real(wp) function law_stored_energy(self, state, particle) result(energy)
+      class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
-      integer, intent(in) :: particle                          !! Which particle
+      integer, intent(in) :: particle                                 !! Index in the store
       real(wp) :: mean
 
       energy = 0.0_wp
@@ -193,11 +222,11 @@ contains
       mean = sum(state%stress(particle, 1:3))/3.0_wp
       energy = state%volume(particle)*(sum((state%stress(particle, 1:3) - mean)**2) &
          + 2.0_wp*sum(state%stress(particle, 4:6)**2))/(4.0_wp*self%shear)
-   end function law_stored
+   end function law_stored_energy
 
-   !> Least pressure that the law can bear [Pa].
+   !> Least pressure that the law supports [Pa].
    pure real(wp) function law_least_pressure(self) result(pressure)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       pressure = -huge(1.0_wp)
    end function law_least_pressure
@@ -220,7 +249,7 @@ contains
    !> Trial deviator times strain increment, s* : e. With it laws find the work that the mean of the
    !! stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for the
    !! rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. The stress after the step alone would
-   !! take energy from grains that had no stress when they met.
+   !! take energy from grains that had no stress on contact.
    pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -239,8 +268,9 @@ contains
    end subroutine strain_trial
 
    !> Work a volume that a radial return does on the plastic strain: that of the mean of the
-   !! stresses before and after the step, (s + s') : (s* - s')/(4 G), so that the books are of
-   !! second order. It is not negative: matter that softens under a load that turns would take
+   !! stresses before and after the step, (s + s') : (s* - s')/(4 G), so that the energy balance is
+   !! of
+   !! second order. It is not negative: softening material under a rotating load would gain
    !! energy. Equation (Y.2) of doc/theory/strength.md.
    elemental real(wp) function mean_work(shear, trial, limit, increment, product_of_both) &
       result(work)

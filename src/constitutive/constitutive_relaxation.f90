@@ -26,13 +26,13 @@ module constitutive_relaxation
 contains
 
    !> Deviator after the step, its flow and its losses.
-   pure subroutine relax_deviator(first, last, shear, relaxation, fragility, gradient, volume, &
-      stress, plastic_increment, plastic_work)
+   pure subroutine relax_deviator(first, last, shear, relaxation, inverse_contact_strain, &
+      gradient, volume, stress, plastic_increment, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: relaxation             !! Time step over relaxation time at rest [1]
-      real(wp), intent(in) :: fragility              !! Relaxation for each unit of shear [1]
+      real(wp), intent(in) :: inverse_contact_strain !! Relaxation for each unit of shear [1]
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l, constant (range, 9) [1]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :) !! Deviator (store, 6) [Pa]
@@ -46,7 +46,7 @@ contains
          p = first - 1 + i
          g = gradient(i, :)
          call split(g, e, w)
-         k = relaxation + fragility*sqrt(2.0_wp*square(e))
+         k = relaxation + inverse_contact_strain*sqrt(2.0_wp*square(e))
          angle = sqrt(w(1)**2 + w(2)**2 + w(3)**2)
          call make_frame(w, angle, frame)
          s = stress(p, :)
@@ -63,13 +63,13 @@ contains
    end subroutine relax_deviator
 
    !> Pressure after the step, dp/dx = -k p - K tr D, and its losses.
-   pure subroutine relax_pressure(first, last, bulk, relaxation, fragility, gradient, volume, &
-      pressure, plastic_work)
+   pure subroutine relax_pressure(first, last, bulk, relaxation, inverse_contact_strain, &
+      gradient, volume, pressure, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), intent(in) :: relaxation             !! Time step over relaxation time at rest [1]
-      real(wp), intent(in) :: fragility              !! Relaxation for each unit of shear [1]
+      real(wp), intent(in) :: inverse_contact_strain !! Relaxation for each unit of shear [1]
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l, constant (range, 9) [1]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
       real(wp), contiguous, intent(inout) :: pressure(:)     !! (range) [Pa]
@@ -81,7 +81,7 @@ contains
       do i = 1, last - first + 1
          g = gradient(i, :)
          call split(g, e, w)
-         k = relaxation + fragility*sqrt(2.0_wp*square(e))
+         k = relaxation + inverse_contact_strain*sqrt(2.0_wp*square(e))
          trace = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
          call functions(cmplx(k, 0.0_wp, wp), decay, f1, f2)
          before = pressure(i)
@@ -107,7 +107,7 @@ contains
 
    !> Sum of the squares of all components of a symmetric tensor.
    pure real(wp) function square(e) result(total)
-      real(wp), intent(in) :: e(6)                   !! The tensor
+      real(wp), intent(in) :: e(6)                   !! xx, yy, zz, xy, yz, xz
 
       total = e(1)**2 + e(2)**2 + e(3)**2 + 2.0_wp*(e(4)**2 + e(5)**2 + e(6)**2)
    end function square
@@ -236,7 +236,7 @@ contains
    !> Double contraction of two deviators.
    pure real(wp) function contract(a, b) result(total)
       type(harmonics_t), intent(in) :: a             !! One
-      type(harmonics_t), intent(in) :: b             !! The other
+      type(harmonics_t), intent(in) :: b
 
       total = 1.5_wp*a%along*b%along + 2.0_wp*real(a%first*conjg(b%first), wp) &
          + 2.0_wp*real(a%second*conjg(b%second), wp)

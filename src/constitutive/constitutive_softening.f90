@@ -3,15 +3,15 @@
 !! for every cell size: crack bands (Z. P. Bazant, B. H. Oh, Mater. Struct. 16 (1983) 155).
 !!
 !! A crack opens in a band as wide as a cell, L in the direction of the greatest principal stress.
-!! Of the elastic strain e that the matter would have without cracks the share D e is the opening of
-!! cracks over L, and what is left of the stress s that it would have is bounded by
+!! With the elastic strain e of the material without cracks, D e is the opening of cracks
+!! over L, and the rest of the stress s without cracks is bounded by
 !!
 !!    (1 - D) s = f (1 - D e/e_u),        e_u = 2 Gf/(f L)   (linear), or
 !!    (1 - D) s = f exp(-D e/e_u),        e_u = Gf/(f L)     (exponential).
 !!
-!! The integral of f over the opening is Gf for any state to the sides. D never falls, so matter
+!! The integral of f over the opening is Gf for any state to the sides. D never falls, so material
 !! unloads to the origin. It weakens the positive principal stresses alone (J. Lemaitre, R.
-!! Desmorat, "Engineering Damage Mechanics", 2005, on cracks that close): a closed crack bears
+!! Desmorat, "Engineering Damage Mechanics", 2005, on cracks that close): a closed crack supports
 !! pressure.
 !!
 !! Particles carry the stress that acts. The one without cracks comes from it by division, before
@@ -22,36 +22,41 @@ module constitutive_softening
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use base_text, only: brief
-   use constitutive_brittle, only: upper_bound
+   use constitutive_brittle, only: bound_deviator
+   use constitutive_law, only: law_t
    use constitutive_principal, only: compose, principal
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
-   public :: declare_softening, opening_share, softening_fault, softening_t
+   public :: declare_softening, crack_damage, softening_fault, softening_t
 
    !> How the strength of a material falls.
    type :: softening_t
       real(wp) :: energy = 0.0_wp                    !! Gf, of a crack per area [J/m2]
       real(wp) :: strength = 0.0_wp                  !! Principal stress that opens cracks [Pa]
       real(wp) :: limit = 0.0_wp !! Or principal strain; 0 if it is the stress that counts [1]
-      real(wp) :: width = 1.0_wp                     !! Of a band across a cell [cells]
+      !> Width of the band that opens across an edge of the grid, set by the scene: one cell where
+      !! the gradient of a cell is that of its own nodes, more where gradients are smoother [cells]
+      real(wp) :: width = 1.0_wp
       logical :: exponential = .false.               !! The curve; else linear
       real(wp) :: shear = 0.0_wp                     !! Shear modulus of the material [Pa]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
    contains
       procedure :: read => softening_read            !! Reads its keys
       procedure :: band_fault => softening_band_fault !! What is wrong with the cell size
-      procedure :: recover => softening_recover      !! Stress without cracks, before the trial
-      procedure :: open => softening_open            !! Lets cracks open, and stress that acts
-      procedure :: missing => softening_missing      !! Energy that the stress that acts hides
+      !> Stress without cracks, before the trial
+      procedure :: restore_uncracked_stress => softening_restore_stress
+      procedure :: open_cracks => softening_open_cracks !! Lets cracks open, and stress that acts
+      !> Energy that the stress that acts hides
+      procedure :: hidden_energy => softening_hidden_energy
    end type softening_t
 
 contains
 
    !> Declare the keys.
    subroutine declare_softening(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress "// &
          "principal_strain"
 
@@ -64,18 +69,15 @@ contains
    end subroutine declare_softening
 
    !> Read the keys.
-   pure subroutine softening_read(self, group, run, method, shear, bulk)
-      class(softening_t), intent(inout) :: self      !! How strength falls
+   pure subroutine softening_read(self, group, shear, bulk)
+      class(softening_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(group_t), intent(in) :: run               !! &run
-      type(group_t), intent(in) :: method            !! &method
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       character(len=:), allocatable :: word
 
       self%shear = shear
       self%bulk = bulk
-      self%width = band_width(run, method)
       call group%get("fracture_energy", self%energy)
       if (group%given("failure_stress")) call group%get("failure_stress", self%strength)
       if (group%given("failure_strain")) call group%get("failure_strain", self%limit)
@@ -83,29 +85,10 @@ contains
       self%exponential = word == "exponential"
    end subroutine softening_read
 
-   !> Width of the band in cells that opens across an edge of the grid. Where the gradient of a cell
-   !! is that of its own nodes it is a cell. Smoother gradients drag particles of the cells beside
-   !! it along; the numbers are those that a bar needs (test/verify/crack).
-   pure real(wp) function band_width(run, method) result(width)
-      type(group_t), intent(in) :: run               !! &run
-      type(group_t), intent(in) :: method            !! &method
-      character(len=:), allocatable :: word
-
-      width = 1.0_wp
-      if (.not. run%known("method")) return
-      call run%get("method", word)
-      if (word == "ddmp") then
-         width = 1.2_wp
-         return
-      end if
-      call method%get("basis", word)
-      if (word == "quadratic") width = 1.9_wp
-      if (word == "cubic") width = 2.0_wp
-   end function band_width
-
-   !> What is wrong with the keys taken together; empty if nothing is.
-   pure function softening_fault(group) result(text)
+   !> Error in the combination of the keys; empty if there is none.
+   pure function softening_fault(group, law) result(text)
       type(group_t), intent(in) :: group             !! &material
+      class(law_t), allocatable, intent(in) :: law   !! Law of strength, if there is one
       character(len=:), allocatable :: text
       character(len=:), allocatable :: word
       real(wp) :: delay
@@ -115,9 +98,11 @@ contains
       if (word == "exponential" .and. .not. group%given("fracture_energy")) &
          text = "softening = 'exponential' needs fracture_energy [J/m2]"
       if (.not. group%given("fracture_energy")) return
-      call group%get("strength_model", word)
-      if (word == "jh2") text = "fracture_energy is not used by strength_model = 'jh2', whose "// &
-         "damage weakens it in its own way; remove it"
+      if (allocated(law)) then
+         call group%get("strength_model", word)
+         if (law%softens_by_damage()) text = "fracture_energy is not used by strength_model = '" &
+            //word//"', whose damage weakens it in its own way; remove it"
+      end if
       if (.not. (group%given("failure_delay") .and. group%known("failure_delay"))) return
       call group%get("failure_delay", delay)
       if (delay > 0.0_wp) text = "fracture_energy and failure_delay are both given; keep one: "// &
@@ -126,51 +111,40 @@ contains
 
    !> What is wrong with moduli and cell size; empty if nothing is. In too large a cell the stress
    !! falls while the cell itself springs back, and it releases more energy than the crack takes.
-   !! The limit is that of uniaxial stress and cracks in any direction. Equation (F.11).
-   pure function softening_band_fault(self, run, grid) result(text)
-      class(softening_t), intent(in) :: self         !! How strength falls
-      type(group_t), intent(in) :: run               !! &run
-      type(group_t), intent(in) :: grid              !! &grid
+   !! The limit is that of uniaxial stress and cracks in any direction of the scene. Equation
+   !! (F.11).
+   pure function softening_band_fault(self, spacing, dimensions) result(text)
+      class(softening_t), intent(in) :: self
+      real(wp), intent(in) :: spacing                !! Cell size [m]
+      integer, intent(in) :: dimensions              !! Directions of the scene
       character(len=:), allocatable :: text
-      character(len=:), allocatable :: word
-      real(wp) :: young, strength, greatest, spacing, lower(3), upper(3)
-      integer :: cells(3)
+      real(wp) :: young, strength, greatest
 
       text = ""
-      if (.not. self%bulk > 0.0_wp) text = "fracture_energy needs an eos_model with a bulk "// &
-         "modulus at rest; a gas does not crack"
-      if (len(text) > 0) return
-      spacing = 0.0_wp
-      if (grid%given("dx")) then
-         if (grid%known("dx")) call grid%get("dx", spacing)
-      else if (grid%known("cells") .and. grid%known("lo") .and. grid%known("hi")) then
-         call grid%get("cells", cells)
-         call grid%get("lo", lower)
-         call grid%get("hi", upper)
-         spacing = (upper(1) - lower(1))/real(cells(1), wp)
+      if (.not. self%bulk > 0.0_wp) then
+         text = "fracture_energy needs an eos_model with a bulk modulus at rest; a gas does "// &
+            "not crack"
+         return
       end if
-      if (.not. spacing > 0.0_wp) return
       young = 9.0_wp*self%bulk*self%shear/(3.0_wp*self%bulk + self%shear)
       strength = self%strength
       if (self%limit > 0.0_wp) strength = young*self%limit
       greatest = merge(1.0_wp, 2.0_wp, self%exponential)*young*self%energy/strength**2/self%width
-      call run%get("dimension", word)
-      if (word == "3d") greatest = greatest/sqrt(3.0_wp)
-      if (word == "plane_strain" .or. word == "axisymmetric") greatest = greatest/sqrt(2.0_wp)
+      if (dimensions > 1) greatest = greatest/sqrt(real(dimensions, wp))
       if (spacing <= greatest) return
       text = "cells of "//brief(spacing)//" m are too large for this fracture_energy: a cell "// &
          "that cracks would spring back; dx must be at most "//brief(greatest)//" m"
    end function softening_band_fault
 
    !> Damage D of a state. Equation (F.8).
-   elemental real(wp) function opening_share(exponential, strength, band_strain, stress, strain) &
+   elemental real(wp) function crack_damage(exponential, strength, band_strain, stress, strain) &
       result(damage)
       logical, intent(in) :: exponential             !! The curve; else linear
       real(wp), intent(in) :: strength               !! f [Pa]
       real(wp), intent(in) :: band_strain            !! e_u [1]
       real(wp), intent(in) :: stress                 !! s, without cracks, at least f [Pa]
       real(wp), intent(in) :: strain                 !! e, without cracks, above 0 [1]
-      ! A crack that bears so little of the strength is open.
+      ! A crack that supports so little of the strength is open.
       real(wp), parameter :: least = 0.005_wp
       integer, parameter :: most_steps = 50
       real(wp) :: opening, slope, change
@@ -195,12 +169,13 @@ contains
       end do
       damage = opening/strain
       if (exp(-opening/band_strain) < least) damage = 1.0_wp
-   end function opening_share
+   end function crack_damage
 
-   !> Stress that matter with open cracks would have without them. The viscous pressure is no stress
-   !! of the matter and stays as it is.
-   pure subroutine softening_recover(self, state, first, last)
-      class(softening_t), intent(in) :: self         !! How strength falls
+   !> Stress that material with open cracks would have without them. The viscous pressure is no
+   !! stress
+   !! of the material and stays as it is.
+   pure subroutine softening_restore_stress(self, state, first, last)
+      class(softening_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -220,12 +195,12 @@ contains
          tensor(1:3) = tensor(1:3) - viscous
          state%stress(k, :) = tensor
       end do
-   end subroutine softening_recover
+   end subroutine softening_restore_stress
 
    !> Let cracks open and weaken the tension of what has some. On entry deviator and pressure are
-   !! those without cracks, on return those that act. What cracks take is booked as plastic work.
-   pure subroutine softening_open(self, state, deformation, first, last, spacing)
-      class(softening_t), intent(in) :: self             !! How strength falls
+   !! those without cracks, on return those that act. What cracks take is recorded as plastic work.
+   pure subroutine softening_open_cracks(self, state, deformation, first, last, spacing)
+      class(softening_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
@@ -235,13 +210,14 @@ contains
       integer :: i, k
       logical :: near
 
-      call upper_bound(first, last, state%stress, deformation%homologous)
+      call deformation%damage%reserve(last - first + 1)
+      call bound_deviator(first, last, state%stress, deformation%damage%bound)
       factor = 1.0_wp
       do i = 1, last - first + 1
          k = first - 1 + i
          if (state%damage(k) >= 1.0_wp) cycle
-         if (allocated(state%scatter)) factor = state%scatter(k)
-         greatest = deformation%homologous(i)
+         if (allocated(state%brittle%scatter)) factor = state%brittle%scatter(k)
+         greatest = deformation%damage%bound(i)
          if (self%limit > 0.0_wp) then
             near = 0.5_wp*greatest/self%shear - deformation%pressure(i)/(3.0_wp*self%bulk) &
                >= self%limit*factor
@@ -252,17 +228,17 @@ contains
          call crack(self, factor, spacing, state%volume(k), state%stress, k, &
             deformation%pressure(i), state%damage(k), deformation%plastic_work(i))
       end do
-   end subroutine softening_open
+   end subroutine softening_open_cracks
 
    !> One particle that is near its strength or has cracks. Equations (F.9) and (F.10).
    pure subroutine crack(softening, factor, spacing, volume, stress, particle, pressure, damage, &
       plastic_work)
-      type(softening_t), intent(in) :: softening         !! How strength falls
+      type(softening_t), intent(in) :: softening
       real(wp), intent(in) :: factor                     !! Strength of its own [1]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
       real(wp), intent(in) :: volume                     !! [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :) !! Deviator (store, 6) [Pa]
-      integer, intent(in) :: particle                    !! Which particle
+      integer, intent(in) :: particle                    !! Index in the store
       real(wp), intent(inout) :: pressure                !! [Pa]
       real(wp), intent(inout) :: damage                  !! [1]
       real(wp), intent(inout) :: plastic_work            !! In the step [J]
@@ -279,14 +255,14 @@ contains
          *softening%limit*factor
       if (values(1) > strength .and. strain(1) > 0.0_wp) then
          width = softening%width*spacing*sum(abs(axes(:, 1)))
-         grown = max(damage, opening_share(softening%exponential, strength, &
+         grown = max(damage, crack_damage(softening%exponential, strength, &
             merge(1.0_wp, 2.0_wp, softening%exponential)*softening%energy/(strength*width), &
             values(1), strain(1)))
       end if
       plastic_work = plastic_work + (grown - damage)*volume &
          *0.5_wp*sum(max(values, 0.0_wp)*strain)
       damage = grown
-      ! What has failed loses all of it to the law of failed matter.
+      ! Failed particles lose all of it to the law of failed material.
       values = merge((1.0_wp - damage)*values, values, values > 0.0_wp)
       mean = sum(values)/3.0_wp
       stress(particle, :) = compose(values - mean, axes)
@@ -295,12 +271,12 @@ contains
 
    !> Energy [J] of a particle with cracks beyond that of the deviator and, if the pressure is not
    !! that of an equation of state, the pressure that act.
-   pure real(wp) function softening_missing(self, state, particle, of_pressure) result(energy)
-      class(softening_t), intent(in) :: self         !! How strength falls
+   pure real(wp) function softening_hidden_energy(self, state, particle, of_pressure) result(energy)
+      class(softening_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                       !! Index in the store
       logical, intent(in) :: of_pressure             !! No equation of state
-      real(wp) :: tensor(6), values(3), axes(3, 3), whole(3), mean, mean_integer, share
+      real(wp) :: tensor(6), values(3), axes(3, 3), whole(3), mean, uncracked_mean, share
 
       energy = 0.0_wp
       share = state%damage(particle)
@@ -311,10 +287,10 @@ contains
       call principal(tensor, values, axes)
       whole = merge(values/(1.0_wp - share), values, values > 0.0_wp)
       mean = sum(values)/3.0_wp
-      mean_integer = sum(whole)/3.0_wp
-      energy = 0.25_wp*(sum((whole - mean_integer)**2) - sum((values - mean)**2))/self%shear
-      if (of_pressure) energy = energy + 0.5_wp*(mean_integer**2 - mean**2)/self%bulk
+      uncracked_mean = sum(whole)/3.0_wp
+      energy = 0.25_wp*(sum((whole - uncracked_mean)**2) - sum((values - mean)**2))/self%shear
+      if (of_pressure) energy = energy + 0.5_wp*(uncracked_mean**2 - mean**2)/self%bulk
       energy = state%volume(particle)*(energy - 0.5_wp*share*sum(max(whole, 0.0_wp) &
-         *(0.5_wp*(whole - mean_integer)/self%shear + mean_integer/(3.0_wp*self%bulk))))
-   end function softening_missing
+         *(0.5_wp*(whole - uncracked_mean)/self%shear + uncracked_mean/(3.0_wp*self%bulk))))
+   end function softening_hidden_energy
 end module constitutive_softening

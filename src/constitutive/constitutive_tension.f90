@@ -1,14 +1,15 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Limits of tension, and what is left of the strength of failed and melted particles.
 !!
-!! A failed particle is rubble: it keeps mass and volume, has no deviator and bears no tension.
+!! A failed particle is rubble: it keeps mass and volume, has no deviator and supports no tension.
 module constitutive_tension
    use base_kinds, only: int64, wp
    implicit none
    private
 
-   public :: break, cut_tension, fail,  drop_failed, drop_melted, fracture_t, open_voids, spall_t, &
-      stiffen, stiffen_intact
+   public :: fail_as_rubble, cut_tension, fail_with_strength,  remove_failed_deviator, &
+      remove_melted_deviator, fracture_t, drop_loose_pressure, spall_t, add_shear_speed, &
+      add_intact_shear_speed
 
    !> Tension cut-off that leaves no trace.
    type :: spall_t
@@ -18,14 +19,14 @@ module constitutive_tension
    !> Failure for good, by damage and by tension.
    type :: fracture_t
       real(wp) :: strength = huge(1.0_wp)            !! Tension at failure [Pa]
-      logical :: leaves_strength = .false.           !! Failed matter follows a law
-      logical :: leaves_nothing = .false.            !! Failed matter has no stress
+      logical :: leaves_strength = .false.           !! Failed material follows a law
+      logical :: leaves_nothing = .false.            !! Failed material has no stress
    end type fracture_t
 
 contains
 
    !> Take the deviator from failed particles.
-   pure subroutine drop_failed(first, last, failed, stress)
+   pure subroutine remove_failed_deviator(first, last, failed, stress)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       integer(int64), contiguous, intent(in) :: failed(:)     !! Flag of failure (store)
@@ -37,10 +38,10 @@ contains
             stress(i, k) = merge(0.0_wp, stress(i, k), failed(i) /= 0)
          end do
       end do
-   end subroutine drop_failed
+   end subroutine remove_failed_deviator
 
    !> Take the deviator from melted particles.
-   pure subroutine drop_melted(first, last, melting, temperature, stress)
+   pure subroutine remove_melted_deviator(first, last, melting, temperature, stress)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: melting                !! Temperature of melting [K]
@@ -53,7 +54,7 @@ contains
             stress(i, k) = merge(0.0_wp, stress(i, k), temperature(i) >= melting)
          end do
       end do
-   end subroutine drop_melted
+   end subroutine remove_melted_deviator
 
    !> Keep the pressure above a limit.
    pure subroutine cut_tension(first, last, strength, pressure, pressure_floor)
@@ -71,9 +72,11 @@ contains
    end subroutine cut_tension
 
    !> Let particles fail whose damage or tension is complete, and make rubble of the failed ones.
-   !! The elastic energy that a particle loses on failing is booked as plastic work. Equations (A.7)
+   !! The elastic energy that a particle loses on failing is recorded as plastic work. Equations
+   !! (A.7)
    !! and (A.8) of doc/theory/matter.md.
-   pure subroutine break(first, last, strength, shear, bulk, volume, stress, pressure, &
+   ! gate: long kernel because failure changes all parts of the stress
+   pure subroutine fail_as_rubble(first, last, strength, shear, bulk, volume, stress, pressure, &
       pressure_floor, damage, failed, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -106,12 +109,12 @@ contains
          pressure_floor(i) = 0.0_wp
          if (pressure(i) < 0.0_wp) pressure(i) = 0.0_wp
       end do
-   end subroutine break
+   end subroutine fail_as_rubble
 
-   !> Let particles fail as above, but leave the deviator to the law of failed matter. Of the
+   !> Let particles fail as above, but leave the deviator to the law of failed material. Of the
    !! elastic energy only that of the tension is lost.
-   pure subroutine fail(first, last, strength, bulk, volume, pressure, pressure_floor, damage, &
-      failed, plastic_work)
+   pure subroutine fail_with_strength(first, last, strength, bulk, volume, pressure, &
+      pressure_floor, damage, failed, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: strength               !! Tension at failure [Pa]
@@ -137,11 +140,11 @@ contains
          pressure_floor(i) = 0.0_wp
          if (pressure(i) < 0.0_wp) pressure(i) = 0.0_wp
       end do
-   end subroutine fail
+   end subroutine fail_with_strength
 
    !> Without equation of state the mean stress does not know of voids: rubble less dense than the
-   !! material bears no pressure, and no signal faster than that of the material runs through it.
-   pure subroutine open_voids(first, last, density, bulk, mass, volume, failed, pressure, &
+   !! material supports no pressure, and no signal faster than that of the material runs through it.
+   pure subroutine drop_loose_pressure(first, last, density, bulk, mass, volume, failed, pressure, &
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -162,10 +165,10 @@ contains
          pressure(i) = merge(0.0_wp, pressure(i), excess < 0.0_wp)
          wave_speed(i) = merge(limit, wave_speed(i), excess < 0.0_wp)
       end do
-   end subroutine open_voids
+   end subroutine drop_loose_pressure
 
    !> Add the share of the shear modulus to the square of the wave speed. Equation (A.5).
-   pure subroutine stiffen(first, last, shear, mass, volume, wave_speed)
+   pure subroutine add_shear_speed(first, last, shear, mass, volume, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
@@ -178,11 +181,11 @@ contains
          k = first - 1 + i
          wave_speed(i) = wave_speed(i) + 4.0_wp/3.0_wp*shear*volume(k)/mass(k)
       end do
-   end subroutine stiffen
+   end subroutine add_shear_speed
 
    !> Add the share of the shear modulus to the square of the wave speed where it has not failed.
    !! Without this a dispersing cloud of rubble would shorten the time step for no reason.
-   pure subroutine stiffen_intact(first, last, shear, failed, mass, volume, wave_speed)
+   pure subroutine add_intact_shear_speed(first, last, shear, failed, mass, volume, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
@@ -198,5 +201,5 @@ contains
          share = 4.0_wp/3.0_wp*shear*volume(k)/mass(k)
          wave_speed(i) = wave_speed(i) + merge(0.0_wp, share, failed(k) /= 0)
       end do
-   end subroutine stiffen_intact
+   end subroutine add_intact_shear_speed
 end module constitutive_tension

@@ -13,7 +13,7 @@ module damage_grady_kipp
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
-   use constitutive_brittle, only: exponential, extremes, upper_bound
+   use constitutive_brittle, only: bound_deviator, find_extremes, random_exponential
    use constitutive_damage, only: damage_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
@@ -33,9 +33,10 @@ module damage_grady_kipp
       procedure :: declare => grady_kipp_declare     !! Declares its keys
       procedure :: needs_flow => grady_kipp_needs_flow !! It does not
       procedure :: takes_scatter => grady_kipp_takes_scatter !! It does
+      procedure :: needs_weibull => grady_kipp_needs_weibull !! Always, for the flaws
       procedure :: read => grady_kipp_read           !! Reads its keys
-      procedure :: request => grady_kipp_request     !! Asks for damage and scatter
-      procedure :: draw => grady_kipp_draw           !! The weakest flaw
+      procedure :: request => grady_kipp_request     !! Requests damage and scatter
+      procedure :: draw_strength => grady_kipp_draw_strength !! The weakest flaw
       procedure :: update => grady_kipp_update       !! Lets flaws grow
    end type damage_grady_kipp_t
 
@@ -43,8 +44,8 @@ contains
 
    !> Declare the keys of the model.
    subroutine grady_kipp_declare(self, schema)
-      class(damage_grady_kipp_t), intent(in) :: self !! The model
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(damage_grady_kipp_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = grady_kipp"
 
       call schema%real("material", "weibull_k", "flaws in a volume at a strain of 1, k of "// &
@@ -54,25 +55,33 @@ contains
       call schema%require("material", "weibull_k")
    end subroutine grady_kipp_declare
 
-   !> It does not count plastic strain.
+   !> It does not use the plastic strain.
    pure logical function grady_kipp_needs_flow(self) result(needs)
-      class(damage_grady_kipp_t), intent(in) :: self !! The model
+      class(damage_grady_kipp_t), intent(in) :: self
 
       needs = .false.
    end function grady_kipp_needs_flow
 
    !> The weakest flaw may be one's own.
    pure logical function grady_kipp_takes_scatter(self) result(takes)
-      class(damage_grady_kipp_t), intent(in) :: self !! The model
+      class(damage_grady_kipp_t), intent(in) :: self
 
       takes = .true.
    end function grady_kipp_takes_scatter
 
+   !> The modulus is the exponent of flaws over strain.
+   pure logical function grady_kipp_needs_weibull(self, scatter) result(needs)
+      class(damage_grady_kipp_t), intent(in) :: self
+      logical, intent(in) :: scatter                 !! Switch size_scatter of &effects
+
+      needs = .true.
+   end function grady_kipp_needs_weibull
+
    !> Read the keys of the model.
    pure subroutine grady_kipp_read(self, group, effects)
-      class(damage_grady_kipp_t), intent(inout) :: self !! The model
+      class(damage_grady_kipp_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("weibull_k", self%flaws)
       if (group%given("weibull_m")) call group%get("weibull_m", self%exponent)
@@ -81,18 +90,18 @@ contains
    end subroutine grady_kipp_read
 
    !> Damage, and the weakest flaw.
-   pure subroutine grady_kipp_request(self, wishes)
-      class(damage_grady_kipp_t), intent(in) :: self !! The model
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+   pure subroutine grady_kipp_request(self, requests)
+      class(damage_grady_kipp_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
-      call wishes%ask("damage", "damage model grady_kipp", 1)
-      if (self%scatters) call wishes%ask("scatter", "size_scatter", 1)
+      call requests%add("damage", "damage model grady_kipp", 1)
+      if (self%scatters) call requests%add("scatter", "size_scatter", 1)
    end subroutine grady_kipp_request
 
    !> Flaws that the mean counts when the weakest one of a particle grows.
-   pure subroutine grady_kipp_draw(self, seed, identity, first, last, mass, scatter)
-      class(damage_grady_kipp_t), intent(in) :: self       !! The model
-      integer(int64), intent(in) :: seed                   !! Seed of the run
+   pure subroutine grady_kipp_draw_strength(self, seed, identity, first, last, mass, scatter)
+      class(damage_grady_kipp_t), intent(in) :: self
+      integer(int64), intent(in) :: seed                   !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -102,13 +111,13 @@ contains
 
       !GCC$ novector
       do k = first, last
-         scatter(k) = exponential(seed, identity(k))
+         scatter(k) = random_exponential(seed, identity(k))
       end do
-   end subroutine grady_kipp_draw
+   end subroutine grady_kipp_draw_strength
 
    !> Let the flaws of strained particles grow.
    pure subroutine grady_kipp_update(self, state, deformation, first, last, dt)
-      class(damage_grady_kipp_t), intent(in) :: self       !! The model
+      class(damage_grady_kipp_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -117,19 +126,20 @@ contains
       integer :: count
 
       count = last - first + 1
-      call upper_bound(first, last, state%stress, deformation%homologous)
+      call deformation%damage%reserve(count)
+      call bound_deviator(first, last, state%stress, deformation%damage%bound)
       if (self%scatters) then
-         deformation%loosening(:count) = state%scatter(first:last)
+         deformation%damage%scatter(:count) = state%brittle%scatter(first:last)
       else
-         deformation%loosening(:count) = 1.0_wp
+         deformation%damage%scatter(:count) = 1.0_wp
       end if
-      call grow(self, first, last, dt, deformation%pressure, deformation%homologous, &
-         deformation%loosening, state%mass, state%stress, state%damage)
+      call grow(self, first, last, dt, deformation%pressure, deformation%damage%bound, &
+         deformation%damage%scatter, state%mass, state%stress, state%damage)
    end subroutine grady_kipp_update
 
    !> Kernel of the above.
    pure subroutine grow(model, first, last, dt, pressure, bound, weakest, mass, stress, damage)
-      class(damage_grady_kipp_t), intent(in) :: model      !! The model
+      class(damage_grady_kipp_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
@@ -151,7 +161,7 @@ contains
          if (strain <= 0.0_wp .or. damage(k) >= 1.0_wp) cycle
          volume = mass(k)/model%density
          if (model%flaws*volume*strain**model%exponent < weakest(i)) cycle
-         call extremes(stress, k, greatest, least)
+         call find_extremes(stress, k, greatest, least)
          strain = 0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk)
          number = model%flaws*volume*max(strain, 0.0_wp)**model%exponent - weakest(i) + 1.0_wp
          if (number < 1.0_wp) cycle

@@ -10,7 +10,7 @@ module damage_johnson_cook
    use constitutive_damage, only: damage_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
-   use constitutive_heat, only: homologous_temperature, melting_range_t, read_range
+   use constitutive_heat, only: homologous_temperature, melting_range_t, read_melting_range
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -29,8 +29,9 @@ module damage_johnson_cook
       type(melting_range_t), allocatable :: range    !! Only if temperature matters
    contains
       procedure :: declare => johnson_cook_declare   !! Declares its keys
+      procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! It does
       procedure :: read => johnson_cook_read         !! Reads its keys
-      procedure :: request => johnson_cook_request   !! Asks for damage and temperature
+      procedure :: request => johnson_cook_request   !! Requests damage and temperature
       procedure :: update => johnson_cook_update     !! Lets the damage grow
       procedure :: failure_strain => johnson_cook_failure_strain !! Strain to failure of a state
    end type damage_johnson_cook_t
@@ -39,19 +40,26 @@ contains
 
    !> Declare the keys of the model.
    subroutine johnson_cook_declare(self, schema)
-      class(damage_johnson_cook_t), intent(in) :: self !! The model
-      type(schema_t), intent(inout) :: schema          !! Keys of the deck
+      class(damage_johnson_cook_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call schema%real("material", "jcd(5)", "Johnson-Cook D1 to D5, strain to failure", &
          owner="effects.damage & damage_model = johnson_cook")
       call schema%require("material", "jcd")
    end subroutine johnson_cook_declare
 
+   !> The strain to failure depends on the rate.
+   pure logical function johnson_cook_uses_jc_rate(self) result(uses)
+      class(damage_johnson_cook_t), intent(in) :: self
+
+      uses = .true.
+   end function johnson_cook_uses_jc_rate
+
    !> Read the keys of the model.
    pure subroutine johnson_cook_read(self, group, effects)
-      class(damage_johnson_cook_t), intent(inout) :: self !! The model
+      class(damage_johnson_cook_t), intent(inout) :: self
       type(group_t), intent(in) :: group                  !! &material
-      type(effects_t), intent(in) :: effects              !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("jcd", self%coefficient)
       if (effects%rate) then
@@ -61,23 +69,23 @@ contains
       end if
       if (effects%thermal .and. abs(self%coefficient(5)) > 0.0_wp) then
          allocate (self%range)
-         call read_range(group, self%range)
+         call read_melting_range(group, self%range)
       end if
    end subroutine johnson_cook_read
 
    !> Damage grows with plastic strain, and the strain to failure may depend on temperature.
-   pure subroutine johnson_cook_request(self, wishes)
-      class(damage_johnson_cook_t), intent(in) :: self !! The model
-      class(field_requests_t), intent(inout) :: wishes         !! Fields to be carried
+   pure subroutine johnson_cook_request(self, requests)
+      class(damage_johnson_cook_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
-      call wishes%ask("damage", "damage model johnson_cook", 1)
-      if (allocated(self%range)) call wishes%ask("temperature", "damage model johnson_cook", 1)
+      call requests%add("damage", "damage model johnson_cook", 1)
+      if (allocated(self%range)) call requests%add("temperature", "damage model johnson_cook", 1)
    end subroutine johnson_cook_request
 
    !> Strain to failure [1] of a state.
    pure real(wp) function johnson_cook_failure_strain(self, triaxiality, rate, homologous) &
       result(strain)
-      class(damage_johnson_cook_t), intent(in) :: self !! The model
+      class(damage_johnson_cook_t), intent(in) :: self
       real(wp), intent(in) :: triaxiality              !! Mean over equivalent stress [1]
       real(wp), intent(in) :: rate                     !! Rate of plastic strain [1/s]
       real(wp), intent(in) :: homologous               !! Homologous temperature, 0 to 1 [1]
@@ -92,7 +100,7 @@ contains
 
    !> Let the damage of flowing particles grow.
    pure subroutine johnson_cook_update(self, state, deformation, first, last, dt)
-      class(damage_johnson_cook_t), intent(in) :: self     !! The model
+      class(damage_johnson_cook_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -101,18 +109,18 @@ contains
 
       if (allocated(self%range)) then
          call homologous_temperature(first, last, self%range, state%temperature, &
-            deformation%homologous)
+            deformation%strength%homologous)
       else
-         deformation%homologous(1:last - first + 1) = 0.0_wp
+         deformation%strength%homologous(1:last - first + 1) = 0.0_wp
       end if
       call grow(self, first, last, dt, state%stress, deformation%pressure, &
-         deformation%plastic_increment, deformation%homologous, state%damage)
+         deformation%plastic_increment, deformation%strength%homologous, state%damage)
    end subroutine johnson_cook_update
 
    !> Add the share of the step to the damage of the particles that flow.
    pure subroutine grow(model, first, last, dt, stress, pressure, plastic_increment, homologous, &
       damage)
-      class(damage_johnson_cook_t), intent(in) :: model    !! The model
+      class(damage_johnson_cook_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]

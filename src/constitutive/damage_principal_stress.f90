@@ -6,14 +6,15 @@ module damage_principal_stress
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
-   use constitutive_brittle, only: declare_brittle, draw_weibull, extremes, read_weibull, &
-      upper_bound, weibull_t
+   use constitutive_brittle, only: bound_deviator, declare_brittle, draw_weibull, find_extremes, &
+      read_weibull, weibull_t
    use constitutive_damage, only: damage_t
-   use constitutive_delay, only: ages, delay_fault, delay_t
+   use constitutive_delay, only: age_damage, delay_fault, delay_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
+   use constitutive_law, only: law_t
    use constitutive_softening, only: declare_softening
-   use constitutive_state, only: deformation_t, material_state_t
+   use constitutive_state, only: damage_scratch_t, deformation_t, material_state_t
    implicit none
    private
 
@@ -28,12 +29,12 @@ module damage_principal_stress
       type(weibull_t), allocatable :: weibull        !! Only if strength scatters
    contains
       procedure :: declare => principal_declare      !! Declares its keys
-      procedure :: fault => principal_fault          !! What is wrong with its keys together
+      procedure :: fault => principal_fault          !! Error in the combination of its keys
       procedure :: needs_flow => principal_needs_flow !! It does not
       procedure :: takes_scatter => principal_takes_scatter !! It does
       procedure :: read => principal_read            !! Reads its keys
-      procedure :: request => principal_request      !! Asks for damage and scatter
-      procedure :: draw => principal_draw            !! Random strength
+      procedure :: request => principal_request      !! Requests damage and scatter
+      procedure :: draw_strength => principal_draw_strength !! Random strength
       procedure :: update => principal_update        !! Failure
    end type damage_principal_stress_t
 
@@ -41,8 +42,8 @@ contains
 
    !> Declare the keys of the model.
    subroutine principal_declare(self, schema)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
-      type(schema_t), intent(inout) :: schema          !! Keys of the deck
+      class(damage_principal_stress_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress"
 
       call schema%real("material", "failure_stress", "greatest principal stress at failure", &
@@ -54,34 +55,35 @@ contains
       call declare_softening(schema)
    end subroutine principal_declare
 
-   !> What is wrong with its keys taken together; empty if nothing is.
-   pure function principal_fault(self, group) result(text)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
+   !> Error in the combination of its keys; empty if there is none.
+   pure function principal_fault(self, group, law) result(text)
+      class(damage_principal_stress_t), intent(in) :: self
       type(group_t), intent(in) :: group                  !! &material
+      class(law_t), allocatable, intent(in) :: law        !! Law of strength, if there is one
       character(len=:), allocatable :: text
 
       text = delay_fault(group)
    end function principal_fault
 
-   !> It does not count plastic strain.
+   !> It does not use the plastic strain.
    pure logical function principal_needs_flow(self) result(needs)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
+      class(damage_principal_stress_t), intent(in) :: self
 
       needs = .false.
    end function principal_needs_flow
 
    !> Its strength may scatter.
    pure logical function principal_takes_scatter(self) result(takes)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
+      class(damage_principal_stress_t), intent(in) :: self
 
       takes = .true.
    end function principal_takes_scatter
 
    !> Read the keys of the model.
    pure subroutine principal_read(self, group, effects)
-      class(damage_principal_stress_t), intent(inout) :: self !! The model
+      class(damage_principal_stress_t), intent(inout) :: self
       type(group_t), intent(in) :: group                  !! &material
-      type(effects_t), intent(in) :: effects              !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("failure_stress", self%strength)
       ! Then cracks open by tension, and this model is left with compression.
@@ -94,19 +96,19 @@ contains
    end subroutine principal_read
 
    !> Damage, and a strength of its own for each particle.
-   pure subroutine principal_request(self, wishes)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
-      class(field_requests_t), intent(inout) :: wishes         !! Fields to be carried
+   pure subroutine principal_request(self, requests)
+      class(damage_principal_stress_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
-      call wishes%ask("damage", "damage model principal_stress", 1)
-      call self%delay%request(wishes)
-      if (allocated(self%weibull)) call wishes%ask("scatter", "size_scatter", 1)
+      call requests%add("damage", "damage model principal_stress", 1)
+      call self%delay%request(requests)
+      if (allocated(self%weibull)) call requests%add("scatter", "size_scatter", 1)
    end subroutine principal_request
 
    !> Random strength.
-   pure subroutine principal_draw(self, seed, identity, first, last, mass, scatter)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
-      integer(int64), intent(in) :: seed                   !! Seed of the run
+   pure subroutine principal_draw_strength(self, seed, identity, first, last, mass, scatter)
+      class(damage_principal_stress_t), intent(in) :: self
+      integer(int64), intent(in) :: seed                   !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -115,12 +117,12 @@ contains
 
       if (allocated(self%weibull)) call draw_weibull(self%weibull, self%density, seed, identity, &
          first, last, mass, scatter)
-   end subroutine principal_draw
+   end subroutine principal_draw_strength
 
-   !> Let overloaded particles fail. Few are near their strength, and only these are looked at one
+   !> Let overloaded particles fail. Few are near their strength, and only these are treated one
    !! by one.
    pure subroutine principal_update(self, state, deformation, first, last, dt)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
+      class(damage_principal_stress_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -129,71 +131,69 @@ contains
       integer :: count
 
       count = last - first + 1
-      call upper_bound(first, last, state%stress, deformation%homologous)
+      call deformation%damage%reserve(count)
+      call bound_deviator(first, last, state%stress, deformation%damage%bound)
       if (allocated(self%weibull)) then
-         deformation%loosening(:count) = state%scatter(first:last)
+         deformation%damage%scatter(:count) = state%brittle%scatter(first:last)
       else
-         deformation%loosening(:count) = 1.0_wp
+         deformation%damage%scatter(:count) = 1.0_wp
       end if
-      if (allocated(state%overload)) then
-         call find_load(self, first, last, deformation%pressure, deformation%homologous, &
-            state%stress, state%overload, deformation%loosening)
-         call self%delay%nucleate(first, last, dt, deformation%loosening, state%overload, &
-            state%damage)
+      if (allocated(state%brittle%overload)) then
+         call find_load(self, first, last, deformation%pressure, deformation%damage, &
+            state%stress, state%brittle%overload)
+         call self%delay%grow_damage(first, last, dt, deformation%damage%load, &
+            state%brittle%overload, state%damage)
       else
-         call overload(self, first, last, dt, deformation%pressure, deformation%homologous, &
-            deformation%loosening, state%stress, state%damage)
+         call overload(self, first, last, dt, deformation%pressure, deformation%damage, &
+            state%stress, state%damage)
       end if
    end subroutine principal_update
 
    !> Kernel of the above.
-   pure subroutine overload(model, first, last, dt, pressure, bound, factor, stress, damage)
-      class(damage_principal_stress_t), intent(in) :: model !! The model
+   pure subroutine overload(model, first, last, dt, pressure, scratch, stress, damage)
+      class(damage_principal_stress_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
-      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
-      real(wp), contiguous, intent(in) :: factor(:)        !! Strength of its own (range) [1]
+      type(damage_scratch_t), intent(in) :: scratch        !! Bound and random strength
       real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: damage(:)     !! (store) [1]
       real(wp) :: greatest, least
       integer :: i, k
 
       do i = 1, last - first + 1
-         if (bound(i) - pressure(i) < model%strength*factor(i) .and. &
-            bound(i) < model%crushing*factor(i)) cycle
+         if (scratch%bound(i) - pressure(i) < model%strength*scratch%scatter(i) .and. &
+            scratch%bound(i) < model%crushing*scratch%scatter(i)) cycle
          k = first - 1 + i
-         call extremes(stress, k, greatest, least)
-         if (greatest - pressure(i) < model%strength*factor(i) .and. &
-            0.5_wp*(greatest - least) < model%crushing*factor(i)) cycle
-         damage(k) = ages(damage(k), model%delay%time, dt)
+         call find_extremes(stress, k, greatest, least)
+         if (greatest - pressure(i) < model%strength*scratch%scatter(i) .and. &
+            0.5_wp*(greatest - least) < model%crushing*scratch%scatter(i)) cycle
+         damage(k) = age_damage(damage(k), model%delay%time, dt)
       end do
    end subroutine overload
 
    !> Load over strength, the greater one of tension and shear. Where it is below 1, and was before,
    !! a bound that it does not exceed will do. Equation (F.3).
-   pure subroutine find_load(model, first, last, pressure, bound, stress, overload, load)
-      class(damage_principal_stress_t), intent(in) :: model !! The model
+   pure subroutine find_load(model, first, last, pressure, scratch, stress, overload)
+      class(damage_principal_stress_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
-      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
+      type(damage_scratch_t), intent(inout) :: scratch     !! Bound and random strength in, load out
       real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(in) :: overload(:)      !! Before the step (store) [1]
-      !> On entry the strength of its own, on return the load over strength (range) [1]
-      real(wp), contiguous, intent(inout) :: load(:)
       real(wp) :: greatest, least, factor
       integer :: i, k
 
       do i = 1, last - first + 1
          k = first - 1 + i
-         factor = load(i)
-         load(i) = max((bound(i) - pressure(i))/(model%strength*factor), &
-            bound(i)/(model%crushing*factor))
-         if (load(i) < 1.0_wp .and. .not. overload(k) > 0.0_wp) cycle
-         call extremes(stress, k, greatest, least)
-         load(i) = max((greatest - pressure(i))/(model%strength*factor), &
+         factor = scratch%scatter(i)
+         scratch%load(i) = max((scratch%bound(i) - pressure(i))/(model%strength*factor), &
+            scratch%bound(i)/(model%crushing*factor))
+         if (scratch%load(i) < 1.0_wp .and. .not. overload(k) > 0.0_wp) cycle
+         call find_extremes(stress, k, greatest, least)
+         scratch%load(i) = max((greatest - pressure(i))/(model%strength*factor), &
             0.5_wp*(greatest - least)/(model%crushing*factor))
       end do
    end subroutine find_load

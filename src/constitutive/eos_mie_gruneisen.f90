@@ -37,10 +37,10 @@ module eos_mie_gruneisen
       procedure :: declare => mie_gruneisen_declare  !! Declares its keys
       procedure :: read => mie_gruneisen_read        !! Reads its keys
       procedure :: sets_bulk => mie_gruneisen_sets_bulk !! It does
-      procedure :: request => mie_gruneisen_request  !! Asks for energy
+      procedure :: request => mie_gruneisen_request  !! Requests energy
       procedure :: update => mie_gruneisen_update    !! Pressure and square of the sound speed
-      procedure :: gruneisen => mie_gruneisen_gruneisen !! Grueneisen number times density
-      procedure :: stored => mie_gruneisen_stored    !! Nothing, energy is carried
+      procedure :: find_gruneisen => mie_gruneisen_find_gruneisen !! Grueneisen number times density
+      procedure :: stored_energy => mie_gruneisen_stored_energy !! Nothing, energy is carried
    end type eos_mie_gruneisen_t
 
    interface eos_mie_gruneisen_t
@@ -66,8 +66,8 @@ contains
 
    !> Declare the keys of the equation of state.
    subroutine mie_gruneisen_declare(self, schema)
-      class(eos_mie_gruneisen_t), intent(in) :: self !! The equation of state
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(eos_mie_gruneisen_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.eos & eos_model = mie_gruneisen p_alpha"
 
       call schema%real("material", "mg_c0", "Mie-Grueneisen c0 of Us = c0 + s up", unit="m/s", &
@@ -81,7 +81,7 @@ contains
 
    !> Read the keys of the equation of state.
    pure subroutine mie_gruneisen_read(self, group)
-      class(eos_mie_gruneisen_t), intent(inout) :: self !! The equation of state
+      class(eos_mie_gruneisen_t), intent(inout) :: self
       type(group_t), intent(in) :: group                !! &material
 
       call group%get("mg_c0", self%sound)
@@ -92,22 +92,22 @@ contains
 
    !> The bulk modulus is that of c0.
    pure logical function mie_gruneisen_sets_bulk(self) result(sets)
-      class(eos_mie_gruneisen_t), intent(in) :: self !! The equation of state
+      class(eos_mie_gruneisen_t), intent(in) :: self
 
       sets = .true.
    end function mie_gruneisen_sets_bulk
 
    !> The pressure depends on energy.
-   pure subroutine mie_gruneisen_request(self, wishes)
-      class(eos_mie_gruneisen_t), intent(in) :: self     !! The equation of state
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+   pure subroutine mie_gruneisen_request(self, requests)
+      class(eos_mie_gruneisen_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
-      call wishes%ask("energy", "equation of state mie_gruneisen", 1)
+      call requests%add("energy", "equation of state mie_gruneisen", 1)
    end subroutine mie_gruneisen_request
 
    !> Pressure and square of the sound speed.
    pure subroutine mie_gruneisen_update(self, state, deformation, first, last)
-      class(eos_mie_gruneisen_t), intent(in) :: self           !! The equation of state
+      class(eos_mie_gruneisen_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -118,6 +118,7 @@ contains
    end subroutine mie_gruneisen_update
 
    !> Kernel of the above.
+   ! gate: long kernel because it takes the constants one by one, as the function of a state does
    pure subroutine pressure_of_state(first, last, density, sound, slope, gamma, mass, volume, &
       energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
@@ -181,8 +182,8 @@ contains
    end subroutine mie_gruneisen_state
 
    !> Grueneisen number times density at the middle of the step. Equation (E.7).
-   pure subroutine mie_gruneisen_gruneisen(self, state, deformation, first, last)
-      class(eos_mie_gruneisen_t), intent(in) :: self       !! The equation of state
+   pure subroutine mie_gruneisen_find_gruneisen(self, state, deformation, first, last)
+      class(eos_mie_gruneisen_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -190,7 +191,7 @@ contains
 
       call gamma_density(first, last, self%density, self%gamma, state%mass, state%volume, &
          deformation%old_volume, deformation%gruneisen)
-   end subroutine mie_gruneisen_gruneisen
+   end subroutine mie_gruneisen_find_gruneisen
 
    !> Kernel of the above.
    pure subroutine gamma_density(first, last, density, gamma, mass, volume, old_volume, gruneisen)
@@ -215,12 +216,12 @@ contains
    end subroutine gamma_density
 
    !> The energy is carried by the particles.
-   pure real(wp) function mie_gruneisen_stored(self, mass, volume, limit) result(energy)
-      class(eos_mie_gruneisen_t), intent(in) :: self     !! The equation of state
+   pure real(wp) function mie_gruneisen_stored_energy(self, mass, volume, limit) result(energy)
+      class(eos_mie_gruneisen_t), intent(in) :: self
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]
 
       energy = 0.0_wp
-   end function mie_gruneisen_stored
+   end function mie_gruneisen_stored_energy
 end module eos_mie_gruneisen

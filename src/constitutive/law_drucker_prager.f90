@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Matter with friction and cohesion after D. C. Drucker and W. Prager (Q. Appl. Math. 10 (1952)
+!> Material with friction and cohesion after D. C. Drucker and W. Prager (Q. Appl. Math. 10 (1952)
 !! 157): the equivalent stress q is not above M p + k, which ends in an apex at the pressure -k/M.
 !!
 !! Flow loosens by b for each unit of equivalent plastic strain. M, k and b are those of the cone
@@ -10,8 +10,9 @@ module law_drucker_prager
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
-   use constitutive_friction, only: angles_t, declare_angles, fault_of_angles, frictional_t, &
-      gain, loosen, read_angles
+   use constitutive_eos, only: eos_t
+   use constitutive_friction, only: add_dilation, add_dilation_pressure, angle_fault, angles_t, &
+      declare_angles, frictional_t, read_angles
    use constitutive_law, only: equivalent_stress, strain_trial
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
@@ -23,7 +24,7 @@ module law_drucker_prager
    type, extends(frictional_t) :: law_drucker_prager_t
       real(wp) :: slope = 0.0_wp                     !! M [1]
       real(wp) :: strength = 0.0_wp                  !! k, without pressure [Pa]
-      real(wp) :: gain = 0.0_wp                      !! b [1]
+      real(wp) :: dilation_slope = 0.0_wp            !! b [1]
    contains
       procedure :: declare => drucker_prager_declare !! Declares its keys
       procedure :: fault => drucker_prager_fault     !! Angles that do not fit
@@ -36,8 +37,8 @@ contains
 
    !> Declare the keys of the law.
    subroutine drucker_prager_declare(self, schema)
-      class(law_drucker_prager_t), intent(in) :: self !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_drucker_prager_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call declare_angles(schema)
       call schema%text("material", "dp_cone", "where the cone touches the surface of Mohr and "// &
@@ -46,20 +47,21 @@ contains
          owner="effects.strength & strength_model = drucker_prager")
    end subroutine drucker_prager_declare
 
-   !> What is wrong with the angles taken together.
-   pure function drucker_prager_fault(self, group) result(text)
-      class(law_drucker_prager_t), intent(in) :: self !! The law
+   !> Error in the combination of the angles; empty if there is none.
+   pure function drucker_prager_fault(self, group, eos) result(text)
+      class(law_drucker_prager_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
 
-      text = fault_of_angles(group)
+      text = angle_fault(group, eos)
    end function drucker_prager_fault
 
    !> Read the keys of the law.
    pure subroutine drucker_prager_read(self, group, effects)
-      class(law_drucker_prager_t), intent(inout) :: self !! The law
+      class(law_drucker_prager_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
       type(angles_t) :: angles
       character(len=:), allocatable :: where_cone
 
@@ -70,8 +72,8 @@ contains
 
    !> Cone that belongs to the angles. All that friction takes becomes heat.
    pure subroutine drucker_prager_set(self, angles, where_cone)
-      class(law_drucker_prager_t), intent(inout) :: self !! The law
-      type(angles_t), intent(in) :: angles           !! The constants
+      class(law_drucker_prager_t), intent(inout) :: self
+      type(angles_t), intent(in) :: angles
       character(len=*), intent(in) :: where_cone     !! Where it touches Mohr-Coulomb
 
       self%slope = cone(angles%friction, where_cone)
@@ -85,8 +87,8 @@ contains
       else
          self%strength = 2.0_wp*angles%cohesion
       end if
-      self%gain = cone(angles%dilation, where_cone)
-      self%dilates = self%gain > 0.0_wp
+      self%dilation_slope = cone(angles%dilation, where_cone)
+      self%dilates = self%dilation_slope > 0.0_wp
       self%heat_share = 1.0_wp
    end subroutine drucker_prager_set
 
@@ -107,35 +109,37 @@ contains
 
    !> Return to cone or apex.
    pure subroutine drucker_prager_update(self, state, deformation, first, last, dt)
-      class(law_drucker_prager_t), intent(in) :: self      !! The law
+      class(law_drucker_prager_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
 
-      if (allocated(state%plastic_dilation)) call loosen(first, last, state%plastic_dilation, &
-         state%mass, state%volume, deformation%wave_speed, deformation%pressure, &
-         deformation%modulus)
+      if (allocated(state%plastic_dilation)) call add_dilation_pressure(first, last, &
+         state%plastic_dilation, state%mass, state%volume, deformation%wave_speed, &
+         deformation%pressure, deformation%strength%tangent)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       if (allocated(state%plastic_dilation)) then
-         call return_to_cone(first, last, self, state%mass, state%volume, deformation%modulus, &
-            state%stress, deformation%pressure, deformation%plastic_increment, &
-            deformation%plastic_work, deformation%loosening)
-         call gain(first, last, deformation%loosening, state%plastic_dilation)
-      else
          call return_to_cone(first, last, self, state%mass, state%volume, &
-            deformation%wave_speed, state%stress, deformation%pressure, &
-            deformation%plastic_increment, deformation%plastic_work, deformation%loosening)
+            deformation%strength%tangent, state%stress, deformation%pressure, &
+            deformation%plastic_increment, deformation%plastic_work, &
+            deformation%strength%dilation)
+         call add_dilation(first, last, deformation%strength%dilation, state%plastic_dilation)
+      else
+         call return_to_cone(first, last, self, state%mass, state%volume, deformation%wave_speed, &
+            state%stress, deformation%pressure, deformation%plastic_increment, &
+            deformation%plastic_work, deformation%strength%dilation)
       end if
    end subroutine drucker_prager_update
 
    !> Kernel of the above (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods for
-   !! plasticity", 2008, section 8.3). Flow loosens only on the cone: what has come apart has no
+   !! plasticity", 2008, section 8.3). Flow loosens only on the cone: what has separated has no
    !! grains that climb over each other. Equation (Y.22).
+   ! gate: long kernel because flow changes stress, pressure and volume
    pure subroutine return_to_cone(first, last, law, mass, volume, tangent, stress, pressure, &
-      plastic_increment, plastic_work, loosening)
+      plastic_increment, plastic_work, dilation)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       type(law_drucker_prager_t), intent(in) :: law  !! Constants
@@ -148,7 +152,7 @@ contains
       real(wp), contiguous, intent(inout) :: plastic_increment(:)
       !> Trial deviator times strain [Pa] in, plastic work [J] out (range).
       real(wp), contiguous, intent(inout) :: plastic_work(:)
-      real(wp), contiguous, intent(inout) :: loosening(:)    !! (range) [1]
+      real(wp), contiguous, intent(inout) :: dilation(:)    !! (range) [1]
       real(wp) :: bulk, trial, flow, equivalent, scaling, least
       logical :: apart
       integer :: i, k
@@ -158,18 +162,18 @@ contains
          trial = plastic_increment(i)
          bulk = tangent(i)*mass(k)/volume(k)
          flow = max(0.0_wp, trial - law%slope*pressure(i) - law%strength) &
-            /(3.0_wp*law%shear + law%slope*bulk*law%gain)
+            /(3.0_wp*law%shear + law%slope*bulk*law%dilation_slope)
          equivalent = trial - 3.0_wp*law%shear*flow
          apart = equivalent <= 0.0_wp .and. flow > 0.0_wp
-         loosening(i) = merge(0.0_wp, law%gain*flow, apart)
-         least = pressure(i) + bulk*loosening(i)
+         dilation(i) = merge(0.0_wp, law%dilation_slope*flow, apart)
+         least = pressure(i) + bulk*dilation(i)
          pressure(i) = merge(law%apex, least, apart)
          equivalent = merge(0.0_wp, min(equivalent, trial), apart)
          plastic_increment(i) = (trial - equivalent)/(3.0_wp*law%shear)
          scaling = equivalent/max(trial, tiny(1.0_wp))
          scaling = merge(scaling, 1.0_wp, flow > 0.0_wp)
          plastic_work(i) = volume(k)*max(0.0_wp, (1.0_wp - scaling)*((1.0_wp + scaling)*trial**2 &
-            /(6.0_wp*law%shear) - 0.5_wp*plastic_work(i)) - pressure(i)*loosening(i))
+            /(6.0_wp*law%shear) - 0.5_wp*plastic_work(i)) - pressure(i)*dilation(i))
          stress(k, 1) = scaling*stress(k, 1)
          stress(k, 2) = scaling*stress(k, 2)
          stress(k, 3) = scaling*stress(k, 3)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Granular matter whose stress relaxes as its contacts break (D. Z. Zhang, R. M. Rauenzahn, J.
+!> Granular material whose stress relaxes as its contacts break (D. Z. Zhang, R. M. Rauenzahn, J.
 !! Rheol. 41 (1997) 1275 and 44 (2000) 1019):
 !!
 !!    dsigma/dt - W sigma + sigma W = -sigma/tau + lambda tr(D) I + 2 G D
@@ -13,12 +13,13 @@ module law_granular
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: follow_motion
-   use constitutive_law, only: law_stiffen, law_stored, law_t
+   use constitutive_law, only: law_add_wave_speed, law_stored_energy, law_t
    use constitutive_relaxation, only: relax_deviator, relax_pressure
    use constitutive_state, only: deformation_t, material_state_t
-   use constitutive_tension, only: drop_failed
+   use constitutive_tension, only: remove_failed_deviator
    implicit none
    private
 
@@ -26,33 +27,34 @@ module law_granular
 
    !> Law of stress relaxation.
    type, extends(law_t) :: law_granular_t
-      real(wp) :: slowness = 0.0_wp                  !! 1/gr_tau, 0 if there is none [1/s]
-      real(wp) :: fragility = 0.0_wp                 !! 1/gr_gamma_c, 0 if there is none [1]
+      real(wp) :: relaxation_rate = 0.0_wp           !! 1/gr_tau, 0 if there is none [1/s]
+      real(wp) :: inverse_contact_strain = 0.0_wp    !! 1/gr_gamma_c, 0 if there is none [1]
       logical :: relaxes_pressure = .false.          !! Mode seed
    contains
       procedure :: declare => granular_declare       !! Declares its keys
-      procedure :: select => granular_select         !! Reads the mode
+      procedure :: read_mode => granular_read_mode   !! Reads the mode
       procedure :: fault => granular_fault           !! Without any relaxation it is elastic
       procedure :: read => granular_read             !! Reads its keys
-      procedure :: whole => granular_whole           !! In mode seed
-      procedure :: request => granular_request       !! Asks for nothing
-      procedure :: predict => granular_predict       !! Volume, and the deviator as it was
+      procedure :: gives_whole_stress => granular_gives_whole_stress !! In mode seed
+      procedure :: request => granular_request       !! Requests nothing
+      procedure :: predict_trial => granular_predict_trial !! Volume, and the deviator as it was
       procedure :: update => granular_update         !! Relaxes
-      procedure :: stiffen => granular_stiffen       !! Waves are those of the intact contacts
-      procedure :: stored => granular_stored         !! Elastic energy
+      !> Waves are those of the intact contacts
+      procedure :: add_wave_speed => granular_add_wave_speed
+      procedure :: stored_energy => granular_stored_energy !! Elastic energy
    end type law_granular_t
 
 contains
 
    !> Declare the keys of the law.
    subroutine granular_declare(self, schema)
-      class(law_granular_t), intent(in) :: self      !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_granular_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = granular"
 
-      call schema%real("material", "gr_tau", "time in which the stress of granular matter "// &
+      call schema%real("material", "gr_tau", "time in which the stress of granular material "// &
          "relaxes at rest", unit="s", range="> 0", owner=owner)
-      call schema%real("material", "gr_gamma_c", "strain that a contact of granular matter "// &
+      call schema%real("material", "gr_gamma_c", "strain that a contact of granular material "// &
          "survives", range="> 0", owner=owner)
       call schema%text("material", "gr_mode", "what relaxes: seed, the whole stress; deviator, "// &
          "all but the pressure, which follows the equation of state", default="deviator", &
@@ -60,19 +62,20 @@ contains
    end subroutine granular_declare
 
    !> The mode decides whether there is an equation of state.
-   pure subroutine granular_select(self, group)
-      class(law_granular_t), intent(inout) :: self   !! The law
+   pure subroutine granular_read_mode(self, group)
+      class(law_granular_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: mode
 
       call group%get("gr_mode", mode)
       self%relaxes_pressure = mode == "seed"
-   end subroutine granular_select
+   end subroutine granular_read_mode
 
    !> One of the two relaxations must be there.
-   pure function granular_fault(self, group) result(text)
-      class(law_granular_t), intent(in) :: self      !! The law
+   pure function granular_fault(self, group, eos) result(text)
+      class(law_granular_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
 
       text = ""
@@ -82,38 +85,38 @@ contains
 
    !> Read the keys of the law. All that relaxation takes becomes heat.
    pure subroutine granular_read(self, group, effects)
-      class(law_granular_t), intent(inout) :: self   !! The law
+      class(law_granular_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
       real(wp) :: number
 
       self%heat_share = 1.0_wp
       if (group%given("gr_tau")) then
          call group%get("gr_tau", number)
-         self%slowness = 1.0_wp/number
+         self%relaxation_rate = 1.0_wp/number
       end if
       if (group%given("gr_gamma_c")) then
          call group%get("gr_gamma_c", number)
-         self%fragility = 1.0_wp/number
+         self%inverse_contact_strain = 1.0_wp/number
       end if
    end subroutine granular_read
 
    !> In mode seed the pressure is a part of the law.
-   pure logical function granular_whole(self) result(whole)
-      class(law_granular_t), intent(in) :: self      !! The law
+   pure logical function granular_gives_whole_stress(self) result(whole)
+      class(law_granular_t), intent(in) :: self
 
       whole = self%relaxes_pressure
-   end function granular_whole
+   end function granular_gives_whole_stress
 
    !> The stress is all that is remembered.
-   pure subroutine granular_request(self, wishes)
-      class(law_granular_t), intent(in) :: self      !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+   pure subroutine granular_request(self, requests)
+      class(law_granular_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
    end subroutine granular_request
 
    !> Volume after the step; the stress becomes its deviator.
-   pure subroutine granular_predict(self, state, deformation, first, last)
-      class(law_granular_t), intent(in) :: self            !! The law
+   pure subroutine granular_predict_trial(self, state, deformation, first, last)
+      class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -121,11 +124,11 @@ contains
 
       call follow_motion(first, last, deformation%gradient, state%volume, state%stress, &
          deformation%old_volume, deformation%dilatation, deformation%pressure)
-   end subroutine granular_predict
+   end subroutine granular_predict_trial
 
    !> Deviator after the step, and in mode seed the pressure.
    pure subroutine granular_update(self, state, deformation, first, last, dt)
-      class(law_granular_t), intent(in) :: self            !! The law
+      class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -134,44 +137,46 @@ contains
       integer :: count
 
       count = last - first + 1
-      call relax_deviator(first, last, self%shear, dt*self%slowness, self%fragility, &
-         deformation%gradient, state%volume, state%stress, deformation%plastic_increment, &
-         deformation%plastic_work)
+      call relax_deviator(first, last, self%shear, dt*self%relaxation_rate, &
+         self%inverse_contact_strain, deformation%gradient, state%volume, state%stress, &
+         deformation%plastic_increment, deformation%plastic_work)
       if (self%relaxes_pressure) then
          if (allocated(state%viscous_pressure)) deformation%pressure(:count) = &
             deformation%pressure(:count) - state%viscous_pressure(first:last)
-         call relax_pressure(first, last, self%bulk, dt*self%slowness, self%fragility, &
-            deformation%gradient, state%volume, deformation%pressure, deformation%plastic_work)
+         call relax_pressure(first, last, self%bulk, dt*self%relaxation_rate, &
+            self%inverse_contact_strain, deformation%gradient, state%volume, &
+            deformation%pressure, deformation%plastic_work)
       end if
-      if (allocated(state%failed)) call drop_failed(first, last, state%failed, state%stress)
+      if (allocated(state%failed)) call remove_failed_deviator(first, last, state%failed, &
+         state%stress)
    end subroutine granular_update
 
    !> Shear, and in mode seed the bulk modulus too.
-   pure subroutine granular_stiffen(self, state, deformation, first, last)
-      class(law_granular_t), intent(in) :: self            !! The law
+   pure subroutine granular_add_wave_speed(self, state, deformation, first, last)
+      class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call law_stiffen(self, state, deformation, first, last)
+      call law_add_wave_speed(self, state, deformation, first, last)
       if (self%relaxes_pressure) deformation%wave_speed(:last - first + 1) = &
          deformation%wave_speed(:last - first + 1) &
          + self%bulk*state%volume(first:last)/state%mass(first:last)
-   end subroutine granular_stiffen
+   end subroutine granular_add_wave_speed
 
    !> Energy of the contacts that live.
-   pure real(wp) function granular_stored(self, state, particle) result(energy)
-      class(law_granular_t), intent(in) :: self      !! The law
+   pure real(wp) function granular_stored_energy(self, state, particle) result(energy)
+      class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                       !! Index in the store
       real(wp) :: pressure
 
-      energy = law_stored(self, state, particle)
+      energy = law_stored_energy(self, state, particle)
       if (.not. self%relaxes_pressure) return
       pressure = -sum(state%stress(particle, 1:3))/3.0_wp
       if (allocated(state%viscous_pressure)) &
          pressure = pressure - state%viscous_pressure(particle)
       energy = energy + state%volume(particle)*pressure**2/(2.0_wp*self%bulk)
-   end function granular_stored
+   end function granular_stored_energy
 end module law_granular

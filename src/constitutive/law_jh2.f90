@@ -1,13 +1,15 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Strength of brittle matter after Johnson and Holmquist (JH-2), see constitutive_jh2. Damage is
+!> Strength of brittle material after Johnson and Holmquist (JH-2), see constitutive_jh2. Damage is
 !! that
-!! of damage_model = 'jh2'; without it matter stays intact. Damaged matter bears less tension, T (1
+!! of damage_model = 'jh2'; without it material stays intact. Damaged material supports less
+!! tension, T (1
 !! - D). Equations (F.12) and (F.13) of doc/theory/failure.md.
 module law_jh2
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_jh2, only: jh2_t
    use constitutive_law, only: equivalent_stress, law_t, mean_work, strain_trial
@@ -25,9 +27,11 @@ module law_jh2
       procedure :: fault => law_jh2_fault            !! Limits that do not fit
       procedure :: read => law_jh2_read              !! Reads its keys
       procedure :: needs_eos => law_jh2_needs_eos    !! It does
-      procedure :: request => law_jh2_request        !! Asks for energy
+      procedure :: supports_voids => law_jh2_supports_voids !! It does not
+      procedure :: softens_by_damage => law_jh2_softens_by_damage !! It does
+      procedure :: request => law_jh2_request        !! Requests energy
       procedure :: update => law_jh2_update          !! Radial return
-      procedure :: stiffen => law_jh2_stiffen        !! Fractured matter is stiff too
+      procedure :: add_wave_speed => law_jh2_add_wave_speed !! Fractured material is stiff too
       procedure :: least_pressure => law_jh2_least_pressure !! That of the tension
    end type law_jh2_t
 
@@ -35,16 +39,17 @@ contains
 
    !> Declare the keys of the law.
    subroutine law_jh2_declare(self, schema)
-      class(law_jh2_t), intent(in) :: self           !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_jh2_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call self%constants%declare(schema)
    end subroutine law_jh2_declare
 
    !> The stress of the limit has a deviator.
-   pure function law_jh2_fault(self, group) result(text)
-      class(law_jh2_t), intent(in) :: self           !! The law
+   pure function law_jh2_fault(self, group, eos) result(text)
+      class(law_jh2_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
       real(wp) :: limit, pressure
 
@@ -57,31 +62,45 @@ contains
 
    !> Read the keys of the law.
    pure subroutine law_jh2_read(self, group, effects)
-      class(law_jh2_t), intent(inout) :: self        !! The law
+      class(law_jh2_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call self%constants%read(group, effects)
    end subroutine law_jh2_read
 
    !> Strength follows a pressure that knows the density.
    pure logical function law_jh2_needs_eos(self) result(needs)
-      class(law_jh2_t), intent(in) :: self           !! The law
+      class(law_jh2_t), intent(in) :: self
 
       needs = .true.
    end function law_jh2_needs_eos
 
-   !> Pressure that fracture made is no function of the density, so that the energy is carried.
-   pure subroutine law_jh2_request(self, wishes)
-      class(law_jh2_t), intent(in) :: self           !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+   !> Its constants are those of material without pores.
+   pure logical function law_jh2_supports_voids(self) result(supports)
+      class(law_jh2_t), intent(in) :: self
 
-      call wishes%ask("energy", "strength model jh2", 1)
+      supports = .false.
+   end function law_jh2_supports_voids
+
+   !> Its strength goes from intact to fractured with the damage.
+   pure logical function law_jh2_softens_by_damage(self) result(softens)
+      class(law_jh2_t), intent(in) :: self
+
+      softens = .true.
+   end function law_jh2_softens_by_damage
+
+   !> Pressure that fracture made is no function of the density, so that the energy is carried.
+   pure subroutine law_jh2_request(self, requests)
+      class(law_jh2_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
+
+      call requests%add("energy", "strength model jh2", 1)
    end subroutine law_jh2_request
 
    !> Return to the yield surface, which does not change in the step.
    pure subroutine law_jh2_update(self, state, deformation, first, last, dt)
-      class(law_jh2_t), intent(in) :: self                 !! The law
+      class(law_jh2_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -91,16 +110,16 @@ contains
 
       count = last - first + 1
       if (allocated(state%damage)) then
-         deformation%homologous(:count) = state%damage(first:last)
+         deformation%strength%old_damage(:count) = state%damage(first:last)
       else
-         deformation%homologous(:count) = 0.0_wp
+         deformation%strength%old_damage(:count) = 0.0_wp
       end if
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
-      call strain_rate(count, deformation%gradient, dt, deformation%loosening)
-      call return_to_strength(first, last, self, deformation%homologous, deformation%loosening, &
-         state%volume, state%stress, deformation%pressure, deformation%plastic_increment, &
-         deformation%plastic_work)
+      call strain_rate(count, deformation%gradient, dt, deformation%strength%strain_rate)
+      call return_to_strength(first, last, self, deformation%strength%old_damage, &
+         deformation%strength%strain_rate, state%volume, state%stress, deformation%pressure, &
+         deformation%plastic_increment, deformation%plastic_work)
    end subroutine law_jh2_update
 
    !> Equivalent rate of strain, sqrt(2/3 d:d) of its deviator.
@@ -138,7 +157,7 @@ contains
       real(wp) :: trial, limit, scaling
       integer :: i, k
 
-      ! Not with vectors: powers of vectors differ in the last bits from those of single numbers.
+      ! Not vectorised: vector powers differ in the last bits from scalar ones.
       !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i
@@ -159,10 +178,11 @@ contains
       end do
    end subroutine return_to_strength
 
-   !> Shear modulus in the square of the wave speed, also of fractured matter. It does not grow with
+   !> Shear modulus in the square of the wave speed, also of fractured material. It does not grow
+   !! with
    !! the volume, or a cloud of fragments would shorten the time step.
-   pure subroutine law_jh2_stiffen(self, state, deformation, first, last)
-      class(law_jh2_t), intent(in) :: self                 !! The law
+   pure subroutine law_jh2_add_wave_speed(self, state, deformation, first, last)
+      class(law_jh2_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -174,11 +194,11 @@ contains
          deformation%wave_speed(i) = deformation%wave_speed(i) + 4.0_wp/3.0_wp*self%shear &
             *min(state%volume(k)/state%mass(k), 1.0_wp/self%density)
       end do
-   end subroutine law_jh2_stiffen
+   end subroutine law_jh2_add_wave_speed
 
-   !> Least pressure that the law can bear [Pa].
+   !> Least pressure that the law supports [Pa].
    pure real(wp) function law_jh2_least_pressure(self) result(pressure)
-      class(law_jh2_t), intent(in) :: self           !! The law
+      class(law_jh2_t), intent(in) :: self
 
       pressure = -self%constants%tension
    end function law_jh2_least_pressure

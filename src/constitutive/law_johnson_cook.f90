@@ -9,7 +9,7 @@ module law_johnson_cook
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
-   use constitutive_heat, only: homologous_temperature, melting_range_t, read_range
+   use constitutive_heat, only: homologous_temperature, melting_range_t, read_melting_range
    use constitutive_law, only: equivalent_stress, law_t, mean_work, strain_trial
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
@@ -28,8 +28,9 @@ module law_johnson_cook
       type(melting_range_t), allocatable :: range    !! Only if temperature softens
    contains
       procedure :: declare => johnson_cook_declare   !! Declares its keys
+      procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! It does
       procedure :: read => johnson_cook_read         !! Reads its keys
-      procedure :: request => johnson_cook_request   !! Asks for plastic strain and temperature
+      procedure :: request => johnson_cook_request   !! Requests plastic strain and temperature
       procedure :: update => johnson_cook_update     !! Radial return
    end type law_johnson_cook_t
 
@@ -37,8 +38,8 @@ contains
 
    !> Declare the keys of the law.
    subroutine johnson_cook_declare(self, schema)
-      class(law_johnson_cook_t), intent(in) :: self  !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_johnson_cook_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = johnson_cook"
 
       call schema%real("material", "jc_a", "Johnson-Cook A, static yield stress", unit="Pa", &
@@ -54,11 +55,18 @@ contains
       call schema%require("material", "jc_a jc_b jc_n jc_c jc_m")
    end subroutine johnson_cook_declare
 
+   !> The flow stress depends on the rate.
+   pure logical function johnson_cook_uses_jc_rate(self) result(uses)
+      class(law_johnson_cook_t), intent(in) :: self
+
+      uses = .true.
+   end function johnson_cook_uses_jc_rate
+
    !> Read the keys of the law.
    pure subroutine johnson_cook_read(self, group, effects)
-      class(law_johnson_cook_t), intent(inout) :: self !! The law
+      class(law_johnson_cook_t), intent(inout) :: self
       type(group_t), intent(in) :: group               !! &material
-      type(effects_t), intent(in) :: effects           !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("jc_a", self%yield)
       call group%get("jc_b", self%hardening)
@@ -70,23 +78,23 @@ contains
       if (effects%thermal) then
          call group%get("jc_m", self%softening_exponent)
          allocate (self%range)
-         call read_range(group, self%range)
+         call read_melting_range(group, self%range)
       end if
    end subroutine johnson_cook_read
 
    !> Hardening needs the plastic strain, softening the temperature.
-   pure subroutine johnson_cook_request(self, wishes)
-      class(law_johnson_cook_t), intent(in) :: self  !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+   pure subroutine johnson_cook_request(self, requests)
+      class(law_johnson_cook_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
-      call wishes%ask("plastic_strain", "hardening of johnson_cook", 1)
-      if (allocated(self%range)) call wishes%ask("temperature", "softening of johnson_cook", 1)
+      call requests%add("plastic_strain", "hardening of johnson_cook", 1)
+      if (allocated(self%range)) call requests%add("temperature", "softening of johnson_cook", 1)
    end subroutine johnson_cook_request
 
    !> Return to the yield surface. Few particles flow at a time, and these need powers and
    !! logarithms, so they are treated one by one after a pass over all.
    pure subroutine johnson_cook_update(self, state, deformation, first, last, dt)
-      class(law_johnson_cook_t), intent(in) :: self        !! The law
+      class(law_johnson_cook_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -97,17 +105,17 @@ contains
 
       if (allocated(self%range)) then
          call homologous_temperature(first, last, self%range, state%temperature, &
-            deformation%homologous)
+            deformation%strength%homologous)
       else
-         deformation%homologous(1:last - first + 1) = 0.0_wp
+         deformation%strength%homologous(1:last - first + 1) = 0.0_wp
       end if
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       do i = 1, last - first + 1
          associate (trial => deformation%plastic_increment(i))
             k = first - 1 + i
-            call flow(self, trial, state%plastic_strain(k), dt, deformation%homologous(i), limit, &
-               increment)
+            call flow(self, trial, state%plastic_strain(k), dt, &
+               deformation%strength%homologous(i), limit, increment)
             if (limit < trial) state%stress(k, :) = limit/trial*state%stress(k, :)
             state%plastic_strain(k) = state%plastic_strain(k) + increment
             deformation%plastic_work(i) = state%volume(k)*mean_work(self%shear, trial, limit, &
@@ -123,7 +131,7 @@ contains
    !! a stress at rest, and Newton steps that leave the bracket are replaced by bisection. A melted
    !! particle flows without resistance and its plastic strain is left alone. Equation (Y.5).
    pure subroutine flow(law, trial, strain, dt, homologous, limit, increment)
-      class(law_johnson_cook_t), intent(in) :: law   !! The law
+      class(law_johnson_cook_t), intent(in) :: law
       real(wp), intent(in) :: trial                  !! Equivalent trial stress [Pa]
       real(wp), intent(in) :: strain                 !! Equivalent plastic strain before [1]
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -163,7 +171,7 @@ contains
 
    !> Yield stress, and its derivative to the plastic increment.
    pure subroutine yield_stress(law, strain, increment, dt, softening, limit, slope)
-      class(law_johnson_cook_t), intent(in) :: law   !! The law
+      class(law_johnson_cook_t), intent(in) :: law
       real(wp), intent(in) :: strain                 !! Equivalent plastic strain after [1]
       real(wp), intent(in) :: increment              !! Increment of plastic strain, above 0 [1]
       real(wp), intent(in) :: dt                     !! Time step [s]

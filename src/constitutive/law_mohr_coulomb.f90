@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Matter with friction and cohesion after Mohr and Coulomb: on no plane is the shear above
+!> Material with friction and cohesion after Mohr and Coulomb: on no plane is the shear above
 !> c + tan(phi) times the pressure on it. In principal stresses, s1 the greatest tension,
 !> (s1 - s3) + (s1 + s3) sin(phi) is not above 2 c cos(phi).
 !!
@@ -9,8 +9,9 @@ module law_mohr_coulomb
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use constitutive_effects, only: effects_t
-   use constitutive_friction, only: angles_t, fault_of_angles, frictional_t, gain, loosen, &
-      read_angles
+   use constitutive_eos, only: eos_t
+   use constitutive_friction, only: add_dilation, add_dilation_pressure, angle_fault, angles_t, &
+      frictional_t, read_angles
    use constitutive_law, only: equivalent_stress
    use constitutive_principal, only: compose, principal
    use constitutive_state, only: deformation_t, material_state_t
@@ -33,20 +34,21 @@ module law_mohr_coulomb
 
 contains
 
-   !> What is wrong with the angles taken together.
-   pure function mohr_coulomb_fault(self, group) result(text)
-      class(law_mohr_coulomb_t), intent(in) :: self  !! The law
+   !> Error in the combination of the angles; empty if there is none.
+   pure function mohr_coulomb_fault(self, group, eos) result(text)
+      class(law_mohr_coulomb_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
 
-      text = fault_of_angles(group)
+      text = angle_fault(group, eos)
    end function mohr_coulomb_fault
 
    !> Read the keys of the law, which those of Drucker and Prager declare.
    pure subroutine mohr_coulomb_read(self, group, effects)
-      class(law_mohr_coulomb_t), intent(inout) :: self !! The law
+      class(law_mohr_coulomb_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
       type(angles_t) :: angles
 
       call read_angles(group, angles)
@@ -55,8 +57,8 @@ contains
 
    !> Surface that belongs to the angles. All that friction takes becomes heat.
    pure subroutine mohr_coulomb_set(self, angles)
-      class(law_mohr_coulomb_t), intent(inout) :: self !! The law
-      type(angles_t), intent(in) :: angles           !! The constants
+      class(law_mohr_coulomb_t), intent(inout) :: self
+      type(angles_t), intent(in) :: angles
 
       self%friction = sin(angles%friction)
       self%dilation = sin(angles%dilation)
@@ -70,7 +72,7 @@ contains
    !> Return to the surface. What lies inside the inscribed cone of Drucker and Prager does not
    !! flow; the others are treated one by one, as they need their principal stresses.
    pure subroutine mohr_coulomb_update(self, state, deformation, first, last, dt)
-      class(law_mohr_coulomb_t), intent(in) :: self        !! The law
+      class(law_mohr_coulomb_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -79,9 +81,9 @@ contains
       real(wp) :: s(6), strain(6), pressure, bulk, inside, inner, offset
       integer :: i, k
 
-      if (allocated(state%plastic_dilation)) call loosen(first, last, state%plastic_dilation, &
-         state%mass, state%volume, deformation%wave_speed, deformation%pressure, &
-         deformation%modulus)
+      if (allocated(state%plastic_dilation)) call add_dilation_pressure(first, last, &
+         state%plastic_dilation, state%mass, state%volume, deformation%wave_speed, &
+         deformation%pressure, deformation%strength%tangent)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       inner = 1.0_wp/sqrt(1.0_wp + self%friction**2/3.0_wp)
       offset = 0.5_wp*sqrt(3.0_wp)*self%strength*inner
@@ -90,7 +92,7 @@ contains
          k = first - 1 + i
          inside = inner*deformation%pressure(i) + offset - deformation%plastic_increment(i)
          deformation%plastic_increment(i) = 0.0_wp
-         deformation%loosening(i) = 0.0_wp
+         deformation%strength%dilation(i) = 0.0_wp
          if (inside >= 0.0_wp) cycle
          s = state%stress(k, :)
          strain = [deformation%gradient(i, [1, 5, 9]), 0.5_wp*(deformation%gradient(i, [2, 6, 3]) &
@@ -98,25 +100,25 @@ contains
          pressure = deformation%pressure(i)
          bulk = state%mass(k)/state%volume(k)
          if (allocated(state%plastic_dilation)) then
-            bulk = bulk*deformation%modulus(i)
+            bulk = bulk*deformation%strength%tangent(i)
          else
             bulk = bulk*deformation%wave_speed(i)
          end if
          call flow(self, bulk, strain, s, pressure, deformation%plastic_increment(i), &
-            deformation%plastic_work(i), deformation%loosening(i))
+            deformation%plastic_work(i), deformation%strength%dilation(i))
          state%stress(k, :) = s
          deformation%pressure(i) = pressure
          deformation%plastic_work(i) = deformation%plastic_work(i)*state%volume(k)
       end do
       if (allocated(state%plastic_dilation)) &
-         call gain(first, last, deformation%loosening, state%plastic_dilation)
+         call add_dilation(first, last, deformation%strength%dilation, state%plastic_dilation)
    end subroutine mohr_coulomb_update
 
    !> One particle: deviator and pressure after the flow, and what the flow took.
    !!
    !! The work is that of the mean of the stresses before and after the step on the plastic strain,
    !! (s + s') : (s* - s')/(4 G), with s = s* - 2 G e but for the rotation.
-   pure subroutine flow(law, bulk, strain, s, pressure, increment, work, loosening)
+   pure subroutine flow(law, bulk, strain, s, pressure, increment, work, dilation)
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: bulk                   !! Tangent bulk modulus [Pa]
       real(wp), intent(in) :: strain(6)              !! Increment of strain [1]
@@ -124,16 +126,16 @@ contains
       real(wp), intent(inout) :: pressure            !! [Pa]
       real(wp), intent(inout) :: increment           !! Equivalent plastic strain, 0 on entry [1]
       real(wp), intent(inout) :: work                !! Plastic work, 0 on entry [J/m3]
-      real(wp), intent(inout) :: loosening           !! Volume gained, 0 on entry [1]
+      real(wp), intent(inout) :: dilation            !! Volume gained, 0 on entry [1]
       real(wp) :: trial(3), values(3), axes(3, 3), both(6), change(6), multipliers
 
       call principal(s, trial, axes)
       if (excess(law, trial(1), trial(3), pressure) <= 0.0_wp) return
       call return_principal(law, bulk, pressure, trial, values, multipliers)
-      loosening = 2.0_wp*law%dilation*multipliers
-      pressure = pressure + bulk*loosening
+      dilation = 2.0_wp*law%dilation*multipliers
+      pressure = pressure + bulk*dilation
       if (pressure < law%apex) then
-         loosening = 0.0_wp
+         dilation = 0.0_wp
          pressure = law%apex
          values = 0.0_wp
       else
@@ -145,7 +147,7 @@ contains
       both = both + s
       change = compose(trial - values, axes)
       work = max(0.0_wp, (sum(both(1:3)*change(1:3)) + 2.0_wp*sum(both(4:6)*change(4:6))) &
-         /(4.0_wp*law%shear) - pressure*loosening)
+         /(4.0_wp*law%shear) - pressure*dilation)
    end subroutine flow
 
    !> By how much two principal values of a deviator are outside the surface [Pa].
@@ -203,10 +205,10 @@ contains
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: pressure               !! [Pa]
       real(wp), intent(inout) :: values(3)           !! Principal values of the deviator [Pa]
-      real(wp) :: room, taken
+      real(wp) :: limit, taken
 
-      room = max(0.0_wp, 2.0_wp*pressure*law%friction + law%strength)
+      limit = max(0.0_wp, 2.0_wp*pressure*law%friction + law%strength)
       taken = (1.0_wp + law%friction)*maxval(values) - (1.0_wp - law%friction)*minval(values)
-      if (taken > room) values = values*(room/taken)
+      if (taken > limit) values = values*(limit/taken)
    end subroutine draw_in
 end module law_mohr_coulomb

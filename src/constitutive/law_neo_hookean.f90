@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Hyperelastic matter after Neo and Hooke, with the whole stress from the deformation gradient F:
+!> Hyperelastic material after Neo and Hooke, with the whole stress from the deformation gradient F:
 !! sigma = (lambda ln J I + mu (F F^T - I))/J with J = det F.
 !!
 !! The energy of a unit of reference volume is mu/2 (tr F^T F - 3) - mu ln J + lambda/2 (ln J)**2
@@ -24,42 +24,43 @@ module law_neo_hookean
    !> Law of Neo and Hooke; lambda = bulk - 2/3 shear and mu = shear.
    type, extends(law_t) :: law_neo_hookean_t
    contains
-      procedure :: whole => neo_hookean_whole        !! It gives the whole stress
-      procedure :: plastic => neo_hookean_plastic    !! It does not flow
-      procedure :: request => neo_hookean_request    !! Asks for the deformation gradient
-      procedure :: predict => neo_hookean_predict    !! Volume and deformation gradient
+      procedure :: gives_whole_stress => neo_hookean_gives_whole_stress !! It gives the whole stress
+      procedure :: is_plastic => neo_hookean_is_plastic !! It does not flow
+      procedure :: request => neo_hookean_request    !! Requests the deformation gradient
+      procedure :: predict_trial => neo_hookean_predict_trial !! Volume and deformation gradient
       procedure :: update => neo_hookean_update      !! Stress
-      procedure :: stiffen => neo_hookean_stiffen    !! Fastest wave of the deformed state
-      procedure :: stored => neo_hookean_stored      !! Energy of a particle
+      !> Fastest wave of the deformed state
+      procedure :: add_wave_speed => neo_hookean_add_wave_speed
+      procedure :: stored_energy => neo_hookean_stored_energy !! Energy of a particle
    end type law_neo_hookean_t
 
 contains
 
    !> There is no equation of state beside it.
-   pure logical function neo_hookean_whole(self) result(whole)
-      class(law_neo_hookean_t), intent(in) :: self   !! The law
+   pure logical function neo_hookean_gives_whole_stress(self) result(whole)
+      class(law_neo_hookean_t), intent(in) :: self
 
       whole = .true.
-   end function neo_hookean_whole
+   end function neo_hookean_gives_whole_stress
 
    !> A hyperelastic law does not flow.
-   pure logical function neo_hookean_plastic(self) result(plastic)
-      class(law_neo_hookean_t), intent(in) :: self   !! The law
+   pure logical function neo_hookean_is_plastic(self) result(plastic)
+      class(law_neo_hookean_t), intent(in) :: self
 
       plastic = .false.
-   end function neo_hookean_plastic
+   end function neo_hookean_is_plastic
 
    !> A particle remembers how it is deformed.
-   pure subroutine neo_hookean_request(self, wishes)
-      class(law_neo_hookean_t), intent(in) :: self   !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+   pure subroutine neo_hookean_request(self, requests)
+      class(law_neo_hookean_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
-      call wishes%ask("deformation_gradient", "strength neo_hookean", 9)
+      call requests%add("deformation_gradient", "strength neo_hookean", 9)
    end subroutine neo_hookean_request
 
    !> Volume and deformation gradient after the step.
-   pure subroutine neo_hookean_predict(self, state, deformation, first, last)
-      class(law_neo_hookean_t), intent(in) :: self             !! The law
+   pure subroutine neo_hookean_predict_trial(self, state, deformation, first, last)
+      class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -67,11 +68,11 @@ contains
 
       call deform(first, last, deformation%gradient, state%volume, state%deformation_gradient, &
          deformation%old_volume, deformation%dilatation)
-   end subroutine neo_hookean_predict
+   end subroutine neo_hookean_predict_trial
 
    !> Deviator and pressure of the stress.
    pure subroutine neo_hookean_update(self, state, deformation, first, last, dt)
-      class(law_neo_hookean_t), intent(in) :: self             !! The law
+      class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -83,8 +84,8 @@ contains
    end subroutine neo_hookean_update
 
    !> Square of the fastest wave speed.
-   pure subroutine neo_hookean_stiffen(self, state, deformation, first, last)
-      class(law_neo_hookean_t), intent(in) :: self             !! The law
+   pure subroutine neo_hookean_add_wave_speed(self, state, deformation, first, last)
+      class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -92,19 +93,19 @@ contains
 
       call fastest_wave(first, last, self%bulk - 2.0_wp/3.0_wp*self%shear, self%shear, &
          state%mass, state%volume, state%deformation_gradient, deformation%wave_speed)
-   end subroutine neo_hookean_stiffen
+   end subroutine neo_hookean_add_wave_speed
 
    !> Energy of a particle, whose reference volume is V/J.
-   pure real(wp) function neo_hookean_stored(self, state, particle) result(energy)
-      class(law_neo_hookean_t), intent(in) :: self   !! The law
+   pure real(wp) function neo_hookean_stored_energy(self, state, particle) result(energy)
+      class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                       !! Index in the store
       real(wp) :: f(9)
 
       f = state%deformation_gradient(particle, :)
       energy = state%volume(particle)/ratio(f) &
          *neo_hookean_energy(self%bulk - 2.0_wp/3.0_wp*self%shear, self%shear, f)
-   end function neo_hookean_stored
+   end function neo_hookean_stored_energy
 
    !> Stress [Pa] of a deformation gradient.
    pure subroutine neo_hookean_stress(lambda, mu, gradient, stress)
@@ -156,8 +157,8 @@ contains
       real(wp) :: f(9), s(6), mean
       integer :: i, k
 
-      ! Not with vectors: logarithms of vectors differ in the last bits from those of the numbers
-      ! that are left at the end of a range, and bits must not depend on the place of a particle.
+      ! Not vectorised: vector logarithms differ in the last bits from the scalar ones of the
+      ! remainder of a range, and bits must not depend on the position of a particle.
       !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i
@@ -190,8 +191,8 @@ contains
       real(wp) :: f(9), b(6), j, mean, largest
       integer :: i, k
 
-      ! Not with vectors: logarithms of vectors differ in the last bits from those of the numbers
-      ! that are left at the end of a range, and bits must not depend on the place of a particle.
+      ! Not vectorised: vector logarithms differ in the last bits from the scalar ones of the
+      ! remainder of a range, and bits must not depend on the position of a particle.
       !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i

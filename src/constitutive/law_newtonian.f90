@@ -10,7 +10,7 @@ module law_newtonian
    use constitutive_kinematics, only: dilate
    use constitutive_law, only: law_t
    use constitutive_state, only: deformation_t, material_state_t
-   use constitutive_tension, only: drop_failed
+   use constitutive_tension, only: remove_failed_deviator
    implicit none
    private
 
@@ -24,20 +24,21 @@ module law_newtonian
       procedure :: read => newtonian_read            !! Reads its key
       procedure :: has_shear => newtonian_has_shear  !! It has no shear modulus
       procedure :: follows_density => newtonian_follows_density !! Its pressure has no rate form
-      procedure :: request => newtonian_request      !! Asks for nothing
-      procedure :: predict => newtonian_predict      !! Volume, there is no trial
+      procedure :: request => newtonian_request      !! Requests nothing
+      procedure :: predict_trial => newtonian_predict_trial !! Volume, there is no trial
       procedure :: update => newtonian_update        !! Viscous stress
-      procedure :: stiffen => newtonian_stiffen      !! Nothing
-      procedure :: damp => newtonian_damp            !! Limit of the time step by diffusion
-      procedure :: stored => newtonian_stored        !! Nothing
+      procedure :: add_wave_speed => newtonian_add_wave_speed !! Nothing
+      !> Limit of the time step by diffusion
+      procedure :: add_viscous_speed => newtonian_add_viscous_speed
+      procedure :: stored_energy => newtonian_stored_energy !! Nothing
    end type law_newtonian_t
 
 contains
 
    !> Declare the key of the law.
    subroutine newtonian_declare(self, schema)
-      class(law_newtonian_t), intent(in) :: self     !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_newtonian_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call schema%real("material", "viscosity", "viscosity of a Newtonian fluid", unit="Pa s", &
          range=">= 0", owner="effects.strength & strength_model = newtonian")
@@ -46,9 +47,9 @@ contains
 
    !> Read the key of the law. All that viscosity takes becomes heat.
    pure subroutine newtonian_read(self, group, effects)
-      class(law_newtonian_t), intent(inout) :: self  !! The law
+      class(law_newtonian_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("viscosity", self%viscosity)
       self%heat_share = 1.0_wp
@@ -56,27 +57,27 @@ contains
 
    !> A fluid has no shear modulus.
    pure logical function newtonian_has_shear(self) result(has)
-      class(law_newtonian_t), intent(in) :: self     !! The law
+      class(law_newtonian_t), intent(in) :: self
 
       has = .false.
    end function newtonian_has_shear
 
    !> The stress keeps nothing from step to step, so the pressure cannot be found from it.
    pure logical function newtonian_follows_density(self) result(follows)
-      class(law_newtonian_t), intent(in) :: self     !! The law
+      class(law_newtonian_t), intent(in) :: self
 
       follows = .true.
    end function newtonian_follows_density
 
    !> A fluid remembers nothing.
-   pure subroutine newtonian_request(self, wishes)
-      class(law_newtonian_t), intent(in) :: self     !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+   pure subroutine newtonian_request(self, requests)
+      class(law_newtonian_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
    end subroutine newtonian_request
 
    !> Volume after the step.
-   pure subroutine newtonian_predict(self, state, deformation, first, last)
-      class(law_newtonian_t), intent(in) :: self           !! The law
+   pure subroutine newtonian_predict_trial(self, state, deformation, first, last)
+      class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -84,11 +85,11 @@ contains
 
       call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
          deformation%dilatation)
-   end subroutine newtonian_predict
+   end subroutine newtonian_predict_trial
 
    !> Viscous stress, and the work that it takes.
    pure subroutine newtonian_update(self, state, deformation, first, last, dt)
-      class(law_newtonian_t), intent(in) :: self           !! The law
+      class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -97,7 +98,8 @@ contains
 
       call shear_stress(first, last, self%viscosity/dt, deformation%gradient, state%volume, &
          state%stress, deformation%plastic_increment, deformation%plastic_work)
-      if (allocated(state%failed)) call drop_failed(first, last, state%failed, state%stress)
+      if (allocated(state%failed)) call remove_failed_deviator(first, last, state%failed, &
+         state%stress)
    end subroutine newtonian_update
 
    !> Kernel of the above.
@@ -136,19 +138,19 @@ contains
    end subroutine shear_stress
 
    !> Shear travels by diffusion, not as a wave.
-   pure subroutine newtonian_stiffen(self, state, deformation, first, last)
-      class(law_newtonian_t), intent(in) :: self           !! The law
+   pure subroutine newtonian_add_wave_speed(self, state, deformation, first, last)
+      class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
-   end subroutine newtonian_stiffen
+   end subroutine newtonian_add_wave_speed
 
    !> Explicit steps with a viscosity eta along a wave, here 4/3 of that of shear, are stable up to
    !! h/(Q + sqrt(Q**2 + c**2)) with Q = eta/(rho h), as for the artificial viscosity. Both together
    !! are not less than the wave speed found before plus 2 Q. Equation (Y.14).
-   pure subroutine newtonian_damp(self, state, deformation, first, last, spacing)
-      class(law_newtonian_t), intent(in) :: self           !! The law
+   pure subroutine newtonian_add_viscous_speed(self, state, deformation, first, last, spacing)
+      class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -157,7 +159,7 @@ contains
 
       call diffuse(first, last, 8.0_wp/3.0_wp*self%viscosity/spacing, state%mass, state%volume, &
          deformation%wave_speed)
-   end subroutine newtonian_damp
+   end subroutine newtonian_add_viscous_speed
 
    !> Kernel of the above.
    pure subroutine diffuse(first, last, factor, mass, volume, wave_speed)
@@ -176,11 +178,11 @@ contains
    end subroutine diffuse
 
    !> Viscous stress stores nothing.
-   pure real(wp) function newtonian_stored(self, state, particle) result(energy)
-      class(law_newtonian_t), intent(in) :: self     !! The law
+   pure real(wp) function newtonian_stored_energy(self, state, particle) result(energy)
+      class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                       !! Index in the store
 
       energy = 0.0_wp
-   end function newtonian_stored
+   end function newtonian_stored_energy
 end module law_newtonian

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Metals at high rates after D. J. Steinberg, S. G. Cochran, M. W. Guinan, J. Appl. Phys. 51 (1980)
-!! 1498: shear modulus and yield stress grow with pressure, fall with temperature, and vanish at
+!! 1498: shear modulus and yield stress grow with pressure, fall with temperature, and
+!! remove_failed_stress at
 !! melting.
 !!
 !!    G/G0 = 1 + A p/eta**(1/3) - B (T - 300 K),     eta = rho/rho0
@@ -14,9 +15,10 @@ module law_steinberg_guinan
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
+   use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: predict_deviator
-   use constitutive_law, only: equivalent_stress, law_stored, law_t, mean_work, strain_trial
+   use constitutive_law, only: equivalent_stress, law_stored_energy, law_t, mean_work, strain_trial
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -44,15 +46,17 @@ module law_steinberg_guinan
       procedure :: declare => steinberg_guinan_declare !! Declares its keys
       procedure :: fault => steinberg_guinan_fault   !! Constants of other units
       procedure :: read => steinberg_guinan_read     !! Reads its keys
-      procedure :: request => steinberg_guinan_request !! Asks for plastic strain and temperature
-      procedure :: predict => steinberg_guinan_predict !! Trial with the modulus of the state
+      procedure :: request => steinberg_guinan_request !! Requests plastic strain and temperature
+      !> Trial with the modulus of the state
+      procedure :: predict_trial => steinberg_guinan_predict_trial
       procedure :: update => steinberg_guinan_update !! Radial return
-      procedure :: stiffen => steinberg_guinan_stiffen !! Modulus of the state
-      procedure :: stored => steinberg_guinan_stored !! Energy with the modulus of the state
+      procedure :: add_wave_speed => steinberg_guinan_add_wave_speed !! Modulus of the state
+      !> Energy with the modulus of the state
+      procedure :: stored_energy => steinberg_guinan_stored_energy
       procedure :: modulus => steinberg_guinan_modulus !! G/G0 of a particle
    end type law_steinberg_guinan_t
 
-   !> Matter softer than this share of G0 is given this modulus in the trial, which divides by it;
+   !> Material softer than this share of G0 is given this modulus in the trial, which divides by it;
    !! it has no yield stress when melted.
    real(wp), parameter :: least_modulus = 1.0e-6_wp
 
@@ -60,8 +64,8 @@ contains
 
    !> Declare the keys of the law.
    subroutine steinberg_guinan_declare(self, schema)
-      class(law_steinberg_guinan_t), intent(in) :: self !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_steinberg_guinan_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = "// &
          "steinberg_guinan"
       character(len=*), parameter :: warm = owner//" & effects.thermal"
@@ -92,9 +96,10 @@ contains
    end subroutine steinberg_guinan_declare
 
    !> A modulus that doubles within 1 MPa was given per Mbar.
-   pure function steinberg_guinan_fault(self, group) result(text)
-      class(law_steinberg_guinan_t), intent(in) :: self !! The law
+   pure function steinberg_guinan_fault(self, group, eos) result(text)
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
       real(wp) :: number, other
 
@@ -113,9 +118,9 @@ contains
 
    !> Read the keys of the law.
    pure subroutine steinberg_guinan_read(self, group, effects)
-      class(law_steinberg_guinan_t), intent(inout) :: self !! The law
+      class(law_steinberg_guinan_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("scg_y0", self%yield)
       call group%get("scg_ymax", self%greatest)
@@ -132,19 +137,20 @@ contains
    end subroutine steinberg_guinan_read
 
    !> Hardening needs the plastic strain, softening the temperature.
-   pure subroutine steinberg_guinan_request(self, wishes)
-      class(law_steinberg_guinan_t), intent(in) :: self !! The law
-      class(field_requests_t), intent(inout) :: wishes       !! Fields to be carried
+   pure subroutine steinberg_guinan_request(self, requests)
+      class(law_steinberg_guinan_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
-      call wishes%ask("plastic_strain", "hardening of steinberg_guinan", 1)
-      if (allocated(self%curve)) call wishes%ask("temperature", "softening of steinberg_guinan", 1)
+      call requests%add("plastic_strain", "hardening of steinberg_guinan", 1)
+      if (allocated(self%curve)) call requests%add("temperature", &
+         "softening of steinberg_guinan", 1)
    end subroutine steinberg_guinan_request
 
    !> Shear modulus of a particle over that of the reference state, 0 if it has melted.
    pure real(wp) function steinberg_guinan_modulus(self, state, particle, pressure) result(ratio)
-      class(law_steinberg_guinan_t), intent(in) :: self !! The law
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                       !! Index in the store
       real(wp), intent(in) :: pressure               !! Its pressure [Pa]
       real(wp) :: compression, melting
 
@@ -163,8 +169,8 @@ contains
 
    !> Elastic trial with the modulus of the state before the step. The trial is linear in stress and
    !! modulus, so that with r = G/G0 it is r times that of the stress over r with G0.
-   pure subroutine steinberg_guinan_predict(self, state, deformation, first, last)
-      class(law_steinberg_guinan_t), intent(in) :: self    !! The law
+   pure subroutine steinberg_guinan_predict_trial(self, state, deformation, first, last)
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -172,7 +178,7 @@ contains
       real(wp) :: pressure
       integer :: i, k
 
-      associate (ratio => deformation%modulus, stress => state%stress)
+      associate (ratio => deformation%strength%shear_ratio, stress => state%stress)
          do i = 1, last - first + 1
             k = first - 1 + i
             pressure = -(stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
@@ -188,12 +194,12 @@ contains
             deformation%pressure(i) = deformation%pressure(i)*ratio(i)
          end do
       end associate
-   end subroutine steinberg_guinan_predict
+   end subroutine steinberg_guinan_predict_trial
 
    !> Return to the yield surface of the new pressure. Few particles flow at a time, so they are
    !! treated one by one.
    pure subroutine steinberg_guinan_update(self, state, deformation, first, last, dt)
-      class(law_steinberg_guinan_t), intent(in) :: self    !! The law
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -208,9 +214,9 @@ contains
          k = first - 1 + i
          associate (trial => deformation%plastic_increment(i))
             ratio = self%modulus(state, k, deformation%pressure(i))
-            ! matter that freezes has the modulus after the step: its trial had almost none
-            stiffness = 3.0_wp*self%shear*merge(deformation%modulus(i), ratio, &
-               deformation%modulus(i) > least_modulus)
+            ! material that freezes has the modulus after the step: its trial had almost none
+            stiffness = 3.0_wp*self%shear*merge(deformation%strength%shear_ratio(i), ratio, &
+               deformation%strength%shear_ratio(i) > least_modulus)
             call flow(self, trial, state%plastic_strain(k), ratio, stiffness, limit, increment)
             if (limit < trial) state%stress(k, :) = limit/trial*state%stress(k, :)
             state%plastic_strain(k) = state%plastic_strain(k) + increment
@@ -257,8 +263,8 @@ contains
    end subroutine flow
 
    !> Modulus of the state in the square of the wave speed.
-   pure subroutine steinberg_guinan_stiffen(self, state, deformation, first, last)
-      class(law_steinberg_guinan_t), intent(in) :: self    !! The law
+   pure subroutine steinberg_guinan_add_wave_speed(self, state, deformation, first, last)
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -266,30 +272,32 @@ contains
       integer :: i, k
 
       do i = 1, last - first + 1
-         deformation%modulus(i) = self%modulus(state, first - 1 + i, deformation%pressure(i))
+         deformation%strength%shear_ratio(i) = self%modulus(state, first - 1 + i, &
+            deformation%pressure(i))
       end do
       if (allocated(state%failed)) then
          do concurrent (i=1:last - first + 1)
-            deformation%modulus(i) = merge(0.0_wp, deformation%modulus(i), &
+            deformation%strength%shear_ratio(i) = merge(0.0_wp, &
+               deformation%strength%shear_ratio(i), &
                state%failed(first - 1 + i) /= 0)
          end do
       end if
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         deformation%wave_speed(i) = deformation%wave_speed(i) &
-            + 4.0_wp/3.0_wp*self%shear*deformation%modulus(i)*state%volume(k)/state%mass(k)
+         deformation%wave_speed(i) = deformation%wave_speed(i) + 4.0_wp/3.0_wp*self%shear &
+            *deformation%strength%shear_ratio(i)*state%volume(k)/state%mass(k)
       end do
-   end subroutine steinberg_guinan_stiffen
+   end subroutine steinberg_guinan_add_wave_speed
 
    !> Energy in the deviator with the modulus of the state.
-   pure real(wp) function steinberg_guinan_stored(self, state, particle) result(energy)
-      class(law_steinberg_guinan_t), intent(in) :: self !! The law
+   pure real(wp) function steinberg_guinan_stored_energy(self, state, particle) result(energy)
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                       !! Index in the store
       real(wp) :: pressure
 
       pressure = -sum(state%stress(particle, 1:3))/3.0_wp
-      energy = law_stored(self, state, particle) &
+      energy = law_stored_energy(self, state, particle) &
          /max(self%modulus(state, particle, pressure), least_modulus)
-   end function steinberg_guinan_stored
+   end function steinberg_guinan_stored_energy
 end module law_steinberg_guinan

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What failed matter is: rubble, which has no deviator and bears no tension; nothing; or matter
-!! that follows a law of its own.
+!> Failed material: rubble, which has no deviator and supports no tension; nothing; or material with
+!! a law of its own.
 !!
 !! A law of its own is called for the failed particles of a range only. Their state is gathered,
-!! which leaves loops over neighbouring particles, and a range without any costs a look at its
+!! which leaves loops over neighbouring particles, and a range without any costs the test of its
 !! flags. The stress at failure is the first one of that law, which returns it to what the law
 !! allows.
 module material_failed
@@ -13,59 +13,102 @@ module material_failed
    use base_schema, only: schema_t
    use constitutive_friction, only: angles_t
    use constitutive_law, only: law_t
+   use constitutive_softening, only: softening_t
    use constitutive_state, only: deformation_t, material_state_t
+   use constitutive_tension, only: fracture_t, spall_t
    use law_drucker_prager, only: law_drucker_prager_t
    use law_granular, only: law_granular_t
    implicit none
    private
 
-   public :: choose_failed_law, declare_failed_law, failed_law_t, share_t, vanish
+   public :: choose_failed_law, declare_failed_law, failed_law_fault, failed_law_t, &
+      failed_subset_t, failure_t, keeps_no_stress, remove_failed_stress
 
-   !> The law of failed matter.
+   !> The law of failed material.
    type :: failed_law_t
-      class(law_t), allocatable :: law               !! The law
+      class(law_t), allocatable :: law
    contains
-      procedure :: collect => remains_collect        !! Gathers the failed particles of a range
-      procedure :: follow => remains_follow          !! Lets them follow the law
-      procedure :: give_back => remains_give_back    !! Puts them back
+      procedure :: gather => failed_law_gather          !! Gathers the failed particles of a range
+      procedure :: update => failed_law_update          !! Updates them by the law
+      procedure :: scatter => failed_law_scatter        !! Scatters them back
    end type failed_law_t
 
+   !> How particles of a material fail.
+   type :: failure_t
+      type(spall_t), allocatable :: spall            !! Limit of tension without failure
+      type(fracture_t), allocatable :: fracture      !! Failure for good
+      type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
+      type(failed_law_t), allocatable :: failed_law  !! Law of failed material
+      integer(int64) :: seed = 0                     !! Of random strength
+   end type failure_t
+
    !> The failed particles of a range.
-   type :: share_t
-      integer :: count = 0                           !! How many
-      integer, allocatable :: place(:)               !! Their places in the range
-      real(wp), allocatable :: released(:)           !! Work that loosening them sets free [J]
+   type :: failed_subset_t
+      integer :: count = 0                              !! Number of particles
+      integer, allocatable :: position(:)               !! Their positions in the range
+      real(wp), allocatable :: released(:) !! Work released by the loss of the deviator [J]
       type(material_state_t) :: state                       !! Their state
       type(deformation_t) :: deformation             !! Their step
-   end type share_t
+   end type failed_subset_t
 
 contains
 
    !> Declare the keys.
    subroutine declare_failed_law(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & failed_as = "
 
-      call schema%text("material", "failed_as", "what failed matter is: rubble has neither "// &
+      call schema%text("material", "failed_as", "failed material: rubble has neither "// &
          "deviator nor tension, nothing has no stress at all, the others follow that law; "// &
          "default: rubble, with damage_model = 'jh2' its fractured strength", &
          words="rubble nothing granular drucker_prager", owner="effects.damage")
-      call schema%real("material", "failed_friction_angle", "angle of friction of failed matter", &
+      call schema%real("material", "failed_friction_angle", &
+         "angle of friction of failed material", &
          unit="deg", range="> 0 < 90", owner=owner//"drucker_prager")
       call schema%require("material", "failed_friction_angle")
-      call schema%real("material", "failed_tau", "time in which the stress of failed matter "// &
+      call schema%real("material", "failed_tau", "time in which the stress of failed material "// &
          "relaxes at rest", unit="s", range="> 0", owner=owner//"granular")
-      call schema%real("material", "failed_gamma_c", "strain that a contact of failed matter "// &
+      call schema%real("material", "failed_gamma_c", "strain that a contact of failed material "// &
          "survives", range="> 0", owner=owner//"granular")
    end subroutine declare_failed_law
 
-   !> The law of failed matter, if it has one of its own.
-   subroutine choose_failed_law(group, shear, bulk, density, remains)
+   !> Error in the combination of the keys; empty if there is none.
+   pure function failed_law_fault(group, fails, has_shear) result(text)
+      type(group_t), intent(in) :: group             !! &material
+      logical, intent(in) :: fails                   !! True if its particles can fail
+      logical, intent(in) :: has_shear               !! True if it has a shear modulus
+      character(len=:), allocatable :: text
+      character(len=:), allocatable :: word
+
+      text = ""
+      if (.not. group%given("failed_as")) return
+      call group%get("failed_as", word)
+      if (.not. fails) then
+         text = "failed_as is given but nothing fails; give damage_model or spall"
+      else if (word == "granular" .and. .not. (group%given("failed_tau") .or. &
+         group%given("failed_gamma_c"))) then
+         text = "failed_as = 'granular' needs failed_tau [s], failed_gamma_c or both"
+      else if ((word == "granular" .or. word == "drucker_prager") .and. .not. has_shear) then
+         text = "failed material with a law of its own needs a shear modulus"
+      end if
+   end function failed_law_fault
+
+   !> True if failed particles keep no stress at all.
+   pure logical function keeps_no_stress(group) result(none)
+      type(group_t), intent(in) :: group             !! &material
+      character(len=:), allocatable :: word
+
+      call group%get("failed_as", word)
+      none = word == "nothing"
+   end function keeps_no_stress
+
+   !> Law of failed material; not allocated for rubble and nothing.
+   subroutine choose_failed_law(group, shear, bulk, density, failed_law)
       type(group_t), intent(in) :: group             !! &material
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
-      type(failed_law_t), allocatable, intent(out) :: remains !! Not allocated: no such law
+      type(failed_law_t), allocatable, intent(out) :: failed_law !! Not allocated: no such law
       type(law_granular_t) :: granular
       type(law_drucker_prager_t) :: frictional
       type(angles_t) :: angles
@@ -77,72 +120,73 @@ contains
       case ("granular")
          if (group%given("failed_tau")) then
             call group%get("failed_tau", number)
-            granular%slowness = 1.0_wp/number
+            granular%relaxation_rate = 1.0_wp/number
          end if
          if (group%given("failed_gamma_c")) then
             call group%get("failed_gamma_c", number)
-            granular%fragility = 1.0_wp/number
+            granular%inverse_contact_strain = 1.0_wp/number
          end if
-         allocate (remains)
-         allocate (remains%law, source=granular)
+         allocate (failed_law)
+         allocate (failed_law%law, source=granular)
       case ("drucker_prager")
          call group%get("failed_friction_angle", angles%friction)
          angles%friction = angles%friction*pi/180.0_wp
          call frictional%set(angles, "compression")
-         allocate (remains)
-         allocate (remains%law, source=frictional)
+         allocate (failed_law)
+         allocate (failed_law%law, source=frictional)
       case default
          return
       end select
-      remains%law%shear = shear
-      remains%law%bulk = bulk
-      remains%law%density = density
+      failed_law%law%shear = shear
+      failed_law%law%bulk = bulk
+      failed_law%law%density = density
    end subroutine choose_failed_law
 
    !> Gather the failed particles of a range before the step, and make the elastic trial of their
    !! law.
-   pure subroutine remains_collect(self, state, deformation, first, last, share)
-      class(failed_law_t), intent(in) :: self                 !! The law
+   pure subroutine failed_law_gather(self, state, deformation, first, last, subset)
+      class(failed_law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
-      type(share_t), intent(out) :: share                  !! The failed ones
+      type(failed_subset_t), intent(out) :: subset         !! Failed particles
       integer :: i, k, n, column
 
       n = 0
       do k = first, last
          n = n + int(state%failed(k))
       end do
-      share%count = n
+      subset%count = n
       if (n == 0) return
-      allocate (share%place(n), share%released(n), share%state%mass(n), share%state%volume(n), &
-         share%state%stress(n, 6))
-      call share%deformation%reserve(n)
+      allocate (subset%position(n), subset%released(n), subset%state%mass(n), &
+         subset%state%volume(n), subset%state%stress(n, 6))
+      call subset%deformation%reserve(n)
       n = 0
       do i = 1, last - first + 1
          if (state%failed(first - 1 + i) == 0) cycle
          n = n + 1
-         share%place(n) = i
+         subset%position(n) = i
       end do
       do i = 1, n
-         share%state%mass(i) = state%mass(first - 1 + share%place(i))
-         share%state%volume(i) = state%volume(first - 1 + share%place(i))
+         subset%state%mass(i) = state%mass(first - 1 + subset%position(i))
+         subset%state%volume(i) = state%volume(first - 1 + subset%position(i))
       end do
       do column = 1, 6
          do i = 1, n
-            share%state%stress(i, column) = state%stress(first - 1 + share%place(i), column)
+            subset%state%stress(i, column) = state%stress(first - 1 + subset%position(i), column)
          end do
       end do
       do column = 1, 9
          do i = 1, n
-            share%deformation%gradient(i, column) = deformation%gradient(share%place(i), column)
+            subset%deformation%gradient(i, column) = deformation%gradient(subset%position(i), &
+               column)
          end do
       end do
-      call find_release(n, self%law%shear, share%state%volume, share%state%stress, &
-         share%deformation%gradient, share%released)
-      call self%law%predict(share%state, share%deformation, 1, n)
-   end subroutine remains_collect
+      call find_release(n, self%law%shear, subset%state%volume, subset%state%stress, &
+         subset%deformation%gradient, subset%released)
+      call self%law%predict_trial(subset%state, subset%deformation, 1, n)
+   end subroutine failed_law_gather
 
    !> Energy that a deviator of stress releases which ends in the step: what it stores, and the work
    !! that the mean of it and of 0 does. The elastic trial of the step does none.
@@ -170,34 +214,34 @@ contains
       end do
    end subroutine find_release
 
-   !> Let the failed particles follow their law, with volume, pressure and wave speed after the
+   !> Update the failed particles by their law, with volume, pressure and wave speed after the
    !! step.
-   pure subroutine remains_follow(self, state, deformation, first, dt, share)
-      class(failed_law_t), intent(in) :: self                 !! The law
+   pure subroutine failed_law_update(self, state, deformation, first, dt, subset)
+      class(failed_law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      type(share_t), intent(inout) :: share                !! The failed ones
+      type(failed_subset_t), intent(inout) :: subset       !! Failed particles
       integer :: i
 
-      if (share%count == 0) return
-      do i = 1, share%count
-         share%state%volume(i) = state%volume(first - 1 + share%place(i))
-         share%deformation%pressure(i) = max(0.0_wp, deformation%pressure(share%place(i)))
-         share%deformation%wave_speed(i) = deformation%wave_speed(share%place(i))
-         share%deformation%plastic_increment(i) = 0.0_wp
-         share%deformation%plastic_work(i) = 0.0_wp
+      if (subset%count == 0) return
+      do i = 1, subset%count
+         subset%state%volume(i) = state%volume(first - 1 + subset%position(i))
+         subset%deformation%pressure(i) = max(0.0_wp, deformation%pressure(subset%position(i)))
+         subset%deformation%wave_speed(i) = deformation%wave_speed(subset%position(i))
+         subset%deformation%plastic_increment(i) = 0.0_wp
+         subset%deformation%plastic_work(i) = 0.0_wp
       end do
-      call self%law%update(share%state, share%deformation, 1, share%count, dt)
-      call loosen(share%count, share%released, share%deformation%pressure, share%state%stress, &
-         share%deformation%plastic_work)
-      call self%law%stiffen(share%state, share%deformation, 1, share%count)
-   end subroutine remains_follow
+      call self%law%update(subset%state, subset%deformation, 1, subset%count, dt)
+      call remove_loose_deviator(subset%count, subset%released, subset%deformation%pressure, &
+         subset%state%stress, subset%deformation%plastic_work)
+      call self%law%add_wave_speed(subset%state, subset%deformation, 1, subset%count)
+   end subroutine failed_law_update
 
    !> Failed material that is not pressed has separated and supports no shear. The energy of the
    !! deviator that it had is recorded as plastic work.
-   pure subroutine loosen(count, released, pressure, stress, plastic_work)
+   pure subroutine remove_loose_deviator(count, released, pressure, stress, plastic_work)
       integer, intent(in) :: count                   !! Particles
       real(wp), contiguous, intent(in) :: released(:)          !! Energy of the deviator [J]
       real(wp), contiguous, intent(in) :: pressure(:)          !! [Pa]
@@ -212,32 +256,32 @@ contains
             stress(i, column) = 0.0_wp
          end do
       end do
-   end subroutine loosen
+   end subroutine remove_loose_deviator
 
    !> Put the failed particles back into their range.
-   pure subroutine remains_give_back(self, share, state, deformation, first)
-      class(failed_law_t), intent(in) :: self                 !! The law
-      type(share_t), intent(in) :: share                   !! The failed ones
+   pure subroutine failed_law_scatter(self, subset, state, deformation, first)
+      class(failed_law_t), intent(in) :: self
+      type(failed_subset_t), intent(in) :: subset          !! Failed particles
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer :: i, column
 
       do column = 1, 6
-         do i = 1, share%count
-            state%stress(first - 1 + share%place(i), column) = share%state%stress(i, column)
+         do i = 1, subset%count
+            state%stress(first - 1 + subset%position(i), column) = subset%state%stress(i, column)
          end do
       end do
-      do i = 1, share%count
-         deformation%pressure(share%place(i)) = share%deformation%pressure(i)
-         deformation%wave_speed(share%place(i)) = share%deformation%wave_speed(i)
-         deformation%plastic_increment(share%place(i)) = share%deformation%plastic_increment(i)
-         deformation%plastic_work(share%place(i)) = share%deformation%plastic_work(i)
+      do i = 1, subset%count
+         deformation%pressure(subset%position(i)) = subset%deformation%pressure(i)
+         deformation%wave_speed(subset%position(i)) = subset%deformation%wave_speed(i)
+         deformation%plastic_increment(subset%position(i)) = subset%deformation%plastic_increment(i)
+         deformation%plastic_work(subset%position(i)) = subset%deformation%plastic_work(i)
       end do
-   end subroutine remains_give_back
+   end subroutine failed_law_scatter
 
    !> Take all stress from failed particles.
-   pure subroutine vanish(first, last, failed, stress, wave_speed)
+   pure subroutine remove_failed_stress(first, last, failed, stress, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       integer(int64), contiguous, intent(in) :: failed(:)    !! Flag of failure (store)
@@ -253,5 +297,5 @@ contains
       do concurrent (i=1:last - first + 1)
          wave_speed(i) = merge(0.0_wp, wave_speed(i), failed(first - 1 + i) /= 0)
       end do
-   end subroutine vanish
+   end subroutine remove_failed_stress
 end module material_failed

@@ -6,27 +6,28 @@ module material_kinds
    implicit none
    private
 
-   public :: all_gases, flows, stores_work, supports_any_shear
+   public :: all_gases, is_fluid, stores_work, supports_any_shear
 
 contains
 
    !> Is a material without strength? Loose grains have some.
-   pure logical function flows(material) result(yes)
-      type(material_t), intent(in) :: material       !! The material
+   pure logical function is_fluid(material) result(yes)
+      type(material_t), intent(in) :: material
 
       yes = .true.
       if (allocated(material%law)) yes = .not. (material%law%has_shear() .or. &
-         material%law%has_grains() .or. material%law%whole())
-   end function flows
+         material%law%has_grains() .or. material%law%gives_whole_stress())
+   end function is_fluid
 
    !> Does a material support any shear: without flow, failure or a law made for large strains?
    pure logical function supports_any_shear(material) result(yes)
-      type(material_t), intent(in) :: material       !! The material
+      type(material_t), intent(in) :: material
 
       yes = .false.
       if (.not. allocated(material%law) .or. allocated(material%damage) .or. &
-         allocated(material%fracture)) return
-      yes = material%law%has_shear() .and. .not. (material%law%plastic() .or. material%law%whole() &
+         allocated(material%failure%fracture)) return
+      yes = material%law%has_shear() .and. .not. (material%law%is_plastic() .or. &
+         material%law%gives_whole_stress() &
          .or. material%law%has_grains())
    end function supports_any_shear
 
@@ -38,7 +39,7 @@ contains
 
       yes = size(materials) > 0
       do index = 1, size(materials)
-         yes = yes .and. flows(materials(index)) .and. materials(index)%carries_energy() .and. &
+         yes = yes .and. is_fluid(materials(index)) .and. materials(index)%carries_energy() .and. &
             .not. materials(index)%reference_speed() > 0.0_wp
       end do
    end function all_gases
@@ -52,9 +53,9 @@ contains
       do index = 1, size(materials)
          associate (material => materials(index))
             stored = stored .and. allocated(material%law) .and. .not. &
-               (allocated(material%damage) .or. allocated(material%fracture))
+               (allocated(material%damage) .or. allocated(material%failure%fracture))
             if (.not. stored) return
-            stored = .not. (material%law%plastic() .or. material%carries_energy())
+            stored = .not. (material%law%is_plastic() .or. material%carries_energy())
          end associate
       end do
    end function stores_work

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The models of one material, each only if asked for, and what they need.
+!> The models of one material, and the fields that its particles carry.
 module material_models
    use base_kinds, only: int64, wp
    use constitutive_damage, only: damage_t
@@ -7,26 +7,19 @@ module material_models
    use constitutive_field_requests, only: field_requests_t
    use constitutive_heat, only: heat_t
    use constitutive_law, only: law_t
-   use constitutive_softening, only: softening_t
    use constitutive_state, only: material_state_t
-   use constitutive_tension, only: fracture_t, spall_t
-   use material_failed, only: failed_law_t
+   use material_failed, only: failure_t
    use material_record, only: record_t
+   use material_stages, only: effect_damage, effect_eos, effect_strength, effect_thermal, &
+      effect_viscosity, effect_voids
    use material_viscosity, only: viscosity_t
    use material_voids, only: voids_t
    implicit none
    private
 
-   public :: effect_names, models_t
+   public :: models_t
 
-   integer, parameter, public :: effect_strength = 1, effect_eos = 2, effect_voids = 3, &
-      effect_damage = 4, effect_thermal = 5, effect_viscosity = 6
-   integer, parameter, public :: chain_effects = 6   !! Effects that are timed one by one
-   !> Their names, as in &effects
-   character(len=20), parameter :: effect_names(chain_effects) = [character(len=20) :: &
-      "strength", "eos", "voids", "damage", "thermal", "artificial_viscosity"]
-
-   !> The models of one material. What is not allocated does not happen and costs nothing.
+   !> The models of one material. A model that is not allocated costs nothing.
    type :: models_t
       character(len=:), allocatable :: name          !! Name that bodies refer to
       real(wp) :: density = 0.0_wp                   !! Of the reference state [kg/m3]
@@ -34,98 +27,96 @@ module material_models
       real(wp) :: shear = 0.0_wp                     !! Shear modulus, 0 without strength [Pa]
       class(law_t), allocatable :: law               !! Strength; none: stress is pressure alone
       class(eos_t), allocatable :: eos               !! None: mean stress in rate form
-      class(damage_t), allocatable :: damage         !! Lets damage grow
-      type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
+      class(damage_t), allocatable :: damage         !! Growth of damage
       type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
-      type(spall_t), allocatable :: spall            !! Tension cut-off without memory
-      type(fracture_t), allocatable :: fracture      !! Failure for good
-      type(failed_law_t), allocatable :: remains        !! Law of failed matter
+      type(failure_t) :: failure                     !! Limits of tension, and failed material
       type(voids_t), allocatable :: voids            !! Voids open and close
       logical :: elastic_pressure = .false. !! The eos is K (rho/rho0 - 1) as the effect is off
       logical :: repacks = .false.                   !! The fill of nodes corrects volumes
-      type(record_t) :: record                       !! What outputs alone ask of particles
-      integer(int64) :: seed = 0                     !! Of random strength
+      type(record_t) :: record                       !! Fields that outputs request
       type(heat_t), allocatable :: heat              !! Temperature follows the work
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]
    contains
-      procedure :: wishes => models_wishes           !! Fields to be carried, and why
-      procedure :: request => models_request         !! Allocates these fields
-      procedure :: carries_energy => models_carries_energy !! Is an internal energy among them?
+      procedure :: field_requests => models_field_requests !! Requested fields, with reasons
+      procedure :: allocate_state => models_allocate_state !! Allocates these fields
+      procedure :: carries_energy => models_carries_energy !! True if it has an internal energy
       procedure :: start => models_start             !! Initial state of particles
-      procedure :: scatter => models_scatter         !! Random strength of particles
-      procedure :: has => models_has                 !! Is an effect on?
+      procedure :: draw_strength => models_draw_strength       !! Random strength of particles
+      procedure :: has_shear => models_has_shear     !! True if it has a shear modulus
+      procedure :: has_whole_stress => models_has_whole_stress !! True if the law gives all stress
+      procedure :: has => models_has                 !! True if an effect is on
       procedure :: reference_speed => models_reference_speed   !! Fastest signal at rest
       procedure :: bulk_in_rate_form => models_bulk_in_rate_form !! Mean stress follows the volume
    end type models_t
 
 contains
 
-   !> The fields that the chain needs its particles to carry.
-   pure function models_wishes(self) result(wishes)
-      class(models_t), intent(in) :: self            !! The material
-      type(field_requests_t) :: wishes
+   !> Fields that the models request.
+   pure function models_field_requests(self) result(requests)
+      class(models_t), intent(in) :: self
+      type(field_requests_t) :: requests
 
-      call wishes%ask("mass", "every material", 1)
-      call wishes%ask("volume", "every material", 1)
-      call wishes%ask("stress", "every material", 6)
-      if (allocated(self%viscosity)) call wishes%ask("viscous_pressure", "artificial viscosity", 1)
-      if (allocated(self%eos)) call self%eos%request(wishes)
-      if (allocated(self%law)) call self%law%request(wishes)
-      if (allocated(self%damage)) call self%damage%request(wishes)
-      if (allocated(self%voids)) call wishes%ask("solid_fraction", "voids", 1)
-      if (allocated(self%heat)) call wishes%ask("temperature", "thermal effect", 1)
-      if (allocated(self%fracture)) then
-         call wishes%ask("damage", "failure", 1)
-         call wishes%ask("failed", "failure", 1)
+      call requests%add("mass", "every material", 1)
+      call requests%add("volume", "every material", 1)
+      call requests%add("stress", "every material", 6)
+      if (allocated(self%viscosity)) call requests%add("viscous_pressure", &
+         "artificial viscosity", 1)
+      if (allocated(self%eos)) call self%eos%request(requests)
+      if (allocated(self%law)) call self%law%request(requests)
+      if (allocated(self%damage)) call self%damage%request(requests)
+      if (allocated(self%voids)) call requests%add("solid_fraction", "voids", 1)
+      if (allocated(self%heat)) call requests%add("temperature", "thermal effect", 1)
+      if (allocated(self%failure%fracture)) then
+         call requests%add("damage", "failure", 1)
+         call requests%add("failed", "failure", 1)
       end if
-      if (self%record%strain) call wishes%ask("equivalent_strain", "output", 1)
+      if (self%record%strain) call requests%add("equivalent_strain", "output", 1)
       if (self%record%inertia .and. allocated(self%law)) then
-         if (self%law%has_grains()) call wishes%ask("inertial_number", "output", 1)
+         if (self%law%has_grains()) call requests%add("inertial_number", "output", 1)
       end if
-   end function models_wishes
+   end function models_field_requests
 
-   !> Do its particles carry an internal energy?
+   !> True if its particles carry an internal energy.
    pure logical function models_carries_energy(self) result(carries)
-      class(models_t), intent(in) :: self            !! The material
-      type(field_requests_t) :: wishes
+      class(models_t), intent(in) :: self
+      type(field_requests_t) :: requests
 
-      wishes = self%wishes()
-      carries = wishes%asked("energy")
+      requests = self%field_requests()
+      carries = requests%has("energy")
    end function models_carries_energy
 
-   !> Allocate exactly the fields that the chain needs.
-   pure subroutine models_request(self, state, particles)
-      class(models_t), intent(in) :: self            !! The material
+   !> Allocate the requested fields.
+   pure subroutine models_allocate_state(self, state, particles)
+      class(models_t), intent(in) :: self
       type(material_state_t), intent(out) :: state          !! State of its particles
-      integer, optional, intent(in) :: particles     !! Room for so many; none if not given
-      type(field_requests_t) :: wishes
+      integer, optional, intent(in) :: particles            !! Capacity; 0 if not given
+      type(field_requests_t) :: requests
       integer :: n
 
       n = 0
       if (present(particles)) n = particles
-      wishes = self%wishes()
+      requests = self%field_requests()
       allocate (state%mass(n), state%volume(n), state%stress(n, 6))
-      if (wishes%asked("viscous_pressure")) allocate (state%viscous_pressure(n))
-      if (wishes%asked("energy")) allocate (state%energy(n))
-      if (wishes%asked("temperature")) allocate (state%temperature(n))
-      if (wishes%asked("plastic_strain")) allocate (state%plastic_strain(n))
-      if (wishes%asked("plastic_rate")) allocate (state%plastic_rate(n))
-      if (wishes%asked("plastic_dilation")) allocate (state%plastic_dilation(n))
-      if (wishes%asked("distension")) allocate (state%distension(n))
-      if (wishes%asked("damage")) allocate (state%damage(n))
-      if (wishes%asked("scatter")) allocate (state%scatter(n))
-      if (wishes%asked("overload")) allocate (state%overload(n))
-      if (wishes%asked("bulking")) allocate (state%bulking(n))
-      if (wishes%asked("solid_fraction")) allocate (state%solid_fraction(n))
-      if (wishes%asked("deformation_gradient")) allocate (state%deformation_gradient(n, 9))
-      if (wishes%asked("equivalent_strain")) allocate (state%equivalent_strain(n))
-      if (wishes%asked("inertial_number")) allocate (state%inertial_number(n))
-      if (wishes%asked("failed")) allocate (state%failed(n))
-   end subroutine models_request
+      if (requests%has("viscous_pressure")) allocate (state%viscous_pressure(n))
+      if (requests%has("energy")) allocate (state%energy(n))
+      if (requests%has("temperature")) allocate (state%temperature(n))
+      if (requests%has("plastic_strain")) allocate (state%plastic_strain(n))
+      if (requests%has("plastic_dilation")) allocate (state%plastic_dilation(n))
+      if (requests%has("distension")) allocate (state%distension(n))
+      if (requests%has("damage")) allocate (state%damage(n))
+      if (requests%has("scatter")) allocate (state%brittle%scatter(n))
+      if (requests%has("overload")) allocate (state%brittle%overload(n))
+      if (requests%has("bulking")) allocate (state%brittle%bulking(n))
+      if (requests%has("solid_fraction")) allocate (state%solid_fraction(n))
+      if (requests%has("deformation_gradient")) allocate (state%deformation_gradient(n, 9))
+      if (requests%has("equivalent_strain")) allocate (state%recorded%equivalent_strain(n))
+      if (requests%has("inertial_number")) allocate (state%recorded%inertial_number(n))
+      if (requests%has("failed")) allocate (state%failed(n))
+   end subroutine models_allocate_state
 
    !> Initial state of particles: at rest without stress. Mass and volume are set by the caller.
    pure subroutine models_start(self, state, first, last, temperature)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -136,54 +127,72 @@ contains
       if (allocated(state%energy)) state%energy(first:last) = 0.0_wp
       if (allocated(state%temperature)) state%temperature(first:last) = temperature
       if (allocated(state%plastic_strain)) state%plastic_strain(first:last) = 0.0_wp
-      if (allocated(state%plastic_rate)) state%plastic_rate(first:last) = 0.0_wp
       if (allocated(state%plastic_dilation)) state%plastic_dilation(first:last) = 0.0_wp
       if (allocated(state%distension)) state%distension(first:last) = self%eos%distension
       if (allocated(state%damage)) state%damage(first:last) = 0.0_wp
-      if (allocated(state%scatter)) state%scatter(first:last) = 1.0_wp
-      if (allocated(state%overload)) state%overload(first:last) = -1.0_wp
-      if (allocated(state%bulking)) state%bulking(first:last) = 0.0_wp
+      if (allocated(state%brittle%scatter)) state%brittle%scatter(first:last) = 1.0_wp
+      if (allocated(state%brittle%overload)) state%brittle%overload(first:last) = -1.0_wp
+      if (allocated(state%brittle%bulking)) state%brittle%bulking(first:last) = 0.0_wp
       if (allocated(state%solid_fraction)) state%solid_fraction(first:last) = self%voids%start
       if (allocated(state%deformation_gradient)) then
          state%deformation_gradient(first:last, :) = 0.0_wp
          state%deformation_gradient(first:last, [1, 5, 9]) = 1.0_wp
       end if
-      if (allocated(state%equivalent_strain)) state%equivalent_strain(first:last) = 0.0_wp
-      if (allocated(state%inertial_number)) state%inertial_number(first:last) = 0.0_wp
+      if (allocated(state%recorded%equivalent_strain)) &
+         state%recorded%equivalent_strain(first:last) = 0.0_wp
+      if (allocated(state%recorded%inertial_number)) state%recorded%inertial_number(first:last) = &
+         0.0_wp
       if (allocated(state%failed)) state%failed(first:last) = 0
    end subroutine models_start
 
-   !> Random strength of new particles. Their mass is known, and who they are decides.
-   pure subroutine models_scatter(self, state, identity, first, last)
-      class(models_t), intent(in) :: self            !! The material
+   !> Random strength of new particles. Their mass is known, and the strength depends on their
+   !! identity.
+   pure subroutine models_draw_strength(self, state, identity, first, last)
+      class(models_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
 
-      if (allocated(state%scatter)) call self%damage%draw(self%seed, identity, first, last, &
-         state%mass, state%scatter)
-   end subroutine models_scatter
+      if (allocated(state%brittle%scatter)) call self%damage%draw_strength(self%failure%seed, &
+         identity, first, last, state%mass, state%brittle%scatter)
+   end subroutine models_draw_strength
 
    !> True if the mean stress follows the dilatation, without equation of state and without a law
    !! that gives the whole stress.
    pure logical function models_bulk_in_rate_form(self) result(follows)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
 
       follows = .not. allocated(self%eos)
-      if (follows .and. allocated(self%law)) follows = .not. self%law%whole()
+      if (follows .and. allocated(self%law)) follows = .not. self%law%gives_whole_stress()
    end function models_bulk_in_rate_form
+
+   !> True if the material has a shear modulus.
+   pure logical function models_has_shear(self) result(has)
+      class(models_t), intent(in) :: self
+
+      has = .false.
+      if (allocated(self%law)) has = self%law%has_shear()
+   end function models_has_shear
+
+   !> True if the law gives the whole stress.
+   pure logical function models_has_whole_stress(self) result(has)
+      class(models_t), intent(in) :: self
+
+      has = .false.
+      if (allocated(self%law)) has = self%law%gives_whole_stress()
+   end function models_has_whole_stress
 
    !> Fastest signal [m/s] in the reference state, for the first time step.
    pure real(wp) function models_reference_speed(self) result(speed)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
 
       speed = sqrt((self%bulk + 4.0_wp/3.0_wp*self%shear)/self%density)
    end function models_reference_speed
 
-   !> Is an effect on in this material?
+   !> True if an effect is on in this material.
    pure logical function models_has(self, effect) result(is_on)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
       integer, intent(in) :: effect                  !! One of those of the stages
 
       select case (effect)
@@ -194,7 +203,7 @@ contains
       case (effect_voids)
          is_on = allocated(self%voids)
       case (effect_damage)
-         is_on = allocated(self%fracture) .or. allocated(self%spall)
+         is_on = allocated(self%failure%fracture) .or. allocated(self%failure%spall)
       case (effect_thermal)
          is_on = allocated(self%heat)
       case (effect_viscosity)

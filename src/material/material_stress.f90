@@ -5,13 +5,14 @@ module material_stress
    implicit none
    private
 
-   public :: assemble, assemble_isotropic, follow_rate, square_root
+   public :: assemble_pressure, assemble_stress, integrate_pressure, take_square_root
 
 contains
 
    !> Mean stress in rate form, dp = -K tr(strain), and the square of the bulk sound speed. Equation
    !! (A.4) of doc/theory/matter.md.
-   pure subroutine follow_rate(first, last, bulk, mass, volume, dilatation, pressure, wave_speed)
+   pure subroutine integrate_pressure(first, last, bulk, mass, volume, dilatation, pressure, &
+      wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
@@ -27,10 +28,10 @@ contains
          pressure(i) = pressure(i) - bulk*dilatation(i)
          wave_speed(i) = bulk*volume(k)/mass(k)
       end do
-   end subroutine follow_rate
+   end subroutine integrate_pressure
 
    !> Wave speed from its square.
-   pure subroutine square_root(count, wave_speed)
+   pure subroutine take_square_root(count, wave_speed)
       integer, intent(in) :: count                   !! Particles of the range
       real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square in, speed out (range) [m/s]
       integer :: i
@@ -38,10 +39,10 @@ contains
       do concurrent (i=1:count)
          wave_speed(i) = sqrt(wave_speed(i))
       end do
-   end subroutine square_root
+   end subroutine take_square_root
 
    !> Stress from deviator and pressure. Equation (A.6).
-   pure subroutine assemble(first, last, pressure, stress)
+   pure subroutine assemble_stress(first, last, pressure, stress)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(in) :: pressure(:)     !! (range) [Pa]
@@ -54,10 +55,10 @@ contains
          stress(k, 2) = stress(k, 2) - pressure(i)
          stress(k, 3) = stress(k, 3) - pressure(i)
       end do
-   end subroutine assemble
+   end subroutine assemble_stress
 
    !> Stress from pressure alone.
-   pure subroutine assemble_isotropic(first, last, pressure, stress)
+   pure subroutine assemble_pressure(first, last, pressure, stress)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(in) :: pressure(:)     !! (range) [Pa]
@@ -70,5 +71,5 @@ contains
          stress(k, 2) = -pressure(i)
          stress(k, 3) = -pressure(i)
       end do
-   end subroutine assemble_isotropic
+   end subroutine assemble_pressure
 end module material_stress

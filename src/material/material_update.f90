@@ -1,36 +1,34 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The chain of laws that a time step of a material runs through, each link only if asked for.
-!! Its links are equations (A.1) to (A.13) of doc/theory/matter.md and those of the laws.
+!> Update of a material in a time step: a chain of models, each only if requested. Its links are
+!! equations (A.1) to (A.13) of doc/theory/matter.md and those of the laws.
 module material_update
    use base_kinds, only: int64, wp
-   use constitutive_heat, only: heat, melt
+   use constitutive_heat, only: cut_melted_tension, heat_particles
    use constitutive_kinematics, only: dilate
    use constitutive_state, only: deformation_t, material_state_t
-   use constitutive_tension, only: break, cut_tension, drop_failed, drop_melted, fail, open_voids
-   use material_failed, only: share_t, vanish
-   use material_models, only: effect_damage, effect_eos, effect_strength, effect_thermal, &
-      effect_viscosity, effect_voids, models_t
+   use constitutive_tension, only: cut_tension, drop_loose_pressure, fail_as_rubble, &
+      fail_with_strength, remove_failed_deviator, remove_melted_deviator
+   use material_failed, only: failed_subset_t, remove_failed_stress
+   use material_models, only: models_t
    use material_record, only: add_strain
-   use material_stress, only: assemble, assemble_isotropic, follow_rate, square_root
-   use material_viscosity, only: resist, viscous_losses
+   use material_stages, only: stage_count, stage_deviator, stage_dilatation, stage_failed_law, &
+      stage_failure, stage_pressure, stage_remove_stress, stage_restore_stress, stage_stress, &
+      stage_temperature, stage_trial, stage_viscosity, stage_viscous_work, stage_voids
+   use material_stress, only: assemble_pressure, assemble_stress, integrate_pressure, &
+      take_square_root
+   use material_viscosity, only: add_viscous_pressure, find_viscous_work
    use material_voids, only: expand_grains
    implicit none
    private
 
-   public :: chain_stages, chain_t, effect_of_stage
-
-   integer, parameter :: chain_stages = 13           !! Stages of a time step
-   !> Effect that a stage belongs to
-   integer, parameter :: effect_of_stage(chain_stages) = [effect_damage, effect_voids, &
-      effect_strength, effect_voids, effect_eos, effect_damage, effect_strength, effect_damage, &
-      effect_viscosity, effect_thermal, effect_viscosity, effect_strength, effect_damage]
+   public :: chain_t
 
    !> The models as a chain through which a time step runs.
    type, extends(models_t) :: chain_t
    contains
-      procedure :: settle => chain_settle            !! Stress of the state as it is
+      procedure :: find_rest_stress => chain_find_rest_stress !! Stress of a given state at rest
       procedure :: update => chain_update            !! One time step
-      procedure :: advance => chain_advance          !! One stage of it
+      procedure :: run_stage => chain_run_stage               !! One stage of it
       procedure :: signal_speed => chain_signal_speed         !! Fastest signal of a state
       procedure :: stored_energy => chain_stored_energy       !! Internal energy of particles
    end type chain_t
@@ -39,12 +37,12 @@ contains
 
    !> Stress of particles at rest whose volume, energy, deformation gradient or deviator of stress
    !! were set from outside: a step without deformation that takes no time.
-   pure subroutine chain_settle(self, state, first, last)
-      class(chain_t), intent(in) :: self             !! The material
+   pure subroutine chain_find_rest_stress(self, state, first, last)
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      ! Short beside every time of matter, and still a divisor that leaves numbers.
+      ! Shorter than any time of the material, but a divisor with finite results.
       real(wp), parameter :: instant = 1.0e-100_wp
       type(deformation_t) :: deformation
 
@@ -53,17 +51,17 @@ contains
       deformation%gradient = 0.0_wp
       deformation%jump = 0.0_wp
       call self%update(state, deformation, first, last, instant, 1.0_wp)
-   end subroutine chain_settle
+   end subroutine chain_find_rest_stress
 
    !> Fastest signal [m/s] of a range of particles in their present state, for the first time step
-   !! of matter that does not start in the reference state.
+   !! of material that does not start in the reference state.
    pure real(wp) function chain_signal_speed(self, state, first, last) result(speed)
-      class(chain_t), intent(in) :: self             !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       type(deformation_t) :: deformation
-      type(material_state_t) :: squeezed
+      type(material_state_t) :: solid
       integer :: count
 
       speed = 0.0_wp
@@ -72,158 +70,196 @@ contains
       call deformation%reserve(count)
       deformation%wave_speed(:count) = 0.0_wp
       if (allocated(self%voids)) then
-         squeezed = state
-         deformation%share(:count) = 1.0_wp
-         call self%voids%squeeze(squeezed, deformation, first, last)
-         call self%eos%update(squeezed, deformation, first, last)
-         call self%voids%relax(squeezed, deformation, first, last)
+         solid = state
+         call deformation%voids%reserve(count)
+         deformation%voids%alpha(:count) = 1.0_wp
+         call self%voids%to_solid_volume(solid, deformation, first, last)
+         call self%eos%update(solid, deformation, first, last)
+         call self%voids%to_total_volume(solid, deformation, first, last)
       else if (allocated(self%eos)) then
          call self%eos%update(state, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
          deformation%wave_speed(:count) = self%bulk*state%volume(first:last) &
             /state%mass(first:last)
       end if
-      if (allocated(self%law)) call self%law%stiffen(state, deformation, first, last)
+      if (allocated(self%law)) call self%law%add_wave_speed(state, deformation, first, last)
       speed = sqrt(maxval(deformation%wave_speed(:count)))
    end function chain_signal_speed
 
    !> One time step of a range of particles, with the gradient given and the work of the stress of
    !! the force already in the energy: all stages in their order.
    pure subroutine chain_update(self, state, deformation, first, last, dt, spacing)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
-      type(share_t) :: share
+      type(failed_subset_t) :: subset
       integer :: stage
 
       if (last < first) return
-      do stage = 1, chain_stages
-         call self%advance(stage, state, deformation, first, last, dt, spacing, share)
+      do stage = 1, stage_count
+         call self%run_stage(stage, state, deformation, first, last, dt, spacing, subset)
       end do
    end subroutine chain_update
 
-   !> One stage of that, so that a caller can take the time between them. The order of the chain is
-   !! that of the cases.
-   ! gate: long kernel because the chain is one list
-   pure subroutine chain_advance(self, stage, state, deformation, first, last, dt, spacing, share)
-      class(chain_t), intent(in) :: self                 !! The material
-      integer, intent(in) :: stage                       !! From 1 to `chain_stages`
-      type(material_state_t), intent(inout) :: state            !! State of the store
+   !> One stage of a time step, so that a caller can take the time between stages.
+   ! gate: long kernel because all stages share one interface
+   pure subroutine chain_run_stage(self, stage, state, deformation, first, last, dt, spacing, &
+      subset)
+      class(chain_t), intent(in) :: self
+      integer, intent(in) :: stage                       !! One of those of material_stages
+      type(material_state_t), intent(inout) :: state     !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle, not before it
       real(wp), intent(in) :: dt                         !! Time step [s]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
-      type(share_t), intent(inout) :: share              !! Failed particles, kept between stages
+      type(failed_subset_t), intent(inout) :: subset     !! Failed particles, kept between stages
+
+      select case (stage)
+      case (stage_restore_stress)
+         if (allocated(self%failure%softening)) &
+            call self%failure%softening%restore_uncracked_stress(state, first, last)
+         if (allocated(self%failure%failed_law)) &
+            call self%failure%failed_law%gather(state, deformation, first, last, subset)
+      case (stage_dilatation)
+         if (allocated(self%voids)) call self%voids%choose_fraction(state, deformation, first, last)
+      case (stage_trial)
+         call predict_trial(self, state, deformation, first, last)
+      case (stage_voids)
+         if (allocated(self%voids)) &
+            call self%voids%update_solid_fraction(state, deformation, first, last)
+      case (stage_pressure)
+         call update_pressure(self, state, deformation, first, last)
+      case (stage_failed_law)
+         if (allocated(self%failure%failed_law)) &
+            call self%failure%failed_law%update(state, deformation, first, dt, subset)
+      case (stage_deviator)
+         if (allocated(self%law)) call update_deviator(self, state, deformation, first, last, dt)
+      case (stage_failure)
+         if (allocated(self%failure%failed_law)) &
+            call self%failure%failed_law%scatter(subset, state, deformation, first)
+         if (allocated(self%failure%softening)) &
+            call self%failure%softening%open_cracks(state, deformation, first, last, spacing)
+         if (allocated(self%damage)) call self%damage%update(state, deformation, first, last, dt)
+         call limit_tension(self, state, deformation, first, last)
+      case (stage_viscous_work)
+         if (allocated(self%viscosity)) call find_viscous_work(first, last, &
+            state%viscous_pressure, deformation%old_volume, deformation%dilatation, &
+            deformation%viscous_work)
+      case (stage_temperature)
+         if (allocated(self%heat)) call update_temperature(self, state, deformation, first, last)
+      case (stage_viscosity)
+         call find_wave_speed(self, state, deformation, first, last, spacing/dt)
+      case (stage_stress)
+         call add_pressure(self, state, deformation, first, last, spacing)
+      case (stage_remove_stress)
+         call remove_stress(self, state, deformation, first, last)
+      case default
+      end select
+   end subroutine chain_run_stage
+
+   !> Volume after the step, and the elastic trial of the deviator.
+   pure subroutine predict_trial(self, state, deformation, first, last)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state     !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
       integer :: count
 
       count = last - first + 1
-      select case (stage)
-      case (1)
-         if (allocated(self%softening)) call self%softening%recover(state, first, last)
-         if (allocated(self%remains)) &
-            call self%remains%collect(state, deformation, first, last, share)
-      case (2)
-         if (allocated(self%voids)) call self%voids%choose(state, deformation, first, last)
-      case (3)
-         deformation%plastic_work(:count) = 0.0_wp
-         deformation%viscous_work(:count) = 0.0_wp
-         deformation%plastic_increment(:count) = 0.0_wp
-         if (allocated(state%equivalent_strain)) call add_strain(first, last, deformation%plane, &
-            deformation%gradient, state%equivalent_strain)
-         if (allocated(self%law)) then
-            call self%law%predict(state, deformation, first, last)
-         else
-            call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
-               deformation%dilatation)
-         end if
-      case (4)
-         if (allocated(self%voids)) call self%voids%open(state, deformation, first, last)
-      case (5)
-         call update_pressure(self, state, deformation, first, last)
-      case (6)
-         if (allocated(self%remains)) &
-            call self%remains%follow(state, deformation, first, dt, share)
-      case (7)
-         if (allocated(self%law)) call update_deviator(self, state, deformation, first, last, dt)
-      case (8)
-         if (allocated(self%remains)) &
-            call self%remains%give_back(share, state, deformation, first)
-         if (allocated(self%softening)) &
-            call self%softening%open(state, deformation, first, last, spacing)
-         if (allocated(self%damage)) call self%damage%update(state, deformation, first, last, dt)
-         call limit_tension(self, state, deformation, first, last)
-      case (9)
-         if (allocated(self%viscosity)) call viscous_losses(first, last, state%viscous_pressure, &
-            deformation%old_volume, deformation%dilatation, deformation%viscous_work)
-      case (10)
-         if (allocated(self%heat)) call update_temperature(self, state, deformation, first, last)
-      case (11)
-         if (allocated(self%viscosity)) then
-            if (self%viscosity%limited) then
-               call resist(first, last, self%viscosity, dt, spacing, state%mass, state%volume, &
-                  deformation%jump, state%viscous_pressure, deformation%pressure, &
-                  deformation%wave_speed)
-            else
-               call resist(first, last, self%viscosity, dt, spacing, state%mass, state%volume, &
-                  deformation%dilatation, state%viscous_pressure, deformation%pressure, &
-                  deformation%wave_speed)
-            end if
-         else
-            call square_root(count, deformation%wave_speed)
-         end if
-      case (12)
-         if (allocated(self%law)) then
-            call self%law%damp(state, deformation, first, last, spacing)
-            call assemble(first, last, deformation%pressure, state%stress)
-         else
-            call assemble_isotropic(first, last, deformation%pressure, state%stress)
-         end if
-      case default
-         call leave_nothing(self, state, deformation, first, last)
-      end select
-   end subroutine chain_advance
+      deformation%plastic_work(:count) = 0.0_wp
+      deformation%viscous_work(:count) = 0.0_wp
+      deformation%plastic_increment(:count) = 0.0_wp
+      if (allocated(state%recorded%equivalent_strain)) call add_strain(first, last, &
+         deformation%plane, deformation%gradient, state%recorded%equivalent_strain)
+      if (allocated(self%law)) then
+         call self%law%predict_trial(state, deformation, first, last)
+      else
+         call dilate(first, last, deformation%gradient, state%volume, deformation%old_volume, &
+            deformation%dilatation)
+      end if
+   end subroutine predict_trial
 
-   !> Take all stress from failed particles, if nothing is left of them.
-   pure subroutine leave_nothing(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self                 !! The material
+   !> Viscous pressure of the next step, and the wave speed from its square.
+   pure subroutine find_wave_speed(self, state, deformation, first, last, rate)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state     !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp), intent(in) :: rate                       !! Cell size over time step [m/s]
+
+      if (.not. allocated(self%viscosity)) then
+         call take_square_root(last - first + 1, deformation%wave_speed)
+      else if (self%viscosity%limited) then
+         call add_viscous_pressure(first, last, self%viscosity, rate, state%mass, state%volume, &
+            deformation%jump, state%viscous_pressure, deformation%pressure, &
+            deformation%wave_speed)
+      else
+         call add_viscous_pressure(first, last, self%viscosity, rate, state%mass, state%volume, &
+            deformation%dilatation, state%viscous_pressure, deformation%pressure, &
+            deformation%wave_speed)
+      end if
+   end subroutine find_wave_speed
+
+   !> Stress from deviator and pressure, and what the viscosity of a law adds to the wave speed.
+   pure subroutine add_pressure(self, state, deformation, first, last, spacing)
+      class(chain_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state     !! State of the store
+      type(deformation_t), intent(inout) :: deformation  !! Step of the range
+      integer, intent(in) :: first                       !! First particle of the range
+      integer, intent(in) :: last                        !! Last particle of the range
+      real(wp), intent(in) :: spacing                    !! Cell size [m]
+
+      if (allocated(self%law)) then
+         call self%law%add_viscous_speed(state, deformation, first, last, spacing)
+         call assemble_stress(first, last, deformation%pressure, state%stress)
+      else
+         call assemble_pressure(first, last, deformation%pressure, state%stress)
+      end if
+   end subroutine add_pressure
+
+   !> Take all stress from failed particles, if they keep none.
+   pure subroutine remove_stress(self, state, deformation, first, last)
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
-      if (.not. allocated(self%fracture)) return
-      if (.not. self%fracture%leaves_nothing) return
-      call vanish(first, last, state%failed, state%stress, deformation%wave_speed)
+      if (.not. allocated(self%failure%fracture)) return
+      if (.not. self%failure%fracture%leaves_nothing) return
+      call remove_failed_stress(first, last, state%failed, state%stress, deformation%wave_speed)
       if (allocated(self%viscosity)) state%viscous_pressure(first:last) = &
          merge(0.0_wp, state%viscous_pressure(first:last), state%failed(first:last) /= 0)
-   end subroutine leave_nothing
+   end subroutine remove_stress
 
    !> Pressure of the material, and the square of its wave speed without strength.
    pure subroutine update_pressure(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
       if (allocated(self%voids)) then
-         call self%voids%squeeze(state, deformation, first, last)
+         call self%voids%to_solid_volume(state, deformation, first, last)
          call self%eos%update(state, deformation, first, last)
          call add_bulking(state, deformation, first, last)
-         call self%voids%relax(state, deformation, first, last)
+         call self%voids%to_total_volume(state, deformation, first, last)
       else if (allocated(self%eos)) then
          call self%eos%update(state, deformation, first, last)
          call add_bulking(state, deformation, first, last)
-         call self%eos%remember(state, deformation, first, last)
+         call self%eos%keep_state(state, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
          if (allocated(self%viscosity)) deformation%pressure(:last - first + 1) = &
             deformation%pressure(:last - first + 1) - state%viscous_pressure(first:last)
-         call follow_rate(first, last, self%bulk, state%mass, state%volume, &
+         call integrate_pressure(first, last, self%bulk, state%mass, state%volume, &
             deformation%dilatation, deformation%pressure, deformation%wave_speed)
       else
          deformation%wave_speed(:last - first + 1) = 0.0_wp
@@ -237,123 +273,124 @@ contains
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
-      if (allocated(state%bulking)) deformation%pressure(:last - first + 1) = &
-         deformation%pressure(:last - first + 1) + state%bulking(first:last)
+      if (allocated(state%brittle%bulking)) deformation%pressure(:last - first + 1) = &
+         deformation%pressure(:last - first + 1) + state%brittle%bulking(first:last)
    end subroutine add_bulking
 
    !> Deviator of stress, and what strength adds to the square of the wave speed.
    pure subroutine update_deviator(self, state, deformation, first, last, dt)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
 
-      ! Before the law, so that what has no strength does not flow plastically.
-      if (drops(self)) call drop_failed(first, last, state%failed, state%stress)
+      ! Before the law, so that material without strength does not flow plastically.
+      if (drops(self)) call remove_failed_deviator(first, last, state%failed, state%stress)
       if (allocated(self%melting)) &
-         call drop_melted(first, last, self%melting, state%temperature, state%stress)
+         call remove_melted_deviator(first, last, self%melting, state%temperature, state%stress)
       call self%law%update(state, deformation, first, last, dt)
-      call self%law%stiffen(state, deformation, first, last)
+      call self%law%add_wave_speed(state, deformation, first, last)
    end subroutine update_deviator
 
-   !> True if the law of strength must not see failed matter.
+   !> True if failed material loses its deviator before the law of strength.
    pure logical function drops(self) result(must_not)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
 
       must_not = .false.
-      if (allocated(self%fracture)) must_not = allocated(self%remains) .or. &
-         .not. self%fracture%leaves_strength
+      if (allocated(self%failure%fracture)) must_not = allocated(self%failure%failed_law) .or. &
+         .not. self%failure%fracture%leaves_strength
    end function drops
 
    !> Let particles fail.
    pure subroutine break_or_fail(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
-      if (self%fracture%leaves_strength) then
-         call fail(first, last, self%fracture%strength, self%bulk, state%volume, &
-            deformation%pressure, deformation%pressure_floor, state%damage, state%failed, &
-            deformation%plastic_work)
-      else
-         call break(first, last, self%fracture%strength, self%shear, self%bulk, state%volume, &
-            state%stress, deformation%pressure, deformation%pressure_floor, state%damage, &
+      if (self%failure%fracture%leaves_strength) then
+         call fail_with_strength(first, last, self%failure%fracture%strength, self%bulk, &
+            state%volume, deformation%pressure, deformation%pressure_floor, state%damage, &
             state%failed, deformation%plastic_work)
+      else
+         call fail_as_rubble(first, last, self%failure%fracture%strength, self%shear, self%bulk, &
+            state%volume, state%stress, deformation%pressure, deformation%pressure_floor, &
+            state%damage, state%failed, deformation%plastic_work)
       end if
    end subroutine break_or_fail
 
    !> Cut the tension or let particles fail.
    pure subroutine limit_tension(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
 
-      if (allocated(self%fracture)) then
+      if (allocated(self%failure%fracture)) then
          call break_or_fail(self, state, deformation, first, last)
-         if (.not. allocated(self%eos)) call open_voids(first, last, self%density, self%bulk, &
+         if (.not. allocated(self%eos)) call drop_loose_pressure(first, last, self%density, &
+            self%bulk, &
             state%mass, state%volume, state%failed, deformation%pressure, &
             deformation%wave_speed)
-      else if (allocated(self%spall)) then
-         call cut_tension(first, last, self%spall%strength, deformation%pressure, &
+      else if (allocated(self%failure%spall)) then
+         call cut_tension(first, last, self%failure%spall%strength, deformation%pressure, &
             deformation%pressure_floor)
       else if (allocated(self%heat)) then
          deformation%pressure_floor(:last - first + 1) = -huge(1.0_wp)
       end if
-      if (allocated(self%melting)) call melt(first, last, self%melting, state%temperature, &
-         deformation%pressure, deformation%pressure_floor)
+      if (allocated(self%melting)) call cut_melted_tension(first, last, self%melting, &
+         state%temperature, deformation%pressure, deformation%pressure_floor)
    end subroutine limit_tension
 
    !> Temperature after the step.
    pure subroutine update_temperature(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
-      real(wp) :: share
+      real(wp) :: plastic_share
 
-      share = 0.9_wp
+      plastic_share = 0.9_wp
       if (allocated(self%law)) then
-         share = self%law%heat_share
+         plastic_share = self%law%heat_share
          deformation%pressure_floor(:last - first + 1) = max(self%law%least_pressure(), &
             deformation%pressure_floor(:last - first + 1))
       end if
-      ! Nobody needs the homologous temperature any more in this step.
       if (allocated(self%voids)) &
-         deformation%homologous(:last - first + 1) = state%temperature(first:last)
-      if (allocated(self%voids)) call self%voids%squeeze_both(state, deformation, first, last)
+         deformation%voids%old_temperature(:last - first + 1) = state%temperature(first:last)
+      if (allocated(self%voids)) call self%voids%to_solid_volumes(state, deformation, first, last)
       deformation%gruneisen(:last - first + 1) = 0.0_wp
-      if (allocated(self%eos)) call self%eos%gruneisen(state, deformation, first, last)
-      call heat(first, last, self%heat%specific_heat, share, deformation%gruneisen, state%mass, &
-         state%volume, deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
-         deformation%plastic_work, deformation%viscous_work, state%temperature)
+      if (allocated(self%eos)) call self%eos%find_gruneisen(state, deformation, first, last)
+      call heat_particles(first, last, self%heat%specific_heat, plastic_share, &
+         deformation%gruneisen, state%mass, state%volume, deformation%old_volume, &
+         deformation%pressure, deformation%pressure_floor, deformation%plastic_work, &
+         deformation%viscous_work, state%temperature)
       if (.not. allocated(self%voids)) return
-      state%volume(first:last) = deformation%whole_volume(:last - first + 1)
+      state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
       call expand_grains(first, last, self%voids%expansion, state%temperature, &
-         deformation%homologous, state%solid_fraction)
+         deformation%voids%old_temperature, state%solid_fraction)
    end subroutine update_temperature
 
-   !> True if nothing is left of a particle that bears stress.
+   !> True if a particle has failed and keeps no stress.
    pure logical function gone(self, state, particle) result(is_gone)
-      class(chain_t), intent(in) :: self             !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                       !! Index in the store
 
       is_gone = .false.
-      if (.not. allocated(self%fracture)) return
-      is_gone = self%fracture%leaves_nothing .and. state%failed(particle) /= 0
+      if (.not. allocated(self%failure%fracture)) return
+      is_gone = self%failure%fracture%leaves_nothing .and. state%failed(particle) /= 0
    end function gone
 
    !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.
    !! Equation (L.2) of doc/theory/ledger.md.
    pure subroutine chain_stored_energy(self, state, first, last, energy)
-      class(chain_t), intent(in) :: self             !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -371,23 +408,23 @@ contains
          if (gone(self, state, k)) cycle
          limit = -huge(1.0_wp)
          if (allocated(self%law)) then
-            energy(i) = self%law%stored(state, k)
+            energy(i) = self%law%stored_energy(state, k)
             limit = self%law%least_pressure()
          end if
          if (allocated(self%eos)) then
-            if (allocated(self%spall)) limit = max(limit, -self%spall%strength)
+            if (allocated(self%failure%spall)) limit = max(limit, -self%failure%spall%strength)
             if (allocated(state%failed)) limit = merge(0.0_wp, limit, state%failed(k) /= 0)
             volume = state%volume(k)
             if (allocated(state%solid_fraction)) volume = volume*state%solid_fraction(k)
             if (allocated(state%plastic_dilation)) volume = volume*exp(-state%plastic_dilation(k))
-            energy(i) = energy(i) + self%eos%stored(state%mass(k), volume, limit)
+            energy(i) = energy(i) + self%eos%stored_energy(state%mass(k), volume, limit)
          else if (self%bulk_in_rate_form()) then
             pressure = -sum(state%stress(k, 1:3))/3.0_wp
             if (allocated(state%viscous_pressure)) pressure = pressure - state%viscous_pressure(k)
             energy(i) = energy(i) + state%volume(k)*pressure**2/(2.0_wp*self%bulk)
          end if
-         if (allocated(self%softening)) energy(i) = energy(i) &
-            + self%softening%missing(state, k, .not. allocated(self%eos))
+         if (allocated(self%failure%softening)) energy(i) = energy(i) &
+            + self%failure%softening%hidden_energy(state, k, .not. allocated(self%eos))
       end do
    end subroutine chain_stored_energy
 end module material_update

@@ -5,7 +5,7 @@ module material_viscosity
    implicit none
    private
 
-   public :: resist, viscosity_t, viscous_losses
+   public :: add_viscous_pressure, viscosity_t, find_viscous_work
 
    !> Artificial viscosity of a material.
    type :: viscosity_t
@@ -19,7 +19,7 @@ contains
    !> Work of the viscous pressure that was part of the force of the step, so that it balances the
    !! work that the force did. It can be negative for the one step in which compression ends.
    !! Equation (L.4) of doc/theory/ledger.md.
-   pure subroutine viscous_losses(first, last, viscous_pressure, old_volume, dilatation, &
+   pure subroutine find_viscous_work(first, last, viscous_pressure, old_volume, dilatation, &
       viscous_work)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -32,7 +32,7 @@ contains
       do concurrent (i=1:last - first + 1)
          viscous_work(i) = -viscous_pressure(first - 1 + i)*dilatation(i)*old_volume(i)
       end do
-   end subroutine viscous_losses
+   end subroutine find_viscous_work
 
    !> Viscous pressure q = rho h D (q2 h D + q1 c) where the rate of compression D is positive. D is
    !! that of the strain, or of what is left of it by (V.2) of doc/theory/viscosity.md.
@@ -42,23 +42,21 @@ contains
    !! Q = q1 c + 2 q2 h D, the derivative of q to D. Explicit steps with a force that lags by
    !! half a step are stable up to 2/w (sqrt(1 + (Q/c)**2) - Q/c) = h/(Q + sqrt(Q**2 + c**2)).
    !! Equation (M.22) of doc/theory/method.md. Equation (S.2) of doc/theory/time_step.md.
-   pure subroutine resist(first, last, viscosity, dt, spacing, mass, volume, jump, &
+   pure subroutine add_viscous_pressure(first, last, viscosity, rate, mass, volume, jump, &
       viscous_pressure, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       type(viscosity_t), intent(in) :: viscosity     !! Coefficients
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), intent(in) :: spacing                !! Cell size h [m]
+      real(wp), intent(in) :: rate                   !! Cell size h over time step [m/s]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
       real(wp), contiguous, intent(in) :: jump(:)    !! Trace of strain resisted (range) [1]
       real(wp), contiguous, intent(inout) :: viscous_pressure(:) !! After the step (store) [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)         !! Plus q on return (range) [Pa]
       real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square in, speed out (range) [m/s]
-      real(wp) :: rate, sound, damping
+      real(wp) :: sound, damping
       integer :: i, k
 
-      rate = spacing/dt
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          sound = sqrt(wave_speed(i))
@@ -70,5 +68,5 @@ contains
             damping > 0.0_wp)
          wave_speed(i) = damping + sqrt(damping**2 + wave_speed(i))
       end do
-   end subroutine resist
+   end subroutine add_viscous_pressure
 end module material_viscosity

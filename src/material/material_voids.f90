@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Voids between the grains or fragments of a particle. The volume V of a particle is that of the
-!! motion; matter of its own density rho fills the share theta of it, m = theta rho V.
+!! motion; solid material of density rho fills the fraction theta of it, m = theta rho V.
 !!
-!! The dilatation of the matter is alpha times that of the motion and B (D. Z. Zhang, X. Ma, B.
+!! The dilatation of the material is alpha times that of the motion and B (D. Z. Zhang, X. Ma, B.
 !! Jayaraman, LA-UR-11-06616), so that
 !!
 !!    d ln rho = -(alpha d ln V + B dt),   d ln theta = (alpha - 1) d ln V + B dt
@@ -14,47 +14,53 @@ module material_voids
    use base_deck_group, only: group_t
    use base_kinds, only: wp
    use base_schema, only: schema_t
+   use constitutive_eos, only: eos_t
+   use constitutive_law, only: law_t
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
 
-   public :: declare_voids, expand_grains, expanded, voids_t
+   public :: declare_voids, expand_grains, expanded_fraction, voids_fault, voids_t
 
    !> Rules of the voids of a material.
    type :: voids_t
-      logical :: opens = .true.                      !! Voids of loose matter open and close
+      logical :: opens = .true.                      !! Voids of loose material open and close
       logical :: crushes = .false.                   !! Pressed grains close them for good
-      logical :: loose = .false.                     !! All matter is loose, not failed one only
+      logical :: loose = .false. !! All material is loose, not only failed material
       real(wp) :: start = 1.0_wp                     !! theta of the reference state [1]
       real(wp) :: critical = 1.0_wp                  !! theta from which on grains touch [1]
       real(wp) :: shearing = 0.0_wp                  !! Of B: -d ln theta for a unit of shear [1]
       real(wp) :: expansion = 0.0_wp                 !! Of B: thermal expansion of volume [1/K]
    contains
       procedure :: read => voids_read                !! Reads the keys
-      procedure :: fault => voids_fault              !! What is wrong with them
-      procedure :: choose => voids_choose            !! Which share matter takes of the motion
-      procedure :: open => voids_open                !! Opens and closes voids
-      procedure :: squeeze => voids_squeeze          !! Volume becomes that of the matter
-      procedure :: relax => voids_relax              !! And back again
-      procedure :: squeeze_both => voids_squeeze_both !! The same before and after the step
+      !> Which share material takes of the motion
+      procedure :: choose_fraction => voids_choose_fraction
+      procedure :: update_solid_fraction => voids_update_solid_fraction  !! Opens and closes voids
+      procedure :: to_solid_volume => voids_to_solid_volume !! Volume becomes that of the solid
+      procedure :: to_total_volume => voids_to_total_volume              !! And back again
+      procedure :: to_solid_volumes => voids_to_solid_volumes !! The same before and after the step
    end type voids_t
 
 contains
 
    !> Declare the keys.
    subroutine declare_voids(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
 
-      call schema%text("material", "alpha_m", "share of the dilatation that the matter itself "// &
-         "takes: one, all; open_when_failed, none in failed or loose matter that opens or "// &
+      call schema%text("material", "alpha_m", &
+         "fraction of the dilatation that the material itself "// &
+         "takes: one, all; open_when_failed, none in failed or loose material that opens or "// &
          "whose grains do not touch; crush, also less than all until pressed grains leave no "// &
          "voids", &
          default="open_when_failed", words="one open_when_failed crush", owner="effects.voids")
-      call schema%real("material", "solid_fraction", "share of the volume that matter fills in "// &
+      call schema%real("material", "solid_fraction", &
+         "fraction of the volume that solid material fills in "// &
          "the reference state", default="1", range="> 0 <= 1", owner="effects.voids")
-      call schema%real("material", "critical_packing", "share from which on grains touch; "// &
+      call schema%real("material", "critical_packing", &
+         "solid fraction from which on grains touch; "// &
          "default: solid_fraction", range="> 0 <= 1", owner="effects.voids")
-      call schema%real("material", "b_shear", "voids that shear opens in pressed loose matter: "// &
+      call schema%real("material", "b_shear", &
+         "voids that shear opens in pressed loose material: "// &
          "logarithm of volume for a unit of shear strain", default="0", range=">= 0", &
          owner="effects.voids")
       call schema%real("material", "b_thermal", "thermal expansion of the volume of grains, "// &
@@ -62,32 +68,37 @@ contains
          owner="effects.voids & effects.thermal")
    end subroutine declare_voids
 
-   !> What is wrong with the keys taken together; empty if nothing is.
-   pure function voids_fault(self, group) result(text)
-      class(voids_t), intent(in) :: self             !! The rules
+   !> Error in the combination of the keys; empty if there is none.
+   pure function voids_fault(group, eos, law) result(text)
       type(group_t), intent(in) :: group             !! &material
+      class(eos_t), intent(in) :: eos
+      class(law_t), allocatable, intent(in) :: law   !! Law of strength, if there is one
       character(len=:), allocatable :: text
-      character(len=:), allocatable :: eos, law
-      real(wp) :: dilation, share
+      character(len=:), allocatable :: word
+      real(wp) :: dilation, fraction
+      logical :: solid
 
       text = ""
-      call group%get("eos_model", eos)
-      call group%get("strength_model", law)
-      call group%get("solid_fraction", share)
+      solid = .false.
+      if (allocated(law)) solid = .not. law%supports_voids()
+      call group%get("solid_fraction", fraction)
       dilation = 0.0_wp
       if (group%given("dilation_angle")) call group%get("dilation_angle", dilation)
-      if (eos == "p_alpha") then
-         text = "eos_model = 'p_alpha' has pores of its own; remove it or &effects voids"
+      if (eos%has_pores()) then
+         call group%get("eos_model", word)
+         text = "eos_model = '"//word//"' has pores of its own; remove it or &effects voids"
       else if (dilation > 0.0_wp) then
          text = "with &effects voids shear opens them by b_shear, not by dilation_angle"
-      else if (law == "jh2" .and. share < 1.0_wp) then
-         text = "strength_model = 'jh2' is that of matter without pores; remove solid_fraction"
+      else if (solid .and. fraction < 1.0_wp) then
+         call group%get("strength_model", word)
+         text = "strength_model = '"//word//"' is that of material without pores; remove "// &
+            "solid_fraction"
       end if
    end function voids_fault
 
    !> Read the keys.
    pure subroutine voids_read(self, group)
-      class(voids_t), intent(inout) :: self          !! The rules
+      class(voids_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: rule
 
@@ -101,9 +112,9 @@ contains
       call group%get("b_thermal", self%expansion)
    end subroutine voids_read
 
-   !> Which share of the dilatation the matter takes in the step, from the stress before it.
-   pure subroutine voids_choose(self, state, deformation, first, last)
-      class(voids_t), intent(in) :: self                   !! The rules
+   !> Fraction of the dilatation that the material takes in the step, from the stress before it.
+   pure subroutine voids_choose_fraction(self, state, deformation, first, last)
+      class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -111,24 +122,25 @@ contains
       integer :: count, k
 
       count = last - first + 1
-      deformation%homologous(:count) = merge(1.0_wp, 0.0_wp, self%loose)
-      if (allocated(state%failed)) deformation%homologous(:count) = &
-         max(deformation%homologous(:count), real(state%failed(first:last), wp))
+      call deformation%voids%reserve(count)
+      deformation%voids%loose(:count) = merge(1.0_wp, 0.0_wp, self%loose)
+      if (allocated(state%failed)) deformation%voids%loose(:count) = &
+         max(deformation%voids%loose(:count), real(state%failed(first:last), wp))
       do k = first, last
-         deformation%loosening(k - first + 1) = -(state%stress(k, 1) + state%stress(k, 2) &
+         deformation%voids%old_pressure(k - first + 1) = -(state%stress(k, 1) + state%stress(k, 2) &
             + state%stress(k, 3))/3.0_wp
       end do
-      if (allocated(state%viscous_pressure)) deformation%loosening(:count) = &
-         deformation%loosening(:count) - state%viscous_pressure(first:last)
-      call choose(first, last, self, deformation%gradient, deformation%homologous, &
-         deformation%loosening, state%solid_fraction, deformation%share)
-   end subroutine voids_choose
+      if (allocated(state%viscous_pressure)) deformation%voids%old_pressure(:count) = &
+         deformation%voids%old_pressure(:count) - state%viscous_pressure(first:last)
+      call choose(first, last, self, deformation%gradient, deformation%voids%loose, &
+         deformation%voids%old_pressure, state%solid_fraction, deformation%voids%alpha)
+   end subroutine voids_choose_fraction
 
    !> Kernel of the above, with the voids that shear opens. Equations (F.19) and (F.20).
    pure subroutine choose(first, last, voids, gradient, loose, pressure, solid_fraction, share)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      type(voids_t), intent(in) :: voids             !! The rules
+      type(voids_t), intent(in) :: voids
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
       real(wp), contiguous, intent(in) :: loose(:)   !! 1 if voids can open, else 0 (range) [1]
       real(wp), contiguous, intent(in) :: pressure(:)        !! Before the step (range) [Pa]
@@ -161,18 +173,18 @@ contains
    end subroutine choose
 
    !> Open and close voids, with the volume before and after the step.
-   pure subroutine voids_open(self, state, deformation, first, last)
-      class(voids_t), intent(in) :: self                   !! The rules
+   pure subroutine voids_update_solid_fraction(self, state, deformation, first, last)
+      class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
       call open_or_close(first, last, self%critical, state%volume, deformation%old_volume, &
-         deformation%share, state%solid_fraction)
-   end subroutine voids_open
+         deformation%voids%alpha, state%solid_fraction)
+   end subroutine voids_update_solid_fraction
 
-   !> Kernel of the above. What closes voids beyond the touching of grains is left to the matter.
+   !> Kernel of the above. What closes voids beyond the touching of grains is left to the material.
    !! Equation (F.18).
    pure subroutine open_or_close(first, last, critical, volume, old_volume, share, solid_fraction)
       integer, intent(in) :: first                   !! First particle of the range
@@ -193,47 +205,48 @@ contains
       end do
    end subroutine open_or_close
 
-   !> Give laws of the matter its own volume.
-   pure subroutine voids_squeeze(self, state, deformation, first, last)
-      class(voids_t), intent(in) :: self                   !! The rules
+   !> Volume becomes that of the solid, for the models of the material.
+   pure subroutine voids_to_solid_volume(self, state, deformation, first, last)
+      class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      deformation%whole_volume(:last - first + 1) = state%volume(first:last)
+      deformation%voids%total_volume(:last - first + 1) = state%volume(first:last)
       state%volume(first:last) = state%volume(first:last)*state%solid_fraction(first:last)
-   end subroutine voids_squeeze
+   end subroutine voids_to_solid_volume
 
    !> Volumes before and after the step become those of the material itself, which takes its part of
    !! the dilatation. The volume of the motion is left in `whole_volume`.
-   pure subroutine voids_squeeze_both(self, state, deformation, first, last)
-      class(voids_t), intent(in) :: self                   !! The rules
+   pure subroutine voids_to_solid_volumes(self, state, deformation, first, last)
+      class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
       associate (volume => state%volume(first:last), old => deformation%old_volume( &
-         :last - first + 1), share => deformation%share(:last - first + 1))
+         :last - first + 1), share => deformation%voids%alpha(:last - first + 1))
          old = state%solid_fraction(first:last)*(volume + share*(old - volume))
       end associate
-      call self%squeeze(state, deformation, first, last)
-   end subroutine voids_squeeze_both
+      call self%to_solid_volume(state, deformation, first, last)
+   end subroutine voids_to_solid_volumes
 
    !> Volume becomes that of the motion again, and the pressure that on a whole surface. Where voids
    !! open or close there is none: round-off of it would stop the opening.
-   pure subroutine voids_relax(self, state, deformation, first, last)
-      class(voids_t), intent(in) :: self                   !! The rules
+   pure subroutine voids_to_total_volume(self, state, deformation, first, last)
+      class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      state%volume(first:last) = deformation%whole_volume(:last - first + 1)
+      state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
       deformation%pressure(:last - first + 1) = merge(deformation%pressure(:last - first + 1) &
-         *state%solid_fraction(first:last), 0.0_wp, deformation%share(:last - first + 1) > 0.0_wp)
-   end subroutine voids_relax
+         *state%solid_fraction(first:last), 0.0_wp, deformation%voids%alpha(:last - first + 1) > &
+            0.0_wp)
+   end subroutine voids_to_total_volume
 
    !> Let heated grains fill voids: B = expansion dT/dt. Equation (F.20).
    pure subroutine expand_grains(first, last, expansion, temperature, old_temperature, &
@@ -248,18 +261,18 @@ contains
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         solid_fraction(k) = expanded(solid_fraction(k), &
+         solid_fraction(k) = expanded_fraction(solid_fraction(k), &
             expansion*(temperature(k) - old_temperature(i)))
       end do
    end subroutine expand_grains
 
    !> Share of grains that expand, theta exp(growth) but not above 1, with the positive Pade
    !! approximant of order (2, 2), which cooling takes back to round-off.
-   pure real(wp) function expanded(solid_fraction, growth) result(share)
+   pure real(wp) function expanded_fraction(solid_fraction, growth) result(share)
       real(wp), intent(in) :: solid_fraction         !! Before [1]
       real(wp), intent(in) :: growth                 !! Of the logarithm of their volume [1]
 
       share = min(1.0_wp, solid_fraction*(1.0_wp + growth*(0.5_wp + growth/12.0_wp)) &
          /(1.0_wp - growth*(0.5_wp - growth/12.0_wp)))
-   end function expanded
+   end function expanded_fraction
 end module material_voids

@@ -8,7 +8,7 @@ module output_summary
    use io_digest, only: state_digest
    use io_state, only: state_t
    use io_summary, only: json_t
-   use material_effect_timers, only: share_out
+   use material_effect_timers, only: divide_phase_time
    use omp_lib, only: omp_get_max_threads
    use output_checkpoint, only: describe_state
    use output_streams, only: outputs_t
@@ -136,7 +136,8 @@ contains
       real(wp), allocatable, intent(out) :: greatest(:) !! (phase) [s]
       integer :: phases
 
-      call share_out(simulation%scratch%laps, simulation%phase%gather, simulation%phase%effect, &
+      call divide_phase_time(simulation%scratch%laps, simulation%phase%gather, &
+         simulation%phase%effect, &
          simulation%timer)
       phases = simulation%timer%count()
       allocate (least(phases), mean(phases), greatest(phases))

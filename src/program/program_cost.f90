@@ -96,7 +96,7 @@ contains
       text = text//new_line("a")
       do n = 1, size(simulation%materials)
          text = text//"  "//simulation%stores(n)%name//new_line("a")
-         wishes = simulation%materials(n)%wishes()
+         wishes = simulation%materials(n)%field_requests()
          lines = wishes%report()
          first = 1
          do while (first <= len(lines))
@@ -140,7 +140,7 @@ contains
       bytes = 0.0_wp
       if (survey%particles == 0) return
       do n = 1, size(simulation%materials)
-         wishes = simulation%materials(n)%wishes()
+         wishes = simulation%materials(n)%field_requests()
          bytes = max(bytes, real(base_bytes(simulation) + wishes%bytes(), wp))
       end do
    end function carried

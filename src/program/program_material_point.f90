@@ -93,8 +93,6 @@ contains
       if (allocated(error)) return
       ! A point has no neighbours that a shock could run into.
       if (allocated(material%viscosity)) deallocate (material%viscosity)
-      ! Nor any that smooth gradients would drag along.
-      if (allocated(material%softening)) material%softening%width = 1.0_wp
       call read_point(group, point)
       call point%run(material, table)
       group = deck%group("run")

@@ -10,7 +10,7 @@ module program_plan
    use base_text, only: text_t
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_file, only: read_deck_file
-   use material_type, only: declare_material_keys
+   use material_keys, only: declare_material_keys
    use output_description, only: describe_simulation
    use output_field_names, only: check_field_names
    use output_streams, only: outputs_t

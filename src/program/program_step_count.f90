@@ -365,7 +365,7 @@ contains
       diffusivity = 0.0_wp
       do n = 1, size(bodies)
          associate (material => simulation%materials(bodies(n)%store))
-            call material%request(state, 1)
+            call material%allocate_state(state, 1)
             state%mass = material%density
             state%volume = 1.0_wp
             call material%start(state, 1, 1, bodies(n)%temperature)

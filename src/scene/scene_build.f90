@@ -56,6 +56,7 @@ contains
       end do
       call read_bounds(deck, simulation%guard%bounds)
       call read_grid(deck, simulation)
+      call set_crack_bands(deck, simulation)
       if (present(coarser)) call coarsen(simulation%grid, coarser)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
@@ -279,6 +280,28 @@ contains
       end do
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
+
+   !> Width of the bands that cracks open in, and cells small enough for them.
+   subroutine set_crack_bands(deck, simulation)
+      type(deck_t), intent(inout) :: deck
+      type(simulation_t), intent(inout) :: simulation
+      type(group_t) :: group
+      character(len=:), allocatable :: fault
+      integer :: index
+
+      if (.not. (deck%sound("grid") .and. deck%sound("method"))) return
+      do index = 1, size(simulation%materials)
+         associate (failure => simulation%materials(index)%failure)
+            if (.not. allocated(failure%softening)) cycle
+            failure%softening%width = simulation%method%band_width()
+            fault = failure%softening%band_fault(simulation%grid%spacing, &
+               simulation%grid%dimensions)
+         end associate
+         if (len(fault) == 0) cycle
+         group = deck%group("material", index)
+         call deck%complain(group, fault, "fracture_energy")
+      end do
+   end subroutine set_crack_bands
 
    !> The bodies.
    subroutine read_bodies(deck, simulation, shapes, bodies)

@@ -4,7 +4,7 @@ module scene_particles
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
-   use material_models, only: chain_effects, effect_names
+   use material_stages, only: effect_count, effect_names
    use mesh_hilbert, only: hilbert_key
    use mesh_tiles, only: partition_keys
    use omp_lib, only: omp_get_max_threads
@@ -72,7 +72,7 @@ contains
          phase%wait = timer%phase("waiting for ranks")
          phase%grid = timer%phase("grid")
          phase%gather = timer%phase("nodes to points")
-         do effect = 1, chain_effects
+         do effect = 1, effect_count
             if (any([(simulation%materials(n)%has(effect), n=1, size(simulation%materials))])) &
                phase%effect(effect) = timer%phase(trim(effect_names(effect)))
          end do
@@ -95,7 +95,7 @@ contains
       simulation%carries_energy = .false.
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
-            call simulation%materials(index)%request(store%state)
+            call simulation%materials(index)%allocate_state(store%state)
             call store%start(store_name(simulation%materials, index), simulation%grid%tile_cells, &
                traits)
             store%material = index
@@ -156,11 +156,11 @@ contains
                      bodies(body)%temperature)
                   if (bodies(body)%energy > 0.0_wp) store%state%energy(p) = bodies(body)%energy
                end do
-               call simulation%materials(index)%scatter(store%state, store%identity, &
+               call simulation%materials(index)%draw_strength(store%state, store%identity, &
                   store%first(tile), store%first(tile) + store%count(tile) - 1)
                if (any(bodies%energy > 0.0_wp .and. bodies%store == index)) &
-                  call simulation%materials(index)%settle(store%state, store%first(tile), &
-                  store%first(tile) + store%count(tile) - 1)
+                  call simulation%materials(index)%find_rest_stress(store%state, &
+                  store%first(tile), store%first(tile) + store%count(tile) - 1)
             end do
          end associate
       end do

@@ -349,10 +349,10 @@ contains
       integer :: n, k
 
       allocate (missing(0))
-      wishes = material%wishes()
+      wishes = material%field_requests()
       if (points%snapshot) then
          do n = 1, size(field_names)
-            if (.not. (wishes%asked(trim(field_names(n))) .or. of_method(field_names(n)))) cycle
+            if (.not. (wishes%has(trim(field_names(n))) .or. of_method(field_names(n)))) cycle
             if (.not. comes_from_file(trim(field_names(n)), stress)) cycle
             do k = size(points%list%fields), 1, -1
                if (points%list%fields(k)%text == field_names(n)) exit

@@ -107,8 +107,6 @@ contains
       select case (name)
       case ("mass")
          values = self%volume_scale*values
-      case ("plastic_rate")
-         values = values/self%scale
       case ("velocity", "spin")
          do n = 1, size(values, 2)
             values(:, n) = matmul(self%rotation, [values(1, n), values(2, n), values(3, n)])

@@ -11,7 +11,7 @@
 module step_conduction
    use base_constants, only: pi
    use base_kinds, only: wp
-   use material_voids, only: expanded
+   use material_voids, only: expanded_fraction
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
@@ -493,7 +493,7 @@ contains
 
       do p = 1, store%count(tile)
          q = store%first(tile) + p - 1
-         store%state%solid_fraction(q) = expanded(store%state%solid_fraction(q), &
+         store%state%solid_fraction(q) = expanded_fraction(store%state%solid_fraction(q), &
             expansion*(shape%values(p, 1) - shape%vector(p, 1)))
       end do
    end subroutine expand

@@ -26,8 +26,8 @@ contains
       logical :: flows
 
       losses = 0.0_wp
-      flows = allocated(material%fracture)
-      if (allocated(material%law)) flows = flows .or. material%law%plastic()
+      flows = allocated(material%failure%fracture)
+      if (allocated(material%law)) flows = flows .or. material%law%is_plastic()
       if (allocated(material%viscosity)) then
          losses(1) = sum(deformation%viscous_work(:count))
          call ledger%sums(viscous)%add(losses(1))

@@ -49,6 +49,7 @@ module step_method
       procedure :: remaps => method_remaps           !! Are new velocities mapped for the strain?
       procedure :: averages => method_averages       !! Is the strain of two velocities?
       procedure :: differing => method_differing     !! Is the force of stress differences?
+      procedure :: band_width => method_band_width   !! Width of a crack across a cell
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
       procedure :: request => method_request         !! Asks for what particles must carry
       procedure :: kick => method_kick               !! Time over which the forces act
@@ -76,6 +77,15 @@ contains
       ! boxes on all ways: force without mass at free surfaces would be lost
       if (quadrature == "sub_points") call choose_basis("cpgimp", self%basis)
    end subroutine method_choose
+
+   !> Width in cells of the band that a crack opens across an edge of the grid; that of the dual
+   !! gradient is what a bar needs (test/verify/crack).
+   pure real(wp) function method_band_width(self) result(width)
+      class(method_t), intent(in) :: self            !! The method
+
+      width = 1.2_wp
+      if (.not. self%dual) width = self%basis%band_width()
+   end function method_band_width
 
    !> True if a mean stress of the nodes is taken out of the particles.
    pure logical function method_controlled(self) result(controlled)

@@ -89,13 +89,13 @@ contains
       real(wp) :: began, lap
 
       associate (scratch => simulation%scratch(omp_get_thread_num()))
-         call scratch%laps%begin(simulation%step)
+         call scratch%laps%start_step(simulation%step)
          !$omp do schedule(dynamic, 1)
          do tile = 1, simulation%tiles%own
             began = cost_clock(simulation)
-            lap = scratch%laps%clock()
+            lap = scratch%laps%read_clock()
             call gather_tile(simulation, scratch, tile, parts, dt, view)
-            call scratch%laps%book(lap)
+            call scratch%laps%record(lap)
             call record_cost(simulation, tile, began)
          end do
          !$omp end do

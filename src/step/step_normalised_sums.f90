@@ -11,7 +11,7 @@
 module step_normalised_sums
    use base_kinds, only: wp
    use ddmp_alpha, only: mean_alpha
-   use material_kinds, only: flows
+   use material_kinds, only: is_fluid
    use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use mesh_rigid, only: held_t
@@ -56,7 +56,7 @@ contains
       associate (method => simulation%method)
          if (.not. method%dual) return
          if (method%normalise == "none") return
-         simulation%flows = [(flows(simulation%materials(n)), n=1, size(simulation%materials))]
+         simulation%flows = [(is_fluid(simulation%materials(n)), n=1, size(simulation%materials))]
          simulation%normalises = simulation%flows .or. method%normalise == "all"
          if (method%normalise == "gases") simulation%normalises = simulation%flows .and. &
             [(simulation%materials(n)%carries_energy(), n=1, size(simulation%materials))]

@@ -29,8 +29,8 @@ contains
       type(bounds_t) :: bounds
 
       bounds = simulation%guard%bounds
-      if (.not. allocated(simulation%materials(index)%fracture)) return
-      if (.not. simulation%materials(index)%fracture%leaves_nothing) return
+      if (.not. allocated(simulation%materials(index)%failure%fracture)) return
+      if (.not. simulation%materials(index)%failure%fracture%leaves_nothing) return
       bounds%ratio_min = 0.0_wp
       bounds%ratio_max = huge(1.0_wp)
    end function tile_bounds

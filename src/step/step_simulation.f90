@@ -8,8 +8,8 @@ module step_simulation
    use constitutive_state, only: deformation_t
    use ddmp_dual, only: dual_t
    use exact_solution, only: exact_case_t
-   use material_effect_timers, only: laps_t
-   use material_models, only: chain_effects
+   use material_effect_timers, only: stage_clock_t
+   use material_stages, only: effect_count
    use material_type, only: material_t
    use mesh_absorbing, only: absorbing_t
    use mesh_boundary, only: boundary_t
@@ -152,7 +152,7 @@ module step_simulation
       !> (particle, 9) Half of the strain with the velocity before the step, if it counts [1]
       real(wp), allocatable :: earlier(:, :)
       type(ledger_t) :: ledger                       !! Sums of this thread
-      type(laps_t) :: laps                           !! Times of effects
+      type(stage_clock_t) :: laps                           !! Times of effects
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
       logical :: sound = .true.                      !! Are all particles in their bounds?
       logical :: retired = .false.                   !! Has one been taken out for leaving them?
@@ -185,7 +185,7 @@ module step_simulation
    type :: phases_t
       integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
          ledger = 0, output = 0, checkpoint = 0, conduction = 0, contact = 0 !! One each
-      integer :: effect(chain_effects) = 0           !! Of those of matter, 0 = off
+      integer :: effect(effect_count) = 0           !! Of those of matter, 0 = off
    end type phases_t
 
    !> A run.

@@ -16,11 +16,19 @@ module basis_cubic
    type, extends(basis_tensor_t) :: basis_cubic_t
    contains
       procedure :: at_wall => cubic_at_wall          !! Integral of the function of a wall
+      procedure :: band_width => cubic_band_width        !! Width of a crack across a cell
       procedure :: reach => cubic_reach              !! Nodes of a line that are touched
       procedure :: weigh => cubic_weigh              !! Functions along one direction
    end type basis_cubic_t
 
 contains
+
+   !> Width of a crack in cells, see `basis_band_width`.
+   pure real(wp) function cubic_band_width(self) result(width)
+      class(basis_cubic_t), intent(in) :: self           !! The basis
+
+      width = 2.0_wp
+   end function cubic_band_width
 
    !> Integral of the function of a node on a face in cells: 1/2, and twice the 1/24 of that of
    !! the node beyond, which is folded in.

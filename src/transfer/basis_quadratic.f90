@@ -16,10 +16,18 @@ module basis_quadratic
    type, extends(basis_tensor_t) :: basis_quadratic_t
    contains
       procedure :: at_wall => quadratic_at_wall      !! Integral of the function of a wall
+      procedure :: band_width => quadratic_band_width        !! Width of a crack across a cell
       procedure :: weigh => quadratic_weigh          !! Functions along one direction
    end type basis_quadratic_t
 
 contains
+
+   !> Width of a crack in cells, see `basis_band_width`.
+   pure real(wp) function quadratic_band_width(self) result(width)
+      class(basis_quadratic_t), intent(in) :: self           !! The basis
+
+      width = 1.9_wp
+   end function quadratic_band_width
 
    !> Integral of the function of a node on a face in cells: 1/2, and twice the 1/48 of that of
    !! the node beyond, which is folded in.

@@ -21,6 +21,7 @@ module transfer_basis
    contains
       procedure :: margin => basis_margin            !! Layers of nodes reached beyond a tile
       procedure :: at_wall => basis_at_wall          !! Integral of the function of a wall
+      procedure :: band_width => basis_band_width    !! Width of a crack across a cell
       procedure :: declare => basis_declare          !! Declares its keys, if it has any
       procedure :: request => basis_request          !! Asks for what particles must carry
       procedure(locate_i), deferred :: locate        !! Looks where the particles of a tile are
@@ -141,6 +142,15 @@ contains
 
       integral = 0.5_wp
    end function basis_at_wall
+
+   !> Width in cells of the band that a crack opens across an edge of the grid: one where the
+   !! gradient of a cell is that of its own nodes. Smoother gradients drag particles of the cells
+   !! beside it along; their widths are those that a bar needs (test/verify/crack).
+   pure real(wp) function basis_band_width(self) result(width)
+      class(basis_t), intent(in) :: self                     !! The basis
+
+      width = 1.0_wp
+   end function basis_band_width
 
    !> Declare the keys of &method that belong to the basis. Most have none.
    subroutine basis_declare(self, schema)
