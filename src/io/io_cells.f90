@@ -27,11 +27,11 @@ contains
 
    !> Find the cells of particles. Rows are particles, store after store.
    subroutine find_cells(grid, tiles, stores, picks, cells)
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
-      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(store_t), intent(in) :: stores(:)
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
-      type(cells_t), intent(out) :: cells                !! The cells
+      type(cells_t), intent(out) :: cells
       integer, allocatable :: number(:, :), row_tile(:)
       integer :: cell, filled, row, store, tile
 
@@ -75,7 +75,7 @@ contains
 
    !> Sums over the particles of each cell, in their order.
    pure subroutine cells_sum(self, values, weight, sums)
-      class(cells_t), intent(in) :: self                 !! The cells
+      class(cells_t), intent(in) :: self
       real(wp), intent(in) :: values(:, :)               !! (component, row)
       real(wp), intent(in) :: weight(:)                  !! (row) Factor of each particle
       real(wp), intent(out) :: sums(:, :)                !! (component, cell)
@@ -93,9 +93,9 @@ contains
 
    !> Number of a cell in the box, from 0, x first.
    pure integer(int64) function cells_key(self, grid, cell) result(key)
-      class(cells_t), intent(in) :: self                 !! The cells
-      type(grid_t), intent(in) :: grid                   !! The grid
-      integer, intent(in) :: cell                        !! Which one
+      class(cells_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: cell
 
       associate (place => self%place(:, cell))
          key = place(1) + grid%cells(1)*(place(2) + int(grid%cells(2), int64)*place(3))

@@ -51,7 +51,7 @@ module io_checkpoint
 
    !> Writes the fields of one store.
    type, extends(field_worker_t) :: writer_t
-      type(hdf5_file_t) :: file                           !! The file
+      type(hdf5_file_t) :: file
       character(len=:), allocatable :: store              !! Name of the material
       type(rows_t) :: rows                                !! Rows of this rank
       integer, allocatable :: order(:)                    !! Where the particles are
@@ -67,7 +67,7 @@ contains
 
    !> Path of the file.
    function place_path(self) result(path)
-      class(checkpoint_place_t), intent(in) :: self       !! The place
+      class(checkpoint_place_t), intent(in) :: self
       character(len=:), allocatable :: path
       character(len=16) :: digits
 
@@ -77,7 +77,7 @@ contains
 
    !> Hash of step and time.
    pure function head_check(state) result(check)
-      type(state_t), intent(in) :: state                  !! The state
+      type(state_t), intent(in) :: state
       integer(int64) :: check
 
       check = mix(ieor(mix(ieor(mix(state%step), transfer(state%time, check))), &
@@ -86,7 +86,7 @@ contains
 
    !> Write a checkpoint and remove those beyond the number to keep. Collective.
    subroutine checkpoint_write(communicator, place, stores, state, error)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(checkpoint_place_t), intent(in) :: place       !! Where it goes
       type(store_t), intent(inout) :: stores(:)           !! The particles, not changed
       type(state_t), intent(in) :: state                  !! The same on all ranks
@@ -121,8 +121,8 @@ contains
 
    !> Rows of the particles of one store. Collective.
    function rows_of_store(communicator, store) result(rows)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
-      type(store_t), intent(in) :: store                  !! The particles
+      type(communicator_t), intent(in) :: communicator
+      type(store_t), intent(in) :: store
       type(rows_t) :: rows
       integer(int64) :: counts(1)
 
@@ -132,7 +132,7 @@ contains
 
    !> Greatest length that the file can get [byte]. Collective.
    subroutine measure(communicator, place, stores, state, bytes)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(checkpoint_place_t), intent(in) :: place       !! Texts
       type(store_t), intent(inout) :: stores(:)           !! The particles, not changed
       type(state_t), intent(in) :: state                  !! Small numbers
@@ -161,7 +161,7 @@ contains
 
    !> Write what stands at the root.
    subroutine write_head(file, place, state)
-      type(hdf5_file_t), intent(inout) :: file            !! The file
+      type(hdf5_file_t), intent(inout) :: file
       type(checkpoint_place_t), intent(in) :: place       !! Texts
       type(state_t), intent(in) :: state                  !! Step and time
 
@@ -178,9 +178,9 @@ contains
 
    !> Write a text.
    subroutine write_text(file, name, text)
-      type(hdf5_file_t), intent(inout) :: file            !! The file
+      type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name                !! From the root
-      character(len=*), intent(in) :: text                !! The text
+      character(len=*), intent(in) :: text
 
       call write_bytes(file, name, rows_of_root(file%communicator, len(text)), text)
       call file%attribute(name, "check", hash_text(text))
@@ -188,7 +188,7 @@ contains
 
    !> Write the small numbers; all ranks have them, rank 0 writes them.
    subroutine write_state(file, state)
-      type(hdf5_file_t), intent(inout) :: file            !! The file
+      type(hdf5_file_t), intent(inout) :: file
       type(state_t), intent(in) :: state                  !! Small numbers
       integer(int64), allocatable :: owners(:)
       integer(int64) :: check
@@ -284,7 +284,7 @@ contains
 
    !> Paths of the checkpoints of a case, newest first. Collective.
    subroutine checkpoint_newest(communicator, folder, case, paths, error)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+      type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: folder              !! Folder of the results
       character(len=*), intent(in) :: case                !! Prefix of all files
       character(len=longest_path), allocatable, intent(out) :: paths(:) !! Filled with blanks
@@ -313,9 +313,9 @@ contains
 
    !> Write the attributes of a field. Collective.
    subroutine writer_book(self, name, unit, check)
-      class(writer_t), intent(inout) :: self              !! The worker
+      class(writer_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Data set, from the root
-      character(len=*), intent(in) :: unit                !! SI unit
+      character(len=*), intent(in) :: unit
       integer(int64), intent(in) :: check                 !! Hash of the rows of this rank
       integer(int64) :: whole(1)
 
@@ -327,9 +327,9 @@ contains
 
    !> Write a field of numbers. Collective.
    subroutine writer_scalar(self, name, unit, values)
-      class(writer_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(writer_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)   !! (particle), not changed
       character(len=:), allocatable :: path
       real(wp), allocatable :: rows(:)
@@ -346,9 +346,9 @@ contains
 
    !> Write a field of vectors or tensors. Collective.
    subroutine writer_vector(self, name, unit, values)
-      class(writer_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(writer_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
       character(len=:), allocatable :: path
       real(wp), allocatable :: column(:), rows(:, :)
@@ -372,9 +372,9 @@ contains
 
    !> Write a field of whole numbers. Collective.
    subroutine writer_whole(self, name, unit, values)
-      class(writer_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(writer_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
       character(len=:), allocatable :: path
       integer(int64), allocatable :: rows(:)
@@ -391,9 +391,9 @@ contains
 
    !> Count a field of numbers.
    subroutine measure_scalar(self, name, unit, values)
-      class(measure_t), intent(inout) :: self             !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(measure_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)   !! (particle), not changed
 
       self%bytes = self%bytes + data_bytes(self%rows, 8_int64)
@@ -401,9 +401,9 @@ contains
 
    !> Count a field of vectors or tensors.
    subroutine measure_vector(self, name, unit, values)
-      class(measure_t), intent(inout) :: self             !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(measure_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
 
       self%bytes = self%bytes + data_bytes(self%rows, 8_int64*size(values, 2))
@@ -411,9 +411,9 @@ contains
 
    !> Count a field of whole numbers.
    subroutine measure_whole(self, name, unit, values)
-      class(measure_t), intent(inout) :: self             !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(measure_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
 
       self%bytes = self%bytes + data_bytes(self%rows, 8_int64)

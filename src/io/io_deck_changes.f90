@@ -20,7 +20,7 @@ module io_deck_changes
 
    !> One key of an echo.
    type :: echo_entry_t
-      character(len=:), allocatable :: key               !! The key
+      character(len=:), allocatable :: key
       character(len=:), allocatable :: value             !! Its values in SI, as in the echo
       logical :: default = .false.                       !! The deck does not give it
    end type echo_entry_t
@@ -108,8 +108,8 @@ contains
 
    !> Value of a key of one text, without its quotes; empty without the key.
    pure function plain_value(group, key) result(value)
-      type(echo_group_t), intent(in) :: group            !! The group
-      character(len=*), intent(in) :: key                !! The key
+      type(echo_group_t), intent(in) :: group
+      character(len=*), intent(in) :: key
       character(len=:), allocatable :: value
       integer :: place
 
@@ -157,7 +157,7 @@ contains
    pure subroutine add_key(changes, group, key, old, new)
       type(changes_t), intent(inout) :: changes          !! Gets a line
       type(echo_group_t), intent(in) :: group                 !! Its group
-      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: key
       character(len=*), intent(in) :: old                !! Value of the checkpoint
       character(len=*), intent(in) :: new                !! Value of this run
 
@@ -169,7 +169,7 @@ contains
    pure subroutine add_line(changes, kind, key, line)
       type(changes_t), intent(inout) :: changes          !! Gets the line
       character(len=*), intent(in) :: kind               !! Kind of the group
-      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: key
       character(len=*), intent(in) :: line               !! What differs
       character(len=:), allocatable :: text
 
@@ -190,8 +190,8 @@ contains
 
    !> Index of a group, 0 if there is none of that label.
    pure integer function place_of(groups, label) result(place)
-      type(echo_groups_t), intent(in) :: groups               !! The groups
-      character(len=*), intent(in) :: label              !! The label
+      type(echo_groups_t), intent(in) :: groups
+      character(len=*), intent(in) :: label
 
       do place = groups%count, 1, -1
          if (groups%group(place)%label == label) return
@@ -200,8 +200,8 @@ contains
 
    !> Index of a key, 0 if there is none of that name.
    pure integer function key_place(group, key) result(place)
-      type(echo_group_t), intent(in) :: group                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      type(echo_group_t), intent(in) :: group
+      character(len=*), intent(in) :: key
 
       do place = group%count, 1, -1
          if (group%entries(place)%key == key) return
@@ -211,7 +211,7 @@ contains
    !> Take an echo apart. Its form is that of base_deck_echo: a group in lines of its own, keys
    !! after three blanks, the rest of long lists after more.
    pure subroutine read_echo(text, groups)
-      character(len=*), intent(in) :: text               !! The echo
+      character(len=*), intent(in) :: text
       type(echo_groups_t), intent(out) :: groups              !! What it holds
       integer :: first, last
 

@@ -24,7 +24,7 @@ contains
 
    !> Read a deck with all that it includes.
    subroutine read_deck_file(path, text, error)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       character(len=:), allocatable, intent(out) :: text !! All lines, with marks at included files
       type(error_t), allocatable, intent(out) :: error   !! A file cannot be read or is no deck
       type(text_t), allocatable :: chain(:)
@@ -41,7 +41,7 @@ contains
 
    !> Append a file to the text, and in it those that it includes.
    recursive subroutine splice(path, chain, buffer, error)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       type(text_t), intent(in) :: chain(:)               !! It and those that include it
       type(buffer_t), intent(inout) :: buffer            !! Gets the text
       type(error_t), allocatable, intent(out) :: error   !! A file cannot be read or is no deck
@@ -80,7 +80,7 @@ contains
 
    !> Append the file that an &include names.
    recursive subroutine include_file(block, path, chain, buffer, error)
-      type(block_t), intent(in) :: block                 !! The group
+      type(block_t), intent(in) :: block
       character(len=*), intent(in) :: path               !! File that it stands in
       type(text_t), intent(in) :: chain(:)               !! That file and those that include it
       type(buffer_t), intent(inout) :: buffer            !! Gets the text
@@ -116,8 +116,8 @@ contains
 
    !> The file that an &include names; empty if it does not do so properly.
    subroutine file_of(block, name)
-      type(block_t), intent(in) :: block                 !! The group
-      character(len=:), allocatable, intent(out) :: name !! The file
+      type(block_t), intent(in) :: block
+      character(len=:), allocatable, intent(out) :: name
 
       name = ""
       if (size(block%pieces) /= 1) return
@@ -129,7 +129,7 @@ contains
 
    !> Read one file and make sure that it is plain text. Ends of lines are made those of Unix.
    subroutine read_plain_text(path, text, error)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       character(len=:), allocatable, intent(out) :: text !! Its text
       type(error_t), allocatable, intent(out) :: error   !! It cannot be read or is no text
       character(len=:), allocatable :: raw

@@ -50,7 +50,7 @@ contains
 
    !> Digest of a state in memory. Collective.
    function state_digest(communicator, stores, state) result(digest)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(state_t), intent(in) :: state                 !! Step and time
       character(len=16) :: digest
@@ -68,7 +68,7 @@ contains
 
    !> Digest of the state in a checkpoint, for which no deck is needed. Collective.
    subroutine file_digest(communicator, path, digest, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path               !! Checkpoint
       character(len=16), intent(out) :: digest           !! As of the state
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
@@ -101,7 +101,7 @@ contains
 
    !> Add the hashes of one material in a checkpoint, the share of this rank.
    subroutine digest_group(communicator, source, store, sum, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(hdf5_source_t), intent(in) :: source          !! Open checkpoint
       character(len=*), intent(in) :: store              !! Name of the material
       integer(int64), intent(inout) :: sum               !! Sum of hashes
@@ -173,7 +173,7 @@ contains
 
    !> The sum over all ranks, mixed with step and time, as a text. Collective.
    function finished(communicator, sum, step, time) result(digest)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: sum                  !! Sum of the hashes of this rank
       integer(int64), intent(in) :: step                 !! Steps done
       real(wp), intent(in) :: time                       !! Simulated time [s]
@@ -200,9 +200,9 @@ contains
 
    !> Hash a field of numbers.
    subroutine digester_scalar(self, name, unit, values)
-      class(digester_t), intent(inout) :: self           !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(digester_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)  !! (particle), not changed
       real(wp), allocatable :: column(:)
       integer :: index
@@ -216,9 +216,9 @@ contains
 
    !> Hash a field of vectors or tensors.
    subroutine digester_vector(self, name, unit, values)
-      class(digester_t), intent(inout) :: self           !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(digester_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
       real(wp), allocatable :: column(:)
       integer :: component, index
@@ -235,9 +235,9 @@ contains
 
    !> Hash a field of whole numbers.
    subroutine digester_whole(self, name, unit, values)
-      class(digester_t), intent(inout) :: self           !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(digester_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
       integer(int64), allocatable :: column(:)
 

@@ -32,8 +32,8 @@ module io_fields
 
    !> One field of an output.
    type :: column_t
-      character(len=field_name_length) :: name = ""      !! Name in files
-      character(len=field_name_length) :: unit = "1"     !! SI unit
+      character(len=field_name_length) :: name = ""
+      character(len=field_name_length) :: unit = "1"
       integer :: components = 1                          !! 1 number, 3 vector, 6 or 9 tensor
       logical :: is_real = .true.                        !! Real, not whole numbers
       logical :: derived = .false.                       !! Follows from fields
@@ -111,7 +111,7 @@ contains
    !> Add what particles carry, and of which material they are.
    pure subroutine append_state(carried, columns)
       type(column_t), intent(in) :: carried(:)           !! What there is
-      type(column_t), allocatable, intent(inout) :: columns(:) !! The list
+      type(column_t), allocatable, intent(inout) :: columns(:)
       type(column_t) :: column
       integer :: index
       logical :: found
@@ -177,7 +177,7 @@ contains
 
    !> Add a column unless it is there.
    pure subroutine append(columns, column)
-      type(column_t), allocatable, intent(inout) :: columns(:) !! The list
+      type(column_t), allocatable, intent(inout) :: columns(:)
       type(column_t), intent(in) :: column               !! A further one
       type(column_t), allocatable :: larger(:)
 
@@ -245,7 +245,7 @@ contains
 
    !> Copy the places of a store.
    pure subroutine copy_order(picks, order)
-      type(picks_t), intent(in) :: picks                 !! Which particles
+      type(picks_t), intent(in) :: picks
       integer, allocatable, intent(inout) :: order(:)    !! Their places
 
       if (allocated(order)) deallocate (order)
@@ -254,7 +254,7 @@ contains
 
    !> Values that follow from fields.
    pure subroutine derive(store, picks, before, name, values)
-      type(store_t), intent(in) :: store                 !! The particles
+      type(store_t), intent(in) :: store
       type(picks_t), intent(in) :: picks                 !! Which of them
       integer, intent(in) :: before                      !! Rows before the first
       character(len=*), intent(in) :: name               !! What is wanted
@@ -285,9 +285,9 @@ contains
 
    !> Note a field.
    subroutine collector_note(self, name, unit, components, is_real)
-      class(collector_t), intent(inout) :: self          !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(collector_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer, intent(in) :: components                  !! Of a particle
       logical, intent(in) :: is_real                     !! Real, not whole numbers
       type(column_t) :: column
@@ -301,9 +301,9 @@ contains
 
    !> Note a field of numbers.
    subroutine collector_scalar(self, name, unit, values)
-      class(collector_t), intent(inout) :: self          !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(collector_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)  !! (particle), not changed
 
       call self%note(name, unit, 1, .true.)
@@ -311,9 +311,9 @@ contains
 
    !> Note a field of vectors or tensors.
    subroutine collector_vector(self, name, unit, values)
-      class(collector_t), intent(inout) :: self          !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(collector_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
 
       call self%note(name, unit, size(values, 2), .true.)
@@ -321,9 +321,9 @@ contains
 
    !> Note a field of whole numbers.
    subroutine collector_whole(self, name, unit, values)
-      class(collector_t), intent(inout) :: self          !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(collector_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
 
       call self%note(name, unit, 1, .false.)
@@ -331,9 +331,9 @@ contains
 
    !> Copy a field of numbers.
    subroutine fetcher_scalar(self, name, unit, values)
-      class(fetcher_t), intent(inout) :: self            !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(fetcher_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)  !! (particle), not changed
       integer :: row
 
@@ -345,9 +345,9 @@ contains
 
    !> Copy a field of vectors or tensors.
    subroutine fetcher_vector(self, name, unit, values)
-      class(fetcher_t), intent(inout) :: self            !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(fetcher_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
       integer :: component, row
 
@@ -361,9 +361,9 @@ contains
 
    !> Copy a field of whole numbers.
    subroutine fetcher_whole(self, name, unit, values)
-      class(fetcher_t), intent(inout) :: self            !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(fetcher_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
       integer :: row
 

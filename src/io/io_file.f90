@@ -42,7 +42,7 @@ contains
 
    !> Allocate an error that names a path and the system's reason.
    subroutine fail_path(error, action, path)
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
+      type(error_t), allocatable, intent(out) :: error
       character(len=*), intent(in) :: action             !! As in "cannot ACTION path"
       character(len=*), intent(in) :: path               !! What it was about
 
@@ -295,7 +295,7 @@ contains
 
    !> Begin an empty file; what was there is lost.
    subroutine output_create(self, path, error)
-      class(output_file_t), intent(inout) :: self        !! The file
+      class(output_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path               !! Where
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
 
@@ -307,7 +307,7 @@ contains
 
    !> Go on at the end of a file that is there.
    subroutine output_append(self, path, error)
-      class(output_file_t), intent(inout) :: self        !! The file
+      class(output_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path               !! Where
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
 
@@ -319,7 +319,7 @@ contains
 
    !> Write a text.
    subroutine output_write(self, text, error)
-      class(output_file_t), intent(in) :: self           !! The file
+      class(output_file_t), intent(in) :: self
       character(len=*), intent(in) :: text               !! Line ends included
       type(error_t), allocatable, intent(out) :: error   !! Not all was written
       character(len=:), allocatable, target :: letters
@@ -339,7 +339,7 @@ contains
 
    !> Wait until all is on the disk.
    subroutine output_sync(self, error)
-      class(output_file_t), intent(in) :: self           !! The file
+      class(output_file_t), intent(in) :: self
       type(error_t), allocatable, intent(out) :: error   !! Not all of it reached the disk
 
       if (c_fsync(self%descriptor) /= 0) call fail_path(error, "write", self%path)
@@ -347,7 +347,7 @@ contains
 
    !> Close the file, if it is open.
    subroutine output_close(self)
-      class(output_file_t), intent(inout) :: self        !! The file
+      class(output_file_t), intent(inout) :: self
       integer(c_int) :: status
 
       if (self%descriptor < 0) return

@@ -120,7 +120,7 @@ contains
 
    !> True if a file was found that is complete.
    pure logical function has_whole_file(former) result(has)
-      type(former_run_t), intent(in) :: former           !! The files
+      type(former_run_t), intent(in) :: former
       integer :: n
 
       has = .false.
@@ -132,7 +132,7 @@ contains
    !> Take a file if it is there and not yet taken.
    subroutine take(names, name, former)
       character(len=*), intent(in) :: names(:)           !! Names in the folder
-      character(len=*), intent(in) :: name               !! The file
+      character(len=*), intent(in) :: name
       type(former_run_t), intent(inout) :: former        !! Gets it
       integer :: n
 
@@ -160,7 +160,7 @@ contains
    logical function is_own_checkpoint(folder, case, path) result(own)
       character(len=*), intent(in) :: folder             !! Folder of the results
       character(len=*), intent(in) :: case               !! Prefix of all files
-      character(len=*), intent(in) :: path               !! The checkpoint
+      character(len=*), intent(in) :: path
       character(len=:), allocatable :: place
 
       place = real_path(path)

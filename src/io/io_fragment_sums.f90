@@ -26,7 +26,7 @@ contains
 
    !> Sums over the particles of each cell, in their order.
    pure subroutine cell_sums(stores, picks, cells, sums)
-      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(store_t), intent(in) :: stores(:)
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       type(cells_t), intent(in) :: cells                 !! Their cells
       real(wp), allocatable, intent(out) :: sums(:, :)   !! (sum, cell)

@@ -49,7 +49,7 @@ module io_hdf5
    type :: hdf5_file_t
       character(len=:), allocatable :: path               !! Name when complete
       integer(hid_t) :: id = -1                           !! The open file
-      type(communicator_t) :: communicator                !! The ranks
+      type(communicator_t) :: communicator
       type(error_t), allocatable :: problem               !! First thing that failed, on all ranks
       integer :: status = 0                               !! Failures of this rank not yet shared
       character(len=:), allocatable :: seal               !! Title of a seal at the end, if wanted
@@ -79,8 +79,8 @@ contains
 
    !> Begin a file, once its space is sure. Collective.
    subroutine hdf5_create(self, communicator, path, bytes, error)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+      class(hdf5_file_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path                !! Name when complete
       integer(int64), intent(in) :: bytes                 !! Greatest length it may get [byte]
       type(error_t), allocatable, intent(out) :: error    !! It cannot be written; nothing is left
@@ -120,7 +120,7 @@ contains
 
    !> Name of a file while it is not complete.
    pure function part_of(self) result(path)
-      class(hdf5_file_t), intent(in) :: self              !! The file
+      class(hdf5_file_t), intent(in) :: self
       character(len=:), allocatable :: path
 
       path = self%path//".part"
@@ -128,7 +128,7 @@ contains
 
    !> Share an error of rank 0, which speaks for all.
    subroutine agree_plainly(communicator, error)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(error_t), allocatable, intent(inout) :: error  !! Own error in, common error out
       character(len=*), parameter :: label = "rank 0: "
 
@@ -139,7 +139,7 @@ contains
 
    !> Let all ranks write to the file.
    subroutine set_parallel(communicator, access_list)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(hid_t), intent(in) :: access_list           !! How the file will be opened
       integer :: group, hints, status
 
@@ -151,7 +151,7 @@ contains
 
    !> Complete the file and give it its name; if anything went wrong take it away. Collective.
    subroutine hdf5_finish(self, error)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error    !! It was not written; nothing is left
       type(error_t), allocatable :: ignored
       integer :: status
@@ -186,14 +186,14 @@ contains
 
    !> True until something goes wrong on some rank.
    pure logical function hdf5_works(self) result(works)
-      class(hdf5_file_t), intent(in) :: self              !! The file
+      class(hdf5_file_t), intent(in) :: self
 
       works = .not. allocated(self%problem)
    end function hdf5_works
 
    !> Share what went wrong on any rank, here or at attributes before. Collective.
    subroutine hdf5_settle(self, action, object, status)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: action              !! As in "cannot ACTION the file"
       character(len=*), intent(in) :: object              !! What in the file, or empty
       integer, intent(in) :: status                       !! Answer of the library on this rank
@@ -216,7 +216,7 @@ contains
 
    !> Make a group. Collective.
    subroutine hdf5_group(self, name)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! From the root
       integer(hid_t) :: group
       integer :: status
@@ -230,7 +230,7 @@ contains
    !> A type for texts of a given length. The caller closes it.
    subroutine text_type(length, kind)
       integer, intent(in) :: length                       !! Letters
-      integer(hid_t), intent(out) :: kind                 !! The type
+      integer(hid_t), intent(out) :: kind
       integer :: status
 
       call h5tcopy_f(h5t_fortran_s1, kind, status)
@@ -239,12 +239,12 @@ contains
 
    !> Attach a value of any type to an object.
    subroutine attach(self, object, name, kind, length, address)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       integer(hid_t), intent(in) :: kind                  !! Type in memory and file
       integer, intent(in) :: length                       !! Number of values, 0: one, no array
-      type(c_ptr), intent(in) :: address                  !! The values
+      type(c_ptr), intent(in) :: address
       integer(hid_t) :: attribute, place, space
       integer(hsize_t) :: extent(1)
       integer :: ignored, status
@@ -268,7 +268,7 @@ contains
 
    !> Attach a text.
    subroutine attach_text(self, object, name, text)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       character(len=*), intent(in) :: text                !! Its value
@@ -286,7 +286,7 @@ contains
 
    !> Attach a real number.
    subroutine attach_real(self, object, name, value)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       real(wp), intent(in) :: value                       !! Its value
@@ -298,7 +298,7 @@ contains
 
    !> Attach a row of real numbers.
    subroutine attach_reals(self, object, name, values)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       real(wp), intent(in) :: values(:)                   !! Its values
@@ -310,7 +310,7 @@ contains
 
    !> Attach a row of short whole numbers.
    subroutine attach_shorts(self, object, name, values)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       integer(int32), intent(in) :: values(:)             !! Its values
@@ -323,7 +323,7 @@ contains
 
    !> Attach a whole number.
    subroutine attach_integer(self, object, name, value)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       integer(int64), intent(in) :: value                 !! Its value

@@ -22,7 +22,7 @@ module io_hdf5_index
 
    !> What a snapshot holds.
    type :: snapshot_info_t
-      character(len=:), allocatable :: path              !! The file
+      character(len=:), allocatable :: path
       real(wp) :: time = 0.0_wp                          !! Simulated time [s]
       integer(int64) :: points = 0                       !! Number of particles
       type(data_info_t), allocatable :: fields(:)        !! Their fields
@@ -32,7 +32,7 @@ contains
 
    !> Learn what a snapshot holds.
    subroutine read_snapshot(path, info, error, of_grid)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       type(snapshot_info_t), intent(out) :: info         !! What it holds
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       logical, intent(in) :: of_grid                     !! It holds no particles, only the time
@@ -64,7 +64,7 @@ contains
 
    !> Write the index of a series. Fields that not all snapshots have are left out.
    subroutine write_index(path, steps, error)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots, in order
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
       integer(int64), parameter :: room = 1048576, room_per_step = 8192
@@ -112,8 +112,8 @@ contains
 
    !> Write the fields that all snapshots have alike.
    subroutine write_fields(file, steps)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
-      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
+      type(hdf5_file_t), intent(inout) :: file
+      type(snapshot_info_t), intent(in) :: steps(:)
       integer :: field
 
       call file%group(root//"/PointData")
@@ -125,8 +125,8 @@ contains
 
    !> True if all snapshots have a field in the same form.
    pure logical function everywhere(steps, field) result(found)
-      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
-      type(data_info_t), intent(in) :: field             !! The field
+      type(snapshot_info_t), intent(in) :: steps(:)
+      type(data_info_t), intent(in) :: field
       integer :: step
 
       found = .true.
@@ -141,8 +141,8 @@ contains
 
    !> Write times and where each time begins.
    subroutine write_steps(file, steps, starts)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
-      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
+      type(hdf5_file_t), intent(inout) :: file
+      type(snapshot_info_t), intent(in) :: steps(:)
       integer(int64), contiguous, intent(in) :: starts(:) !! (snapshot) Points before it
       character(len=*), parameter :: group = root//"/Steps"
       integer(int64) :: numbers(size(steps)), column(1, size(steps))
@@ -172,16 +172,16 @@ contains
 
    !> Write a row of whole numbers.
    subroutine write_numbers(file, name, numbers)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      integer(int64), contiguous, intent(in) :: numbers(:) !! The numbers
+      integer(int64), contiguous, intent(in) :: numbers(:)
 
       call write_data(file, name, rows_of_root(file%communicator, size(numbers)), numbers)
    end subroutine write_numbers
 
    !> Write a column of whole numbers, one a row.
    subroutine write_column(file, name, numbers)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       integer(int64), contiguous, intent(in) :: numbers(:, :) !! (1, row)
 
@@ -190,8 +190,8 @@ contains
 
    !> Write a data set that is a window on those of all snapshots, one after the other.
    subroutine write_window(file, steps, name, info, extra)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
-      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
+      type(hdf5_file_t), intent(inout) :: file
+      type(snapshot_info_t), intent(in) :: steps(:)
       character(len=*), intent(in) :: name               !! From the root of viewers
       type(data_info_t), intent(in) :: info              !! What it is
       integer, intent(in) :: extra                       !! Rows beyond those of the points

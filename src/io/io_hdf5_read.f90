@@ -59,7 +59,7 @@ contains
 
    !> Open a file.
    subroutine source_open(self, path, error)
-      class(hdf5_source_t), intent(inout) :: self        !! The file
+      class(hdf5_source_t), intent(inout) :: self
       character(len=*), intent(in) :: path               !! Where it is
       type(error_t), allocatable, intent(out) :: error   !! Missing, unreadable, cut short
       integer :: status
@@ -80,7 +80,7 @@ contains
 
    !> Close the file, if it is open.
    subroutine source_close(self)
-      class(hdf5_source_t), intent(inout) :: self        !! The file
+      class(hdf5_source_t), intent(inout) :: self
       integer :: status
 
       if (self%id < 0) return
@@ -91,16 +91,16 @@ contains
 
    !> Allocate an error about something in the file.
    subroutine fail_at(self, name, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! What in it
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
+      type(error_t), allocatable, intent(out) :: error
 
       call fail(error, exit_file, "'"//self%path//"' is damaged: cannot read '"//name//"'")
    end subroutine fail_at
 
    !> True if there is an object of this name; the groups above it must be there.
    logical function source_has(self, name) result(there)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer :: status
 
@@ -110,7 +110,7 @@ contains
 
    !> What a data set is.
    subroutine source_info(self, name, info, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       type(data_info_t), intent(out) :: info             !! What it is
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
@@ -147,7 +147,7 @@ contains
 
    !> What is in a group, in alphabetical order.
    subroutine source_members(self, group, members, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: group              !! From the root
       type(data_info_t), allocatable, intent(out) :: members(:) !! Data sets and groups
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
@@ -176,7 +176,7 @@ contains
 
    !> Read an attribute of any type.
    subroutine read_attribute(self, object, name, kind, address, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
       integer(hid_t), intent(in) :: kind                 !! Type in memory
@@ -203,7 +203,7 @@ contains
 
    !> Read an attribute that is a real number.
    subroutine source_real(self, object, name, value, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
       real(wp), intent(out) :: value                     !! Its value
@@ -217,7 +217,7 @@ contains
 
    !> Read an attribute that is a whole number.
    subroutine source_integer(self, object, name, value, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
       integer(int64), intent(out) :: value               !! Its value
@@ -231,7 +231,7 @@ contains
 
    !> Read rows of a data set of any type. The data set must have the rows asked for.
    subroutine read_any(self, name, before, extent, kind, address, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer(int64), intent(in) :: before               !! Rows before the first wanted
       integer, intent(in) :: extent(:)                   !! Components (if any) and rows wanted
@@ -264,7 +264,7 @@ contains
 
    !> True if a data set has this form, so that reading cannot go astray.
    subroutine check_form(self, name, dimensions, components, last_row, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer, intent(in) :: dimensions                  !! 1: numbers, 2: vectors or tensors
       integer, intent(in) :: components                  !! Of a row
@@ -280,7 +280,7 @@ contains
 
    !> Read real numbers.
    subroutine source_reals(self, name, before, values, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer(int64), intent(in) :: before               !! Rows before the first wanted
       real(wp), contiguous, target, intent(out) :: values(:) !! (row)
@@ -295,7 +295,7 @@ contains
 
    !> Read vectors or tensors.
    subroutine source_vectors(self, name, before, values, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer(int64), intent(in) :: before               !! Rows before the first wanted
       real(wp), contiguous, target, intent(out) :: values(:, :) !! (component, row)
@@ -311,7 +311,7 @@ contains
 
    !> Read whole numbers.
    subroutine source_integers(self, name, before, values, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer(int64), intent(in) :: before               !! Rows before the first wanted
       integer(int64), contiguous, target, intent(out) :: values(:) !! (row)
@@ -326,9 +326,9 @@ contains
 
    !> Read the bytes of a data set as a text.
    subroutine source_text(self, name, text, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
-      character(len=:), allocatable, intent(out), target :: text !! The text
+      character(len=:), allocatable, intent(out), target :: text
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       type(data_info_t) :: info
       integer :: extent(1)
@@ -344,7 +344,7 @@ contains
 
    !> Numbers along each direction of a data set of one to three, the fastest first.
    subroutine source_extents(self, name, extent, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer, allocatable, intent(out) :: extent(:)     !! (direction)
       type(error_t), allocatable, intent(out) :: error   !! No such data set, or of another form
@@ -371,7 +371,7 @@ contains
 
    !> Read layers of a data set, which count along its slowest direction.
    subroutine source_layers(self, name, before, extent, values, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer, intent(in) :: before                      !! Layers before the first wanted
       integer, intent(in) :: extent(:)                   !! Wanted, as `extents` has them
@@ -384,7 +384,7 @@ contains
 
    !> Read an attribute of one number or several; none if there is no such attribute.
    subroutine source_list(self, object, name, values, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
       real(wp), allocatable, intent(out) :: values(:)    !! Its numbers
@@ -418,10 +418,10 @@ contains
 
    !> Read the texts of a data set, all of one length, one behind the other.
    subroutine source_names(self, name, length, names, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer, intent(out) :: length                     !! Of a text
-      character(len=:), allocatable, intent(out), target :: names !! The texts
+      character(len=:), allocatable, intent(out), target :: names
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       type(data_info_t) :: info
       integer(hid_t) :: data_set, kind

@@ -47,7 +47,7 @@ contains
 
    !> Rows that rank 0 holds alone.
    pure function rows_of_root(communicator, total) result(rows)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer, intent(in) :: total                       !! Rows
       type(rows_t) :: rows
 
@@ -60,7 +60,7 @@ contains
 
    !> Rows shared out evenly.
    pure function even_rows(communicator, total) result(rows)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: total                !! Rows
       type(rows_t) :: rows
       integer(int64) :: least, rank, spare
@@ -93,12 +93,12 @@ contains
 
    !> Write one data set of any type. Collective.
    subroutine write_any(file, name, rows, inner, kind, address)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       integer, intent(in) :: inner(:)                    !! Extents of a row; none: a plain number
       integer(hid_t), intent(in) :: kind                 !! Type in memory and file
-      type(c_ptr), intent(in) :: address                 !! The values
+      type(c_ptr), intent(in) :: address
       integer(hid_t) :: data_set, plan, space
       integer(hsize_t) :: extent(size(inner) + 1)
       integer :: ignored, status
@@ -141,13 +141,13 @@ contains
 
    !> Write the rows of this rank. Collective.
    subroutine write_pieces(file, data_set, space, rows, extent, kind, address, status)
-      class(hdf5_file_t), intent(in) :: file             !! The file
+      class(hdf5_file_t), intent(in) :: file
       integer(hid_t), intent(in) :: data_set             !! The open data set
       integer(hid_t), intent(in) :: space                !! Its shape
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       integer(hsize_t), intent(in) :: extent(:)          !! Components (if any) and rows
       integer(hid_t), intent(in) :: kind                 !! Type in memory and file
-      type(c_ptr), intent(in) :: address                 !! The values
+      type(c_ptr), intent(in) :: address
       integer, intent(out) :: status                     !! Answer of the library
       integer(hid_t) :: memory, transfer_list
       integer(hsize_t) :: count(size(extent)), start(size(extent))
@@ -179,7 +179,7 @@ contains
 
    !> Write real numbers.
    subroutine write_reals(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       real(wp), contiguous, target, intent(in) :: values(:) !! (row)
@@ -192,7 +192,7 @@ contains
 
    !> Write vectors or tensors of real numbers.
    subroutine write_vectors(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       real(wp), contiguous, target, intent(in) :: values(:, :) !! (component, row)
@@ -205,7 +205,7 @@ contains
 
    !> Write real numbers of single precision.
    subroutine write_singles(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       real(real32), contiguous, target, intent(in) :: values(:) !! (row)
@@ -218,7 +218,7 @@ contains
 
    !> Write vectors or tensors of single precision.
    subroutine write_single_vectors(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       real(real32), contiguous, target, intent(in) :: values(:, :) !! (component, row)
@@ -231,7 +231,7 @@ contains
 
    !> Write whole numbers.
    subroutine write_integers(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       integer(int64), contiguous, target, intent(in) :: values(:) !! (row)
@@ -244,7 +244,7 @@ contains
 
    !> Write vectors of whole numbers.
    subroutine write_whole_vectors(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       integer(int64), contiguous, target, intent(in) :: values(:, :) !! (component, row)
@@ -257,7 +257,7 @@ contains
 
    !> Write short whole numbers.
    subroutine write_shorts(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       integer(int32), contiguous, target, intent(in) :: values(:) !! (row)
@@ -270,7 +270,7 @@ contains
 
    !> Write rows of several dimensions.
    subroutine write_real_planes(file, name, rows, inner, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       integer, intent(in) :: inner(:)                    !! Extents of a row, the fastest first
@@ -284,7 +284,7 @@ contains
 
    !> Write rows of several dimensions in single precision.
    subroutine write_single_planes(file, name, rows, inner, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       integer, intent(in) :: inner(:)                    !! Extents of a row, the fastest first
@@ -298,7 +298,7 @@ contains
 
    !> Write bytes, given as letters. Collective.
    subroutine write_bytes(file, name, rows, letters)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which bytes are here
       character(len=*), intent(in) :: letters            !! Those bytes
@@ -310,9 +310,9 @@ contains
 
    !> Write a table of texts that all ranks know. Collective.
    subroutine write_names(file, name, names)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      character(len=*), intent(in) :: names(:)           !! The texts
+      character(len=*), intent(in) :: names(:)
       character(len=:), allocatable, target :: joined
       integer(hid_t) :: kind
       integer :: index, status

@@ -19,7 +19,7 @@ contains
 
    !> Rows shared out by whole chunks; the same rows if they are not compressed.
    pure function level_rows(communicator, rows) result(even)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(rows_t), intent(in) :: rows                   !! As the particles are
       type(rows_t) :: even
 
@@ -32,7 +32,7 @@ contains
 
    !> Rows shared out by whole chunks.
    pure function even_chunks(communicator, total, compress) result(even)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: total                !! Rows on all ranks
       integer, intent(in) :: compress                    !! gzip level
       type(rows_t) :: even
@@ -46,7 +46,7 @@ contains
 
    !> Rows before those of a rank.
    pure function first_row(communicator, total, rank) result(row)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: total                !! Rows on all ranks
       integer, intent(in) :: rank                        !! From 0 to the number of ranks
       integer(int64) :: row
@@ -58,7 +58,7 @@ contains
 
    !> The rank that gets a row.
    pure integer function owner_of(communicator, total, row) result(rank)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: total                !! Rows on all ranks
       integer(int64), intent(in) :: row                  !! From 0
       integer :: above, middle
@@ -77,7 +77,7 @@ contains
 
    !> Share out real numbers. Collective.
    subroutine level_reals(communicator, rows, even, values)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(communicator_t), intent(inout) :: communicator
       type(rows_t), intent(in) :: rows                   !! As the values are
       type(rows_t), intent(in) :: even                   !! From `level_rows`
       real(wp), allocatable, intent(inout) :: values(:, :) !! (component, row)
@@ -104,7 +104,7 @@ contains
 
    !> Share out whole numbers. Collective.
    subroutine level_integers(communicator, rows, even, values)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(communicator_t), intent(inout) :: communicator
       type(rows_t), intent(in) :: rows                   !! As the values are
       type(rows_t), intent(in) :: even                   !! From `level_rows`
       integer(int64), allocatable, intent(inout) :: values(:) !! (row)
@@ -121,7 +121,7 @@ contains
 
    !> Share out words. Collective.
    subroutine level(communicator, rows, even, words)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(communicator_t), intent(inout) :: communicator
       type(rows_t), intent(in) :: rows                   !! As the words are
       type(rows_t), intent(in) :: even                   !! As they shall be
       integer(int64), allocatable, intent(inout) :: words(:, :) !! (component, row)
@@ -151,7 +151,7 @@ contains
 
    !> Cut the rows of this rank into messages, one for each piece and rank that gets some of it.
    subroutine pack_messages(communicator, rows, words, destination, length, outgoing)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(rows_t), intent(in) :: rows                   !! As the words are
       integer(int64), contiguous, intent(in) :: words(:, :) !! (component, row)
       integer, allocatable, intent(out) :: destination(:) !! (message) Rank
@@ -193,7 +193,7 @@ contains
 
    !> Keep the beginning of an array.
    pure subroutine shorten(array, count)
-      integer, allocatable, intent(inout) :: array(:)    !! The array
+      integer, allocatable, intent(inout) :: array(:)
       integer, intent(in) :: count                       !! What remains
       integer, allocatable :: shorter(:)
 

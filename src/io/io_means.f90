@@ -28,7 +28,7 @@ module io_means
 
    !> One field that is averaged.
    type :: mean_t
-      type(column_t) :: column                           !! The field
+      type(column_t) :: column
       integer :: weight = by_mass                        !! One of the constants above
    end type mean_t
 
@@ -78,9 +78,9 @@ contains
    !> Add a field unless it is there.
    subroutine add_mean(stores, name, if_carried, means, error)
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      character(len=*), intent(in) :: name               !! The field
+      character(len=*), intent(in) :: name
       logical, intent(in) :: if_carried                  !! Without it no harm is done
-      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
+      type(mean_t), allocatable, intent(inout) :: means(:)
       type(error_t), allocatable, intent(out) :: error   !! It does not work
       type(column_t), allocatable :: columns(:)
       type(mean_t) :: mean
@@ -110,7 +110,7 @@ contains
 
    !> Add the volume fraction.
    subroutine add_fraction(means)
-      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
+      type(mean_t), allocatable, intent(inout) :: means(:)
       type(mean_t) :: mean
 
       mean%column%name = volume_fraction
@@ -121,7 +121,7 @@ contains
    !> Add what only a profile can hold.
    subroutine add_of_profile(name, means)
       character(len=*), intent(in) :: name               !! One of `profile_names`
-      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
+      type(mean_t), allocatable, intent(inout) :: means(:)
       type(mean_t) :: mean
 
       mean%column%name = name
@@ -132,7 +132,7 @@ contains
 
    !> Add to the list unless it is there.
    subroutine append(means, mean)
-      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
+      type(mean_t), allocatable, intent(inout) :: means(:)
       type(mean_t), intent(in) :: mean                   !! A further one
       type(mean_t), allocatable :: longer(:)
       integer :: n

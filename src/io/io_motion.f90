@@ -78,8 +78,8 @@ contains
 
    !> Make the message.
    subroutine complain(error, path, meaning, what)
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
-      character(len=*), intent(in) :: path               !! The file
+      type(error_t), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: path
       type(meaning_t), intent(in) :: meaning             !! What the table holds
       character(len=*), intent(in) :: what               !! What is wrong
 
@@ -100,7 +100,7 @@ contains
    !> Four finite numbers, neither less nor more.
    subroutine read_line(line, values, sound)
       character(len=*), intent(in) :: line               !! With blanks between the words
-      real(wp), intent(out) :: values(columns)           !! The numbers
+      real(wp), intent(out) :: values(columns)
       logical, intent(out) :: sound                      !! Are they there?
       type(text_t), allocatable :: words(:)
       integer :: k

@@ -15,7 +15,7 @@ contains
 
    !> Places in the arrays of the particles of a store, tile after tile.
    pure subroutine tile_order(store, order)
-      type(store_t), intent(in) :: store                 !! The particles
+      type(store_t), intent(in) :: store
       integer, allocatable, intent(out) :: order(:)      !! Their places
       integer :: filled, particle, tile
 
@@ -32,7 +32,7 @@ contains
 
    !> Rows of a file for some particles of each store, one piece a store. Collective.
    function store_rows(communicator, counts, compress) result(rows)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: counts(:)            !! (store) Particles of this rank
       integer, intent(in) :: compress                    !! gzip level
       type(rows_t) :: rows

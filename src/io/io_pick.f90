@@ -31,7 +31,7 @@ contains
    !> Places of the particles of a store that are taken, tile after tile.
    pure subroutine rule_pick(self, store, order)
       class(pick_rule_t), intent(in) :: self             !! What is wanted
-      type(store_t), intent(in) :: store                 !! The particles
+      type(store_t), intent(in) :: store
       integer, allocatable, intent(out) :: order(:)      !! Their places
       integer, allocatable :: shorter(:)
       integer :: kept, row
@@ -60,8 +60,8 @@ contains
    !> True if a particle is taken.
    pure logical function rule_takes(self, store, p) result(taken)
       class(pick_rule_t), intent(in) :: self             !! What is wanted
-      type(store_t), intent(in) :: store                 !! The particles
-      integer, intent(in) :: p                           !! Which one
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp) :: position(3)
 
       taken = mod(store%identity(p), int(max(self%stride, 1), int64)) == 0_int64

@@ -37,8 +37,8 @@ contains
 
    !> Make the message.
    subroutine complain(error, path, what)
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
-      character(len=*), intent(in) :: path               !! The file
+      type(error_t), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: what               !! What is wrong
 
       call fail(error, exit_file, "cannot read the points of '"//path//"': "//what)
@@ -49,7 +49,7 @@ contains
    subroutine read_point_text(text, path, list, error)
       character(len=*), intent(in) :: text               !! All of the file
       character(len=*), intent(in) :: path               !! Its name, for messages
-      type(point_list_t), intent(out) :: list            !! The points
+      type(point_list_t), intent(out) :: list
       type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
       type(text_t), allocatable :: words(:)
       integer, allocatable :: column(:)
@@ -172,7 +172,7 @@ contains
    subroutine read_row(words, column, row, list, fault)
       type(text_t), intent(in) :: words(:)               !! Of its line
       integer, intent(in) :: column(:)                   !! (name) Place of its column, 0: none
-      integer, intent(in) :: row                         !! Which point
+      integer, intent(in) :: row
       type(point_list_t), intent(inout) :: list          !! Gets it
       character(len=:), allocatable, intent(out) :: fault !! What is wrong, or empty
       real(wp) :: values(7)
@@ -208,7 +208,7 @@ contains
    !> Give the material of a point a number.
    subroutine name_material(name, row, list)
       character(len=*), intent(in) :: name               !! Of the material
-      integer, intent(in) :: row                         !! Which point
+      integer, intent(in) :: row
       type(point_list_t), intent(inout) :: list          !! Gets it
       integer :: n
 
@@ -221,7 +221,7 @@ contains
 
    !> Drop the room that was not needed.
    subroutine cut(list, rows)
-      type(point_list_t), intent(inout) :: list          !! The points
+      type(point_list_t), intent(inout) :: list
       integer, intent(in) :: rows                        !! How many
 
       list%position = list%position(:, :rows)
@@ -234,7 +234,7 @@ contains
    !> Take the points from a snapshot; its other fields are named and read where they are needed.
    subroutine read_snapshot(source, list, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
-      type(point_list_t), intent(out) :: list            !! The points
+      type(point_list_t), intent(out) :: list
       type(error_t), allocatable, intent(out) :: error   !! It is no snapshot, or damaged
       type(data_info_t), allocatable :: members(:)
       type(data_info_t) :: info
@@ -308,7 +308,7 @@ contains
 
    !> Refuse points that are none.
    subroutine check_snapshot(path, list, error)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       type(point_list_t), intent(in) :: list             !! Its points
       type(error_t), allocatable, intent(out) :: error   !! A number is none
       integer :: n

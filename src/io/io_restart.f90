@@ -23,7 +23,7 @@ module io_restart
 
    !> Reads the fields of one store. A failure is kept; the ranks stay together until the end.
    type, extends(field_worker_t) :: reader_t
-      type(communicator_t) :: communicator                !! The ranks
+      type(communicator_t) :: communicator
       type(hdf5_source_t) :: source                       !! The open file
       character(len=:), allocatable :: store              !! Name of the material
       integer(int64) :: total = 0                         !! Particles on all ranks
@@ -46,7 +46,7 @@ contains
    !! One of another deck ends the search: an older file may be of this deck, but newer results
    !! would be lost if the run went on from it.
    subroutine checkpoint_find(communicator, place, stores, state, path, notes, error, changes)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(checkpoint_place_t), intent(in) :: place       !! Folder, case and keys of this run
       type(store_t), intent(inout) :: stores(:)           !! With the fields wanted, filled
       type(state_t), intent(inout) :: state               !! Filled
@@ -90,8 +90,8 @@ contains
    !! The fields of the stores must be allocated, of any size, as the run wants them. Every rank
    !! gets an even share of each store in one tile, whatever tile the particles belong to.
    subroutine checkpoint_read(communicator, path, stores, state, error, echo, changes)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
-      character(len=*), intent(in) :: path                !! The file
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: path
       type(store_t), intent(inout) :: stores(:)           !! With the fields wanted, filled
       type(state_t), intent(inout) :: state               !! Filled
       type(error_t), allocatable, intent(out) :: error    !! Damaged, or of another deck
@@ -122,9 +122,9 @@ contains
 
    !> Text of the deck ("/deck") or echo ("/deck_echo") in a checkpoint.
    subroutine checkpoint_text(path, name, text, error)
-      character(len=*), intent(in) :: path                !! The file
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: name                !! From the root
-      character(len=:), allocatable, intent(out) :: text  !! The text
+      character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error    !! Cannot be read
       type(hdf5_source_t) :: source
 
@@ -138,7 +138,7 @@ contains
    subroutine read_text(source, name, text, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
       character(len=*), intent(in) :: name                !! From the root
-      character(len=:), allocatable, intent(out) :: text  !! The text
+      character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error    !! Cannot be read, or damaged
       integer(int64) :: check
 
@@ -168,9 +168,9 @@ contains
 
    !> Allocate an error about bits that have changed.
    subroutine fail_check(path, name, error)
-      character(len=*), intent(in) :: path                !! The file
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: name                !! What in it
-      type(error_t), allocatable, intent(out) :: error    !! Allocated on return
+      type(error_t), allocatable, intent(out) :: error
 
       call fail(error, exit_file, "'"//path//"' is damaged: the check of '"//name//"' is wrong")
    end subroutine fail_check
@@ -251,7 +251,7 @@ contains
    !> See that the file has the materials of the run and no others.
    subroutine check_materials(source, stores, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
-      type(store_t), intent(in) :: stores(:)              !! The materials
+      type(store_t), intent(in) :: stores(:)
       type(error_t), allocatable, intent(out) :: error    !! Another set of materials
       type(data_info_t), allocatable :: groups(:)
       character(len=:), allocatable :: names
@@ -274,7 +274,7 @@ contains
 
    !> Read the particles of one store. Collective.
    subroutine read_store(reader, store)
-      type(reader_t), intent(inout) :: reader             !! The worker
+      type(reader_t), intent(inout) :: reader
       type(store_t), intent(inout) :: store               !! With the fields wanted, filled
       type(data_info_t) :: identity
       type(error_t), allocatable :: error
@@ -303,7 +303,7 @@ contains
 
    !> Make an array hold one number.
    pure subroutine set_only(array, number)
-      integer, allocatable, intent(inout) :: array(:)     !! The array
+      integer, allocatable, intent(inout) :: array(:)
       integer, intent(in) :: number                       !! What it holds
 
       if (allocated(array)) deallocate (array)
@@ -313,8 +313,8 @@ contains
 
    !> See that a field is there for all particles.
    logical function reader_look(self, name) result(there)
-      class(reader_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
+      class(reader_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
       type(data_info_t) :: info
       type(error_t), allocatable :: error
       character(len=:), allocatable :: group
@@ -335,7 +335,7 @@ contains
 
    !> Compare the hash of a field over all ranks. Collective.
    subroutine reader_verify(self, name, check, error)
-      class(reader_t), intent(inout) :: self              !! The worker
+      class(reader_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Data set, from the root
       integer(int64), intent(in) :: check                 !! Hash of the rows of this rank
       type(error_t), allocatable, intent(inout) :: error  !! What failed in reading
@@ -355,9 +355,9 @@ contains
 
    !> Read a field of numbers. Collective.
    subroutine reader_scalar(self, name, unit, values)
-      class(reader_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(reader_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)   !! (particle), filled
       type(error_t), allocatable :: error
       integer(int64) :: check
@@ -378,9 +378,9 @@ contains
 
    !> Read a field of vectors or tensors. Collective.
    subroutine reader_vector(self, name, unit, values)
-      class(reader_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(reader_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), filled
       type(error_t), allocatable :: error
       real(wp), allocatable :: rows(:, :)
@@ -409,9 +409,9 @@ contains
 
    !> Read a field of whole numbers. Collective.
    subroutine reader_whole(self, name, unit, values)
-      class(reader_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(reader_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), filled
       type(error_t), allocatable :: error
       integer(int64) :: check

@@ -30,7 +30,7 @@ contains
 
    !> Append the seal to a file. Collective.
    subroutine write_seal(communicator, path, title, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path               !! The file, complete and closed
       character(len=*), intent(in) :: title              !! Kind and version of the file
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read or written
@@ -51,8 +51,8 @@ contains
 
    !> Compare a file with its seal. Collective.
    subroutine check_seal(communicator, path, title, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      character(len=*), intent(in) :: path               !! The file
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: title              !! Kind and version that are understood
       type(error_t), allocatable, intent(out) :: error   !! Missing, another kind, or damaged
       character(len=seal_bytes) :: seal
@@ -78,7 +78,7 @@ contains
 
    !> Read the seal of a file.
    subroutine read_seal(path, seal, error)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       character(len=seal_bytes), intent(out) :: seal     !! Its last bytes
       type(error_t), allocatable, intent(out) :: error   !! Missing or unreadable
       integer(int64) :: bytes
@@ -101,8 +101,8 @@ contains
 
    !> Hash of the first bytes of a file; the ranks share the work. Collective.
    subroutine hash_file(communicator, path, bytes, hash, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      character(len=*), intent(in) :: path               !! The file
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: path
       integer(int64), intent(in) :: bytes                !! How many count
       integer(int64), intent(out) :: hash                !! The same on all ranks
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read

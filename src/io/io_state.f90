@@ -35,7 +35,7 @@ contains
 
    !> Where an entry is, 0 if there is none.
    pure integer function state_place(self, name) result(place)
-      class(state_t), intent(in) :: self                  !! The state
+      class(state_t), intent(in) :: self
       character(len=*), intent(in) :: name                !! Name of an entry
       integer :: index
 
@@ -48,7 +48,7 @@ contains
 
    !> Is there an entry of this name.
    pure logical function state_has(self, name) result(has)
-      class(state_t), intent(in) :: self                  !! The state
+      class(state_t), intent(in) :: self
       character(len=*), intent(in) :: name                !! Name of an entry
 
       has = self%place(name) > 0
@@ -56,7 +56,7 @@ contains
 
    !> An empty entry of a name, new or old.
    subroutine make_room(self, name, place)
-      class(state_t), intent(inout) :: self               !! The state
+      class(state_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
       integer, intent(out) :: place                       !! Where it is
       type(entry_t), allocatable :: larger(:)
@@ -81,7 +81,7 @@ contains
 
    !> Keep real numbers under a name.
    subroutine set_reals(self, name, values)
-      class(state_t), intent(inout) :: self               !! The state
+      class(state_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
       real(wp), intent(in) :: values(:)                   !! What is kept
       integer :: place
@@ -93,7 +93,7 @@ contains
 
    !> Keep whole numbers under a name.
    subroutine set_integers(self, name, values)
-      class(state_t), intent(inout) :: self               !! The state
+      class(state_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
       integer(int64), intent(in) :: values(:)             !! What is kept
       integer :: place
@@ -105,7 +105,7 @@ contains
 
    !> Look real numbers up.
    subroutine get_reals(self, name, values, error)
-      class(state_t), intent(in) :: self                  !! The state
+      class(state_t), intent(in) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
       real(wp), allocatable, intent(out) :: values(:)     !! What was kept
       type(error_t), allocatable, intent(out) :: error    !! There is no such entry
@@ -123,7 +123,7 @@ contains
 
    !> Look whole numbers up.
    subroutine get_integers(self, name, values, error)
-      class(state_t), intent(in) :: self                  !! The state
+      class(state_t), intent(in) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
       integer(int64), allocatable, intent(out) :: values(:) !! What was kept
       type(error_t), allocatable, intent(out) :: error    !! There is no such entry

@@ -47,8 +47,8 @@ contains
 
    !> Make the message.
    subroutine complain(error, path, what)
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
-      character(len=*), intent(in) :: path               !! The file
+      type(error_t), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: what               !! What is wrong
 
       call fail(error, exit_file, "cannot read the facets of '"//path//"': "//what)

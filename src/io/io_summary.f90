@@ -68,7 +68,7 @@ contains
 
    !> Add a member whose value is JSON already.
    subroutine add_raw(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       character(len=*), intent(in) :: value              !! Its value
 
@@ -80,7 +80,7 @@ contains
 
    !> Begin an object as a member.
    subroutine json_begin(self, name)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
 
       call self%add_raw(name, "{")
@@ -90,7 +90,7 @@ contains
 
    !> End the object that was begun last.
    subroutine json_end(self)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
 
       if (self%depth == 1) return
       self%depth = self%depth - 1
@@ -101,7 +101,7 @@ contains
 
    !> All of it; objects that are still open are closed.
    pure function json_text(self) result(text)
-      class(json_t), intent(in) :: self                  !! The object
+      class(json_t), intent(in) :: self
       character(len=:), allocatable :: text
       integer :: depth
 
@@ -115,7 +115,7 @@ contains
 
    !> Write it to a file.
    subroutine json_write(self, path, error)
-      class(json_t), intent(in) :: self                  !! The object
+      class(json_t), intent(in) :: self
       character(len=*), intent(in) :: path               !! Where
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
 
@@ -124,7 +124,7 @@ contains
 
    !> Add a text.
    subroutine add_text(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       character(len=*), intent(in) :: value              !! Its value
 
@@ -133,7 +133,7 @@ contains
 
    !> Add a real number.
    subroutine add_real(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       real(wp), intent(in) :: value                      !! Its value
 
@@ -142,7 +142,7 @@ contains
 
    !> Add a whole number.
    subroutine add_integer(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       integer(int64), intent(in) :: value                !! Its value
 
@@ -151,7 +151,7 @@ contains
 
    !> Add a short whole number.
    subroutine add_short(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       integer(int32), intent(in) :: value                !! Its value
 
@@ -160,7 +160,7 @@ contains
 
    !> Add a condition.
    subroutine add_logical(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       logical, intent(in) :: value                       !! Its value
 
@@ -173,7 +173,7 @@ contains
 
    !> Add an array of real numbers.
    subroutine add_reals(self, name, values)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       real(wp), intent(in) :: values(:)                  !! Its value
       character(len=:), allocatable :: line
@@ -189,7 +189,7 @@ contains
 
    !> Add an array of texts, without blanks at their ends.
    subroutine add_texts(self, name, values)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       character(len=*), intent(in) :: values(:)          !! Its value
       character(len=:), allocatable :: line

@@ -87,8 +87,8 @@ contains
 
    !> Make the message.
    subroutine complain(error, path, what)
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
-      character(len=*), intent(in) :: path               !! The file
+      type(error_t), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: what               !! What is wrong
 
       call fail(error, exit_file, "cannot read the voxels of '"//path//"': "//what)
@@ -172,7 +172,7 @@ contains
 
    !> Voxels of a data set.
    subroutine read_hdf5(path, dataset, marker, voxels, error)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: dataset            !! Name of the data set
       type(marker_t), intent(inout) :: marker            !! What is wanted
       type(voxel_file_t), intent(inout) :: voxels        !! Gets all
@@ -270,7 +270,7 @@ contains
 
    !> Take the text of a MetaImage apart.
    subroutine read_header(text, path, image, voxels, error)
-      character(len=*), intent(in) :: text               !! The file
+      character(len=*), intent(in) :: text
       character(len=*), intent(in) :: path               !! Its name, for messages
       type(image_t), intent(inout) :: image              !! How the bytes lie
       type(voxel_file_t), intent(inout) :: voxels        !! Extents, edges, corner
@@ -311,7 +311,7 @@ contains
    !> One line of the text of a MetaImage. Lines about patients, colours and devices say nothing of
    !! shape and are passed over.
    subroutine read_line(line, image, voxels, fits)
-      character(len=*), intent(in) :: line               !! The line
+      character(len=*), intent(in) :: line
       type(image_t), intent(inout) :: image              !! How the bytes lie
       type(voxel_file_t), intent(inout) :: voxels        !! Extents, edges
       logical, intent(out) :: fits                       !! It can be followed
@@ -368,7 +368,7 @@ contains
    !> The numbers of a line; none if it holds something else.
    subroutine numbers_of(text, values)
       character(len=*), intent(in) :: text               !! Numbers with blanks between them
-      real(wp), allocatable, intent(out) :: values(:)    !! The numbers
+      real(wp), allocatable, intent(out) :: values(:)
       type(text_t), allocatable :: words(:)
       integer :: n
       logical :: sound

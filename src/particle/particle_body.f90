@@ -23,16 +23,16 @@ module particle_body
       pure function numbers_i(self, grid) result(numbers)
          import :: given_t, grid_t, int64
          implicit none
-         class(given_t), intent(in) :: self           !! The particles
-         type(grid_t), intent(in) :: grid             !! The grid
+         class(given_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid
          integer(int64) :: numbers(3)                 !! Their product is the greatest number
       end function numbers_i
 
       pure subroutine collect_i(self, grid, coordinate, position, volume, number)
          import :: given_t, grid_t, int64, wp
          implicit none
-         class(given_t), intent(in) :: self           !! The particles
-         type(grid_t), intent(in) :: grid             !! The grid
+         class(given_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid
          integer, intent(in) :: coordinate(3)         !! Tile, counted from 0
          real(wp), allocatable, intent(out) :: position(:, :) !! (3, particle) [m]
          real(wp), allocatable, intent(out) :: volume(:) !! (particle) Or a share of the body's [m3]
@@ -73,8 +73,8 @@ contains
    !> Lattice sites of the whole box, along each direction; of given particles the numbers that they
    !! may have.
    pure function body_sites(self, grid) result(sites)
-      class(body_t), intent(in) :: self               !! The body
-      type(grid_t), intent(in) :: grid                !! The grid
+      class(body_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer(int64) :: sites(3)
 
       sites = 1
@@ -87,15 +87,15 @@ contains
 
    !> True if each particle stands for a site of the lattice.
    pure logical function body_on_lattice(self) result(yes)
-      class(body_t), intent(in) :: self               !! The body
+      class(body_t), intent(in) :: self
 
       yes = .not. allocated(self%given)
    end function body_on_lattice
 
    !> Lattice sites of one tile along each direction.
    pure function tile_sites(grid, body, coordinate) result(sites)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: body                !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer :: sites(3)
 
@@ -106,8 +106,8 @@ contains
    !> Position of a lattice site [m]. In missing directions it is the middle of the box, on the axis
    !! plane 0 in axisymmetry.
    pure function site_position(grid, body, coordinate, site) result(position)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: body                !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer, intent(in) :: site(3)                  !! Site in the tile, counted from 0
       real(wp) :: position(3)
@@ -119,7 +119,7 @@ contains
 
    !> Cell of the box that a place lies in, counted from 0; places beyond a face belong to its cell.
    pure function cell_of(grid, position) result(cell)
-      type(grid_t), intent(in) :: grid                !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: position(3)             !! [m]
       integer :: cell(3)
 
@@ -130,8 +130,8 @@ contains
 
    !> True if a place belongs to a body and to no later one.
    pure logical function belongs(bodies, body, position) result(inside)
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       real(wp), intent(in) :: position(3)             !! [m]
       integer :: later
       logical :: clipped

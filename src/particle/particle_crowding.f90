@@ -17,7 +17,7 @@ contains
 
    !> Nodes of a tile whose cells all lie in it or beyond the box.
    pure function nodes_alone(grid, coordinate) result(alone)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       logical :: alone(grid%tile_nodes)
       integer :: node, k, place(3), extent(3)
@@ -39,10 +39,10 @@ contains
    !> Add volume, and volume times pressure, of the particles of a tile to its nodes. Failed ones
    !! count with at most the volume that their mass has at rest: what is open in them is void.
    pure subroutine add_to_nodes(grid, coordinate, store, tile, density, loose, patch)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
       real(wp), intent(in) :: density                !! Of their material at rest [kg/m3]
       logical, intent(in) :: loose                   !! Does the material open as if it had failed?
       real(wp), intent(inout) :: patch(:, :)         !! (2, node) [m3], [m3 Pa]
@@ -62,8 +62,8 @@ contains
 
    !> Volume that a particle takes from the space there is [m3].
    pure real(wp) function claimed_volume(store, p, density, loose) result(volume)
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
       logical, intent(in) :: loose                   !! Does the material open as if it had failed?
       logical :: open
@@ -77,7 +77,7 @@ contains
    !> Volume that particles claim around some nodes, and how much of it there is. Equation (L.8) of
    !! doc/theory/ledger.md.
    pure subroutine measure_claims(grid, coordinate, alone, patch, claimed, occupied)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
       real(wp), intent(in) :: patch(:, :)            !! (2, node) As above, of all materials
@@ -100,11 +100,11 @@ contains
    !! times volume; their kinetic energy; the particle that differs most. Only where all nodes of
    !! a cell hold all particles, and without those that have failed. Equation (L.9).
    pure subroutine measure_noise(grid, coordinate, alone, store, tile, patch, sums, who)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
       real(wp), intent(in) :: patch(:, :)            !! (2, node) As above, of this store
       !> Volume; times p2; times difference2; kinetic energy; greatest difference so far [Pa]
       real(wp), intent(inout) :: sums(5)
@@ -139,8 +139,8 @@ contains
 
    !> Pressure of a particle, with its viscous part [Pa].
    pure real(wp) function pressure_of(store, p) result(pressure)
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
 
       pressure = -(store%state%stress(p, 1) + store%state%stress(p, 2) &
          + store%state%stress(p, 3))/3.0_wp
@@ -148,10 +148,10 @@ contains
 
    !> Nodes of the cell of a particle and their linear functions there.
    pure subroutine find_nodes(grid, coordinate, store, p, node, weight)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one, it lies in the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       integer, intent(out) :: node(8)                !! (lane) Nodes of the tile
       real(wp), intent(out) :: weight(8)             !! (lane) Sum 1
       real(wp) :: corner(3), place

@@ -54,8 +54,8 @@ contains
 
    !> Choose distance and blocks, and throw the pattern.
    pure subroutine start_disks(disks, grid, per_cell, seed, key)
-      type(disks_t), intent(out) :: disks             !! The particles
-      type(grid_t), intent(in) :: grid                !! The grid
+      type(disks_t), intent(out) :: disks
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: per_cell                 !! Particles of a cell
       integer(int64), intent(in) :: seed              !! Of the run
       integer(int64), intent(in) :: key               !! Of the body
@@ -102,7 +102,7 @@ contains
 
    !> An empty block.
    pure subroutine start_throwing(thrown, disks)
-      type(thrown_t), intent(out) :: thrown           !! The block
+      type(thrown_t), intent(out) :: thrown
       class(disks_t), intent(in) :: disks              !! Its distance and width
 
       thrown%width = disks%width
@@ -139,7 +139,7 @@ contains
 
    !> Box of a place; places outside of the block belong to its outermost boxes.
    pure function box_of(thrown, place) result(box)
-      type(thrown_t), intent(in) :: thrown            !! The block
+      type(thrown_t), intent(in) :: thrown
       real(wp), intent(in) :: place(3)                !! [cells]
       integer :: box(3)
 
@@ -148,7 +148,7 @@ contains
 
    !> Add a point.
    pure subroutine keep(thrown, place)
-      type(thrown_t), intent(inout) :: thrown         !! The block
+      type(thrown_t), intent(inout) :: thrown
       real(wp), intent(in) :: place(3)                !! [cells]
       integer :: box(3), index
 
@@ -162,7 +162,7 @@ contains
 
    !> True if a place is too near to a point.
    pure logical function crowded(thrown, grid, distance, closed, place) result(near)
-      type(thrown_t), intent(in) :: thrown            !! The block
+      type(thrown_t), intent(in) :: thrown
       type(grid_t), intent(in) :: grid                !! For its directions
       real(wp), intent(in) :: distance                !! Least distance [cells]
       logical, intent(in) :: closed                   !! Does the block close on itself?
@@ -242,7 +242,7 @@ contains
    !> Blocks along each direction.
    pure function blocks_of(disks, grid) result(blocks)
       class(disks_t), intent(in) :: disks              !! Their width
-      type(grid_t), intent(in) :: grid                !! The grid
+      type(grid_t), intent(in) :: grid
       integer :: blocks(3)
 
       blocks = (grid%cells + disks%width - 1)/disks%width
@@ -258,8 +258,8 @@ contains
 
    !> Numbers that particles may have.
    pure function disks_numbers(self, grid) result(numbers)
-      class(disks_t), intent(in) :: self              !! The particles
-      type(grid_t), intent(in) :: grid                !! The grid
+      class(disks_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer(int64) :: numbers(3)
 
       numbers = blocks_of(self, grid)
@@ -268,8 +268,8 @@ contains
 
    !> The particles of a tile. Their volumes are shares: 1, or the radius of a ring.
    pure subroutine disks_collect(self, grid, coordinate, position, volume, number)
-      class(disks_t), intent(in) :: self              !! The particles
-      type(grid_t), intent(in) :: grid                !! The grid
+      class(disks_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       real(wp), allocatable, intent(out) :: position(:, :) !! (3, particle) [m]
       real(wp), allocatable, intent(out) :: volume(:) !! (particle) 1, or radius [1, m]
@@ -313,7 +313,7 @@ contains
    !> Position of a point [m]. Along missing directions it is that of all particles.
    pure function in_space(disks, grid, block, place) result(position)
       class(disks_t), intent(in) :: disks              !! Width of blocks
-      type(grid_t), intent(in) :: grid                !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: block(3)                 !! Which block, from 0
       real(wp), intent(in) :: place(3)                !! In the block [cells]
       real(wp) :: position(3)

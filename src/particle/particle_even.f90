@@ -20,8 +20,8 @@ contains
    !! The sums are exact, so they do not depend on the ranks.
    subroutine even_volumes(communicator, grid, bodies)
       type(communicator_t), intent(in) :: communicator !! Ranks that share the work
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(inout) :: bodies(:)        !! The bodies
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(inout) :: bodies(:)
       type(exact_sum_t) :: lattice, given
       integer(int64), allocatable :: key(:)
       real(wp), allocatable :: sums(:, :)
@@ -54,9 +54,9 @@ contains
 
    !> Volume of the lattice sites of a body in a tile, and shares of its particles.
    pure subroutine weigh_tile(grid, bodies, body, coordinate, sums)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       real(wp), intent(inout) :: sums(2)              !! Grows [m3, 1 or m]
       real(wp), allocatable :: position(:, :), volume(:)

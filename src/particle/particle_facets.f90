@@ -43,7 +43,7 @@ contains
 
    !> Make a solid of the corners of its facets, counterclockwise as seen from outside.
    pure subroutine set_facets(shape, corner)
-      type(facets_t), intent(out) :: shape               !! The solid
+      type(facets_t), intent(out) :: shape
       real(wp), intent(in) :: corner(:, :, :)            !! (3, corner, facet) [m]
 
       allocate (shape%corner(3, 3, size(corner, 3)))
@@ -99,7 +99,7 @@ contains
 
    !> Column of a place on the lattice along x or y, from 0.
    pure integer function column_of(self, direction, place) result(column)
-      class(facets_t), intent(in) :: self                !! The solid
+      class(facets_t), intent(in) :: self
       integer, intent(in) :: direction                   !! 1 or 2
       integer(int64), intent(in) :: place                !! On the lattice
 
@@ -109,7 +109,7 @@ contains
 
    !> Whether a point belongs to the solid.
    pure recursive logical function facets_contains(self, x) result(inside)
-      class(facets_t), intent(in) :: self                !! The solid
+      class(facets_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                       !! Point [m]
       integer(int64) :: point(3)
       integer :: column, entry, winding
@@ -145,7 +145,7 @@ contains
    pure integer function side_of(from, to, point) result(side)
       integer(int64), intent(in) :: from(2)              !! Begin of the edge
       integer(int64), intent(in) :: to(2)                !! Its end
-      integer(int64), intent(in) :: point(2)             !! The point
+      integer(int64), intent(in) :: point(2)
       integer(int64) :: edge(2), turn
 
       edge = to - from
@@ -161,7 +161,7 @@ contains
    !! parts.
    pure logical function above(corner, point, side) result(higher)
       integer(int64), intent(in) :: corner(3, 3)         !! (3, corner) On the lattice
-      integer(int64), intent(in) :: point(3)             !! The point
+      integer(int64), intent(in) :: point(3)
       integer, intent(in) :: side                        !! 1 if the facet is counterclockwise
       integer, parameter :: split = 25
       integer(int64), parameter :: half = 2_int64**split
@@ -190,7 +190,7 @@ contains
 
    !> A box around the solid.
    pure recursive subroutine facets_bounds(self, lo, hi)
-      class(facets_t), intent(in) :: self                !! The solid
+      class(facets_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
 
       lo = self%lower
@@ -199,7 +199,7 @@ contains
 
    !> Scale, turn and move the solid.
    pure recursive subroutine facets_transform(self, scale, rotation, translate)
-      class(facets_t), intent(inout) :: self             !! The solid
+      class(facets_t), intent(inout) :: self
       real(wp), intent(in) :: scale                      !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)               !! Displacement [m]
@@ -215,7 +215,7 @@ contains
 
    !> Volume that the facets enclose, negative if they face inwards [m3].
    pure real(wp) function facets_volume(self) result(volume)
-      class(facets_t), intent(in) :: self                !! The solid
+      class(facets_t), intent(in) :: self
       real(wp) :: a(3), b(3), c(3)
       integer :: facet
 
@@ -232,7 +232,7 @@ contains
    !> What is wrong with the surface: edges of one facet alone, edges whose two facets face
    !! different ways, edges of more than two facets, and facets without an area.
    pure subroutine facets_faults(self, open_edges, turned_edges, crowded_edges, flat)
-      class(facets_t), intent(in) :: self                !! The solid
+      class(facets_t), intent(in) :: self
       integer, intent(out) :: open_edges                 !! A closed surface has none
       integer, intent(out) :: turned_edges               !! One facet is turned inside out
       integer, intent(out) :: crowded_edges              !! Solids that touch, or facets twice

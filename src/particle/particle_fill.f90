@@ -24,8 +24,8 @@ contains
    !> Count the particles of each tile that some body reaches, and those of each body.
    subroutine survey_bodies(communicator, grid, bodies, key, particles, body_count)
       type(communicator_t), intent(in) :: communicator !! Ranks that share the work
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
       integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
       integer(int64), allocatable, intent(out) :: particles(:) !! Their particles
       integer(int64), intent(out) :: body_count(:)    !! (body) Particles of each body
@@ -57,8 +57,8 @@ contains
 
    !> Tiles in the boxes around the bodies, each once, in the order of the curve.
    subroutine candidate_tiles(grid, bodies, key)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
       integer(int64), allocatable, intent(out) :: key(:) !! Ascending
       integer(int64), allocatable :: found(:)
       integer, allocatable :: order(:)
@@ -114,9 +114,9 @@ contains
 
    !> Particles that a body has in a tile.
    pure integer(int64) function count_sites(grid, bodies, body, coordinate) result(number)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer :: sites(3), x, y, z
       real(wp) :: low(3), high(3), edge(3), position(3), share
@@ -143,9 +143,9 @@ contains
 
    !> Given particles that a body has in a tile.
    pure integer(int64) function count_given(grid, bodies, body, coordinate) result(particles)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       real(wp), allocatable :: position(:, :), volume(:)
       integer(int64), allocatable :: number(:)
@@ -162,9 +162,9 @@ contains
    !! that
    !! is not cut has whole sites, those with their middles inside.
    pure subroutine look_at_site(grid, bodies, body, middle, share, position)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       real(wp), intent(in) :: middle(3)               !! Of the site [m]
       real(wp), intent(out) :: share                  !! 0 to 1
       real(wp), intent(out) :: position(3)            !! Of the particle, if there is a share [m]
@@ -191,9 +191,9 @@ contains
    !> Share and its centre by samples. What is less than a fiftieth of a site is dropped: so light a
    !! particle would be thrown about by its neighbours.
    pure subroutine cut_site(grid, bodies, body, middle, share, position)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       real(wp), intent(in) :: middle(3)               !! Of the site [m]
       real(wp), intent(out) :: share                  !! 0 to 1
       real(wp), intent(inout) :: position(3)          !! Of the particle, if there is a share [m]
@@ -226,8 +226,8 @@ contains
 
    !> Edges of a lattice site [m]; none along a missing direction.
    pure function site_edge(grid, body) result(edge)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: body                !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       real(wp) :: edge(3)
 
       edge = merge(grid%spacing/real(body%per_cell, wp), 0.0_wp, grid%active)
@@ -236,8 +236,8 @@ contains
    !> Make the particles of the tiles of this rank. The tiles of the stores exist and are empty; the
    !! particles are not yet in order.
    subroutine fill_bodies(grid, bodies, coordinates, index, store)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
       integer, contiguous, intent(in) :: coordinates(:, :) !! (3, tile) Tiles of this rank
       integer, intent(in) :: index                    !! Which store is meant
       type(store_t), intent(inout) :: store           !! Gets particles
@@ -267,9 +267,9 @@ contains
 
    !> Make the particles of one body in one tile.
    subroutine fill_tile(grid, bodies, body, coordinate, tile, store)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer, intent(in) :: tile                     !! Its index
       type(store_t), intent(inout) :: store           !! Gets particles
@@ -311,9 +311,9 @@ contains
 
    !> Make the given particles of one body in one tile. They are cubes of their volume.
    subroutine fill_given(grid, bodies, body, coordinate, tile, store)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer, intent(in) :: tile                     !! Its index
       type(store_t), intent(inout) :: store           !! Gets particles
@@ -339,9 +339,9 @@ contains
 
    !> Append a particle to those of a tile.
    subroutine add_particle(bodies, body, tile, identity, home, position, volume, store)
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
-      integer, intent(in) :: tile                     !! Index of the tile
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
+      integer, intent(in) :: tile
       integer(int64), intent(in) :: identity          !! Of the particle
       integer, intent(in) :: home                     !! Its cell in the tile, from 0
       real(wp), intent(in) :: position(3)             !! [m]
@@ -362,7 +362,7 @@ contains
 
    !> Number of a cell of a tile.
    pure integer function home_of(grid, cell) result(home)
-      type(grid_t), intent(in) :: grid                !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell(3)                  !! In the tile, counted from 0
 
       home = cell(1) + grid%width(1)*(cell(2) + grid%width(2)*cell(3))
@@ -385,7 +385,7 @@ contains
    !! missing direction it has no size.
    pure subroutine size_particle(half, p, store)
       real(wp), intent(in) :: half(3)                 !! Half its edges [m]
-      integer, intent(in) :: p                        !! Which particle
+      integer, intent(in) :: p
       type(store_t), intent(inout) :: store           !! Gets its fields
       integer :: k
 
@@ -404,8 +404,8 @@ contains
 
    !> Volume of a lattice site [m3]; that of the ring in axisymmetry.
    pure real(wp) function site_volume(grid, body, position) result(volume)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: body                !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       real(wp), intent(in) :: position(3)             !! [m]
       integer :: direction
 

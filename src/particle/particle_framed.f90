@@ -32,14 +32,14 @@ module particle_framed
       pure logical function holds_i(self, own) result(inside)
          import :: framed_t, wp
          implicit none
-         class(framed_t), intent(in) :: self             !! The shape
+         class(framed_t), intent(in) :: self
          real(wp), intent(in) :: own(3)                  !! Place in its own coordinates [m]
       end function holds_i
 
       pure subroutine own_bounds_i(self, lo, hi)
          import :: framed_t, wp
          implicit none
-         class(framed_t), intent(in) :: self             !! The shape
+         class(framed_t), intent(in) :: self
          real(wp), intent(out) :: lo(3), hi(3)           !! Corners [m]; lo > hi if it is empty
       end subroutine own_bounds_i
    end interface
@@ -48,7 +48,7 @@ contains
 
    !> Whether a point belongs to the shape.
    pure recursive logical function framed_contains(self, x) result(inside)
-      class(framed_t), intent(in) :: self                !! The shape
+      class(framed_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                       !! Point [m]
       real(wp) :: offset(3), own(3)
       integer :: k
@@ -62,7 +62,7 @@ contains
 
    !> A box around the shape, exact if its directions are those of the coordinates.
    pure recursive subroutine framed_bounds(self, lo, hi)
-      class(framed_t), intent(in) :: self                !! The shape
+      class(framed_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
       real(wp) :: own_lo(3), own_hi(3), corner(3)
       integer :: number, k
@@ -87,7 +87,7 @@ contains
 
    !> Scale, turn and move the frame.
    pure recursive subroutine framed_transform(self, scale, rotation, translate)
-      class(framed_t), intent(inout) :: self             !! The shape
+      class(framed_t), intent(inout) :: self
       real(wp), intent(in) :: scale                      !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal, applied after the factor [1]
       real(wp), intent(in) :: translate(3)               !! Displacement, applied last [m]
@@ -102,7 +102,7 @@ contains
 
    !> Factor of its own lengths.
    pure real(wp) function framed_growth(self) result(factor)
-      class(framed_t), intent(in) :: self                !! The shape
+      class(framed_t), intent(in) :: self
 
       factor = self%factor
    end function framed_growth

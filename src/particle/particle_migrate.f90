@@ -34,11 +34,11 @@ contains
    !! drop empty ones, and put the particles of each tile in order. Particles that left the box
    !! are forgotten: whoever wants to book them does so before.
    subroutine migrate(communicator, grid, boundary, tiles, stores)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(communicator_t), intent(inout) :: communicator
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       type(tiles_t), intent(inout) :: tiles          !! The tiles of this rank
-      type(store_t), intent(inout) :: stores(:)      !! The particles
+      type(store_t), intent(inout) :: stores(:)
       type(newcomers_t), allocatable :: newcomers(:)
       integer(int64), allocatable :: messages(:, :), arrived(:)
       integer :: index
@@ -59,11 +59,11 @@ contains
    !> Take the particles that left their tiles: those that stay on the rank become newcomers, the
    !! others messages.
    subroutine collect(communicator, grid, boundary, tiles, stores, newcomers, messages)
-      type(communicator_t), intent(in) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
-      type(tiles_t), intent(in) :: tiles             !! The tiles
-      type(store_t), intent(inout) :: stores(:)      !! The particles
+      type(communicator_t), intent(in) :: communicator
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
+      type(tiles_t), intent(in) :: tiles
+      type(store_t), intent(inout) :: stores(:)
       type(newcomers_t), intent(inout) :: newcomers(:) !! (store) Particles that stay on the rank
       integer(int64), allocatable, intent(out) :: messages(:, :) !! (word, row) The others
       integer(int64), allocatable :: more(:, :)
@@ -115,8 +115,8 @@ contains
 
    !> Tiles and cells of the particles that left theirs.
    subroutine find_destinations(grid, boundary, position, particle, come)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) [m]
       integer, intent(in) :: particle(:)             !! (row) Indices
       type(newcomers_t), intent(inout) :: come       !! Gets keys and cells
@@ -149,7 +149,7 @@ contains
 
    !> Particles that left their tiles but not the box.
    pure subroutine list_leavers(store, particle)
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, allocatable, intent(out) :: particle(:) !! Indices
       integer :: tile, p, number
 
@@ -168,8 +168,8 @@ contains
 
    !> Tile and cell of a position.
    pure subroutine destination(grid, boundary, position, key, cell)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       real(wp), intent(in) :: position(3)            !! [m]
       integer(int64), intent(out) :: key             !! Tile on the curve
       integer, intent(out) :: cell                   !! Cell in the tile, from 0
@@ -183,7 +183,7 @@ contains
 
    !> Send rows to the owners of their tiles.
    subroutine send(communicator, tiles, messages, arrived)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(communicator_t), intent(inout) :: communicator
       type(tiles_t), intent(in) :: tiles             !! Who owns what
       integer(int64), intent(in) :: messages(:, :)   !! (word, row)
       integer(int64), allocatable, intent(out) :: arrived(:) !! Rows for this rank, one by one
@@ -211,7 +211,7 @@ contains
 
    !> Add the rows that arrived to the newcomers of their stores.
    subroutine receive(stores, arrived, words, newcomers)
-      type(store_t), intent(inout) :: stores(:)      !! The particles
+      type(store_t), intent(inout) :: stores(:)
       integer(int64), intent(in) :: arrived(:)       !! Rows, one after another
       integer, intent(in) :: words                   !! Words of a row
       type(newcomers_t), intent(inout) :: newcomers(:) !! (store)
@@ -250,9 +250,9 @@ contains
 
    !> Make tiles for newcomers in empty space and drop tiles that nobody is left in.
    subroutine renew_tiles(grid, tiles, stores, newcomers)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(tiles_t), intent(inout) :: tiles          !! The tiles
-      type(store_t), intent(inout) :: stores(:)      !! The particles
+      type(grid_t), intent(in) :: grid
+      type(tiles_t), intent(inout) :: tiles
+      type(store_t), intent(inout) :: stores(:)
       type(newcomers_t), intent(in) :: newcomers(:)  !! (store)
       integer(int64), allocatable :: key(:), ghost(:)
       integer, allocatable :: old(:)
@@ -369,7 +369,7 @@ contains
 
    !> Group the rows of newcomers by tile.
    pure subroutine group_by_tile(tiles, come)
-      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(tiles_t), intent(in) :: tiles
       type(newcomers_t), intent(inout) :: come       !! Newcomers of one store
       integer, allocatable :: tile(:), cursor(:)
       integer :: row
@@ -392,7 +392,7 @@ contains
 
    !> Bring the particles of all tiles of a store into order.
    subroutine settle_store(store, come)
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       type(newcomers_t), target, intent(in) :: come  !! Newcomers
       type(tile_sorter_t) :: settler
       integer, allocatable :: wish(:), now(:)

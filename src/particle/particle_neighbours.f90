@@ -43,10 +43,10 @@ contains
    !! doc/theory/splitting.md.
    pure subroutine table_lengths(self, grid, lattices, store, tile, length)
       class(neighbour_table_t), intent(inout) :: self !! Scratch space
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(lattice_t), intent(in) :: lattices(:)     !! (body) In the order of identities
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
       real(wp), intent(out) :: length(:)             !! (particle of the tile) < 0 = unknown [m]
       real(wp) :: edge(3, 3)
       integer :: p, edges
@@ -69,10 +69,10 @@ contains
 
    !> Enter the particles of a tile that have not failed.
    pure subroutine table_fill(self, lattices, store, tile)
-      class(neighbour_table_t), intent(inout) :: self !! The table
+      class(neighbour_table_t), intent(inout) :: self
       type(lattice_t), intent(in) :: lattices(:)     !! (body) In the order of identities
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
       integer :: p, place
 
       self%size = 2*store%count(tile) + 1
@@ -120,16 +120,16 @@ contains
 
    !> Where the search for a site begins.
    pure integer function place_of(table, key) result(place)
-      class(neighbour_table_t), intent(in) :: table  !! The table
-      integer(int64), intent(in) :: key              !! The site
+      class(neighbour_table_t), intent(in) :: table
+      integer(int64), intent(in) :: key
 
       place = int(mod(key, int(table%size, int64))) + 1
    end function place_of
 
    !> Particle of the tile at a site, 0 if there is none.
    pure integer function table_find(self, key) result(particle)
-      class(neighbour_table_t), intent(in) :: self   !! The table
-      integer(int64), intent(in) :: key              !! The site
+      class(neighbour_table_t), intent(in) :: self
+      integer(int64), intent(in) :: key
       integer :: place
 
       place = place_of(self, key)
@@ -143,9 +143,9 @@ contains
 
    !> Edges that a particle carries.
    pure subroutine own_edges(grid, store, p, edge)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which particle
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp), intent(out) :: edge(3, 3)            !! (component, edge) [m]
       integer :: k, l, edges
 
@@ -164,10 +164,10 @@ contains
    !! the tile has it.
    pure subroutine edges_between(table, grid, lattices, store, tile, p, edge, edges)
       type(neighbour_table_t), intent(in) :: table   !! Filled
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(lattice_t), intent(in) :: lattices(:)     !! (body) In the order of identities
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
       integer, intent(in) :: p                       !! Particle of the tile
       real(wp), intent(out) :: edge(3, 3)            !! (component, edge) [m]
       integer, intent(out) :: edges                  !! Neighbours found
@@ -202,8 +202,8 @@ contains
 
    !> The way from one particle to another, the shortest one through periodic faces [m].
    pure function way_between(grid, store, from, to) result(way)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(in) :: store             !! The particles
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
       integer, intent(in) :: from                    !! A particle
       integer, intent(in) :: to                      !! Another one
       real(wp) :: way(3), length
@@ -303,7 +303,7 @@ contains
    !> Take another vector in place of one if it is shorter by more than rounding.
    pure subroutine replace_if_shorter(basis, i, other, shorter)
       real(wp), intent(inout) :: basis(:, :)         !! (component, vector) [m]
-      integer, intent(in) :: i                       !! Which one
+      integer, intent(in) :: i
       real(wp), intent(in) :: other(3)               !! The other [m]
       logical, intent(inout) :: shorter              !! Becomes true if so
       real(wp), parameter :: rounding = 1.0e-12_wp

@@ -14,11 +14,11 @@ contains
 
    !> Find the new cells of the particles of a tile; count those that left it.
    pure subroutine place_tile(grid, boundary, coordinate, store, tile)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
-      type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(inout) :: store
+      integer, intent(in) :: tile
       integer :: p, first, last, leaving, changed, cells(3), owner(3)
       real(wp) :: position(3)
       logical :: lost
@@ -47,11 +47,11 @@ contains
 
    !> Find the cell of one particle of a tile; count it if it left it.
    pure subroutine place_particle(grid, boundary, coordinate, store, tile, p)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
-      type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(inout) :: store
+      integer, intent(in) :: tile
       integer, intent(in) :: p                       !! Which particle, in its tile so far
       integer :: cells(3), owner(3)
       logical :: lost
@@ -69,7 +69,7 @@ contains
    !> Cells of the particles of a tile, or that they moved away; without branches, as vectors.
    ! gate: long kernel because a tile is told by its grid, coordinate and range
    pure subroutine find_homes(grid, coordinate, first, last, position, home, leaving, changed)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       integer, intent(in) :: first                   !! First particle
       integer, intent(in) :: last                    !! Last one
@@ -110,8 +110,8 @@ contains
    !> Tile and cell in the tile of a position. Outside of the box a position wraps round, is held at
    !! a closed face, or is lost through an open one.
    pure subroutine find_place(grid, boundary, position, owner, cells, lost)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       real(wp), intent(in) :: position(3)            !! [m]
       integer, intent(out) :: owner(3)               !! Tile, counted from 0
       integer, intent(out) :: cells(3)               !! Cell in the tile, counted from 0
@@ -142,10 +142,10 @@ contains
    !! which rounding alone can make a particle cross. A place that only rounds to the upper face
    !! counts as on it, so that a particle never lies past the cell that holds it.
    pure subroutine wrap(grid, boundary, position, p)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       real(wp), contiguous, intent(inout) :: position(:, :) !! (particle, 3) [m]
-      integer, intent(in) :: p                       !! Which particle
+      integer, intent(in) :: p
       real(wp), parameter :: inside = 1.0e-9_wp      ! of a cell, far above rounding
       real(wp) :: x, length, lower, upper, here(3)
       integer :: direction
@@ -175,8 +175,8 @@ contains
 
    !> Whether a face is open where a particle reached it.
    pure logical function opens(grid, boundary, face, position) result(open)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: face                    !! 1 to 6
       real(wp), intent(in) :: position(3)            !! Of the particle, on or beyond the face [m]
       real(wp) :: place(3)

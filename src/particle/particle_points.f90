@@ -41,7 +41,7 @@ contains
 
    !> Places of all particles of the list.
    pure function points_places(self) result(position)
-      class(points_t), intent(in) :: self                !! The particles
+      class(points_t), intent(in) :: self
       real(wp) :: position(3, size(self%position, 2))    !! (3, particle) [m]
 
       position = self%position
@@ -58,7 +58,7 @@ contains
 
    !> No place belongs to a cloud.
    pure recursive logical function cloud_contains(self, x) result(inside)
-      class(cloud_t), intent(in) :: self                 !! The cloud
+      class(cloud_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                       !! Point [m]
 
       ! a comparison that holds for no number, so that both arguments are used
@@ -67,7 +67,7 @@ contains
 
    !> A box around the cloud.
    pure recursive subroutine cloud_bounds(self, lo, hi)
-      class(cloud_t), intent(in) :: self                 !! The cloud
+      class(cloud_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
 
       lo = self%lower
@@ -76,7 +76,7 @@ contains
 
    !> Scale, turn and move the box around the cloud; turned, it gets a larger one around it.
    pure recursive subroutine cloud_transform(self, scale, rotation, translate)
-      class(cloud_t), intent(inout) :: self              !! The cloud
+      class(cloud_t), intent(inout) :: self
       real(wp), intent(in) :: scale                      !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)               !! Displacement [m]
@@ -91,8 +91,8 @@ contains
 
    !> Make particles of a list.
    pure subroutine set_points(points, grid, position, volume, row, rows)
-      type(points_t), intent(out) :: points              !! The particles
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(points_t), intent(out) :: points
+      type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(in) :: position(:, :) !! (3, particle) In the grid [m]
       real(wp), intent(in) :: volume(:)                  !! (particle) [m3]
       integer(int64), intent(in) :: row(:)               !! (particle) Which row of the list
@@ -119,8 +119,8 @@ contains
 
    !> Numbers that particles may have: the rows of the list.
    pure function points_numbers(self, grid) result(numbers)
-      class(points_t), intent(in) :: self                !! The particles
-      type(grid_t), intent(in) :: grid                   !! The grid
+      class(points_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer(int64) :: numbers(3)
 
       numbers = merge(1_int64, 0_int64, grid%cells > 0)
@@ -129,8 +129,8 @@ contains
 
    !> The particles of a tile.
    pure subroutine points_collect(self, grid, coordinate, position, volume, number)
-      class(points_t), intent(in) :: self                !! The particles
-      type(grid_t), intent(in) :: grid                   !! The grid
+      class(points_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)               !! Tile, counted from 0
       real(wp), allocatable, intent(out) :: position(:, :) !! (3, particle) [m]
       real(wp), allocatable, intent(out) :: volume(:)    !! (particle) [m3]
@@ -148,7 +148,7 @@ contains
 
    !> Volume of all particles [m3].
    pure real(wp) function points_whole_volume(self) result(volume)
-      class(points_t), intent(in) :: self                !! The particles
+      class(points_t), intent(in) :: self
 
       volume = sum(self%volume)
    end function points_whole_volume
@@ -156,7 +156,7 @@ contains
    !> How many ascending keys are below a bound.
    pure integer function before(key, bound) result(number)
       integer(int64), intent(in) :: key(:)               !! Ascending
-      integer(int64), intent(in) :: bound                !! The bound
+      integer(int64), intent(in) :: bound
       integer :: above, middle
 
       number = 0

@@ -38,7 +38,7 @@ contains
    !! first coordinate leaves the polygon an odd number of times. The crossing of an edge is found
    !! from its lower end, whichever way round it is, so that neighbours agree about it.
    pure logical function prism_holds(self, own) result(inside)
-      class(prism_t), intent(in) :: self                 !! The prism
+      class(prism_t), intent(in) :: self
       real(wp), intent(in) :: own(3)                     !! Place [m]
       real(wp) :: place(2), low(2), high(2), swap(2)
       integer :: from, to
@@ -64,7 +64,7 @@ contains
 
    !> A box around the prism.
    pure subroutine prism_own_bounds(self, lo, hi)
-      class(prism_t), intent(in) :: self                 !! The prism
+      class(prism_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
       integer :: k, row
 
@@ -83,14 +83,14 @@ contains
 
    !> Area of the polygon in space [m2].
    pure real(wp) function prism_area(self) result(area)
-      class(prism_t), intent(in) :: self                 !! The prism
+      class(prism_t), intent(in) :: self
 
       area = polygon_area(self%corner)*self%growth()**2
    end function prism_area
 
    !> Length of the prism in space [m].
    pure real(wp) function prism_height(self) result(height)
-      class(prism_t), intent(in) :: self                 !! The prism
+      class(prism_t), intent(in) :: self
 
       height = (self%span(2) - self%span(1))*self%growth()
    end function prism_height

@@ -30,7 +30,7 @@ module particle_shape
 
    !> A shape of any kind, for arrays of shapes. Without a shape it holds no point.
    type, public :: shape_holder_t
-      class(shape_t), allocatable :: shape           !! The shape
+      class(shape_t), allocatable :: shape
    contains
       procedure :: contains => holder_contains       !! Whether a point belongs to it
       procedure :: bounds => holder_bounds           !! A box around it
@@ -79,7 +79,7 @@ module particle_shape
    type, extends(shape_t), public :: combination_t
       private
       integer :: kind = set_union                    !! One of the constants above
-      type(shape_holder_t), allocatable :: operand(:) !! The shapes
+      type(shape_holder_t), allocatable :: operand(:)
    contains
       procedure :: contains => combination_contains  !! Whether a point belongs to it
       procedure :: bounds => combination_bounds      !! A box around it
@@ -90,7 +90,7 @@ module particle_shape
       pure recursive subroutine transform_i(self, scale, rotation, translate)
          import :: shape_t, wp
          implicit none
-         class(shape_t), intent(inout) :: self       !! The shape
+         class(shape_t), intent(inout) :: self
          real(wp), intent(in) :: scale               !! Factor above 0 [1]
          real(wp), intent(in) :: rotation(3, 3)      !! Orthogonal, applied after the factor [1]
          real(wp), intent(in) :: translate(3)        !! Displacement, applied last [m]
@@ -138,7 +138,7 @@ contains
    !> A set operation on copies of shapes. A difference takes all others from the first.
    type(combination_t) function combine(kind, operands) result(shape)
       integer, intent(in) :: kind                    !! set_union, set_difference, set_intersection
-      type(shape_holder_t), intent(in) :: operands(:) !! The shapes
+      type(shape_holder_t), intent(in) :: operands(:)
       integer :: number
 
       shape%kind = kind
@@ -151,7 +151,7 @@ contains
 
    !> Scale, then turn around x, then y, then z, all about the origin of coordinates, then move.
    pure subroutine shape_place(self, scale, rotate, translate)
-      class(shape_t), intent(inout) :: self          !! The shape
+      class(shape_t), intent(inout) :: self
       real(wp), intent(in) :: scale                  !! Factor above 0 [1]
       real(wp), intent(in) :: rotate(3)              !! Angles about the axes x, y, z [deg]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
@@ -229,7 +229,7 @@ contains
 
    !> Whether a point belongs to the held shape.
    pure recursive logical function holder_contains(self, x) result(inside)
-      class(shape_holder_t), intent(in) :: self      !! The holder
+      class(shape_holder_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                   !! Point [m]
 
       inside = .false.
@@ -238,7 +238,7 @@ contains
 
    !> A box around the held shape.
    pure recursive subroutine holder_bounds(self, lo, hi)
-      class(shape_holder_t), intent(in) :: self      !! The holder
+      class(shape_holder_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
 
       lo = empty_lower
@@ -248,8 +248,8 @@ contains
 
    !> Hold a copy of a shape instead of what was held.
    subroutine holder_set(self, shape)
-      class(shape_holder_t), intent(inout) :: self   !! The holder
-      class(shape_t), intent(in) :: shape            !! The shape
+      class(shape_holder_t), intent(inout) :: self
+      class(shape_t), intent(in) :: shape
       class(shape_t), allocatable :: copy
 
       allocate (copy, source=shape)
@@ -258,7 +258,7 @@ contains
 
    !> Whether a point belongs to the box, without any tolerance.
    pure recursive logical function box_contains(self, x) result(inside)
-      class(box_t), intent(in) :: self               !! The box
+      class(box_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                   !! Point [m]
       real(wp) :: own(3), offset(3)
       integer :: direction
@@ -275,7 +275,7 @@ contains
 
    !> A box around the box, exact up to rounding if it is turned.
    pure recursive subroutine box_bounds(self, lo, hi)
-      class(box_t), intent(in) :: self               !! The box
+      class(box_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
       real(wp) :: corner(3)
       integer :: number, direction
@@ -306,7 +306,7 @@ contains
    !> Scale, turn and move the box. If its edges are then along the coordinates it is kept by its
    !> corners in space, so that it stays half-open there and meets other boxes without a gap.
    pure recursive subroutine box_transform(self, scale, rotation, translate)
-      class(box_t), intent(inout) :: self            !! The box
+      class(box_t), intent(inout) :: self
       real(wp), intent(in) :: scale                  !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
@@ -333,7 +333,7 @@ contains
 
    !> Whether a point belongs to the ball.
    pure recursive logical function sphere_contains(self, x) result(inside)
-      class(sphere_t), intent(in) :: self            !! The ball
+      class(sphere_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                   !! Point [m]
 
       inside = self%radius > 0.0_wp .and. sum((x - self%centre)**2) < self%radius**2
@@ -341,7 +341,7 @@ contains
 
    !> A box around the ball.
    pure recursive subroutine sphere_bounds(self, lo, hi)
-      class(sphere_t), intent(in) :: self            !! The ball
+      class(sphere_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
 
       lo = empty_lower
@@ -353,7 +353,7 @@ contains
 
    !> Scale, turn and move the ball.
    pure recursive subroutine sphere_transform(self, scale, rotation, translate)
-      class(sphere_t), intent(inout) :: self         !! The ball
+      class(sphere_t), intent(inout) :: self
       real(wp), intent(in) :: scale                  !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
@@ -364,7 +364,7 @@ contains
 
    !> Whether a point belongs to the cylinder.
    pure recursive logical function cylinder_contains(self, x) result(inside)
-      class(cylinder_t), intent(in) :: self          !! The cylinder
+      class(cylinder_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                   !! Point [m]
       real(wp) :: offset(3), along, half
 
@@ -378,7 +378,7 @@ contains
 
    !> A box around the cylinder.
    pure recursive subroutine cylinder_bounds(self, lo, hi)
-      class(cylinder_t), intent(in) :: self          !! The cylinder
+      class(cylinder_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
       real(wp) :: reach(3)
 
@@ -393,7 +393,7 @@ contains
 
    !> Scale, turn and move the cylinder.
    pure recursive subroutine cylinder_transform(self, scale, rotation, translate)
-      class(cylinder_t), intent(inout) :: self       !! The cylinder
+      class(cylinder_t), intent(inout) :: self
       real(wp), intent(in) :: scale                  !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
@@ -406,7 +406,7 @@ contains
 
    !> Whether a point belongs to the combination.
    pure recursive logical function combination_contains(self, x) result(inside)
-      class(combination_t), intent(in) :: self       !! The combination
+      class(combination_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                   !! Point [m]
       integer :: number
 
@@ -422,7 +422,7 @@ contains
 
    !> A box around the combination; of a difference, the box around its first operand.
    pure recursive subroutine combination_bounds(self, lo, hi)
-      class(combination_t), intent(in) :: self       !! The combination
+      class(combination_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
       real(wp) :: lower(3), upper(3)
       integer :: number
@@ -453,7 +453,7 @@ contains
 
    !> Scale, turn and move all operands.
    pure recursive subroutine combination_transform(self, scale, rotation, translate)
-      class(combination_t), intent(inout) :: self    !! The combination
+      class(combination_t), intent(inout) :: self
       real(wp), intent(in) :: scale                  !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]

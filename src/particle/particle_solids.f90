@@ -17,7 +17,7 @@ module particle_solids
    !> One of them.
    type, extends(shape_t) :: solid_t
       private
-      integer :: kind = is_ellipsoid                     !! Which
+      integer :: kind = is_ellipsoid
       real(wp) :: centre(3) = 0.0_wp                     !! Of a cone: middle of its axis [m]
       real(wp) :: frame(3, 3) = straight                 !! Columns are its own directions [1]
       real(wp) :: size(3) = 0.0_wp                       !! What its kind needs, see below [m]
@@ -96,7 +96,7 @@ contains
 
    !> Whether a point belongs to the solid.
    pure recursive logical function solid_contains(self, x) result(inside)
-      class(solid_t), intent(in) :: self                 !! The solid
+      class(solid_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                       !! Point [m]
       real(wp) :: own(3), across, share
       integer :: k
@@ -121,7 +121,7 @@ contains
 
    !> A box around the solid.
    pure recursive subroutine solid_bounds(self, lo, hi)
-      class(solid_t), intent(in) :: self                 !! The solid
+      class(solid_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
       real(wp) :: reach(3), ring(3)
       integer :: k
@@ -149,7 +149,7 @@ contains
 
    !> Scale, turn and move the solid.
    pure recursive subroutine solid_transform(self, scale, rotation, translate)
-      class(solid_t), intent(inout) :: self              !! The solid
+      class(solid_t), intent(inout) :: self
       real(wp), intent(in) :: scale                      !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal, applied after the factor [1]
       real(wp), intent(in) :: translate(3)               !! Displacement, applied last [m]

@@ -29,7 +29,7 @@ contains
 
    !> Arrange all tiles of a store: particles that stay and newcomers, by cell and then by identity.
    subroutine sort_store(store, wish, rows, before, row, home)
-      type(store_t), intent(inout) :: store           !! The particles
+      type(store_t), intent(inout) :: store
       integer, intent(in) :: wish(:)                  !! (tile) Coming counts
       integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
       integer, intent(in) :: before(:)                !! (tile + 1) Rows of the tiles before
@@ -105,8 +105,8 @@ contains
    !> Arrange a field of numbers.
    subroutine arranger_scalar(self, name, unit, values)
       class(arranger_t), intent(inout) :: self        !! Where values come from
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:) !! (particle)
       real(wp), allocatable :: arranged(:)
 
@@ -119,8 +119,8 @@ contains
    !> Arrange a field of vectors or tensors.
    subroutine arranger_vector(self, name, unit, values)
       class(arranger_t), intent(inout) :: self        !! Where values come from
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
       real(wp), allocatable :: arranged(:, :)
       integer :: component
@@ -137,8 +137,8 @@ contains
    !> Arrange a field of whole numbers.
    subroutine arranger_whole(self, name, unit, values)
       class(arranger_t), intent(inout) :: self        !! Where values come from
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
       integer(int64), allocatable :: arranged(:)
       integer :: p

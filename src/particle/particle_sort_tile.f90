@@ -46,7 +46,7 @@ contains
    subroutine sort_tile(store, settler, tile, now, newcomer, home)
       type(store_t), intent(inout) :: store           !! The particles; count becomes the new one
       class(tile_sorter_t), intent(inout) :: settler      !! Scratch, with the rows
-      integer, intent(in) :: tile                     !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: now                      !! First particle as they lie now
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
       integer, intent(in) :: home(:)                  !! (row) Cells of all rows
@@ -70,7 +70,7 @@ contains
    subroutine order_tile(store, settler, tile, now, newcomer, home)
       type(store_t), intent(inout) :: store           !! The particles; gets the ranges of cells
       class(tile_sorter_t), intent(inout) :: settler !! Scratch, with the rows; gets the sources
-      integer, intent(in) :: tile                     !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: now                      !! First particle as they lie now
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
       integer, intent(in) :: home(:)                  !! (row) Cells of all rows
@@ -129,7 +129,7 @@ contains
 
    !> Sort the sources of one cell by identity; they are few and nearly in order.
    pure subroutine order_by_identity(store, settler, first, last, identity_word)
-      type(store_t), intent(in) :: store              !! The particles
+      type(store_t), intent(in) :: store
       class(tile_sorter_t), intent(inout) :: settler      !! Holds the sources
       integer, intent(in) :: first                    !! First source of the cell
       integer, intent(in) :: last                     !! Last source of the cell
@@ -165,7 +165,7 @@ contains
 
    !> Size the scratch for a number of particles.
    pure subroutine settler_make_room(self, number)
-      class(tile_sorter_t), intent(inout) :: self         !! The scratch
+      class(tile_sorter_t), intent(inout) :: self
       integer, intent(in) :: number                   !! Particles
       integer :: room
 
@@ -181,8 +181,8 @@ contains
    !> Bring a field of numbers into the new order.
    subroutine settler_scalar(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:) !! (particle)
 
       self%word = self%word + 1
@@ -192,8 +192,8 @@ contains
    !> Bring a field of vectors or tensors into the new order.
    subroutine settler_vector(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
       integer :: component
 
@@ -206,8 +206,8 @@ contains
    !> Bring a field of whole numbers into the new order.
    subroutine sorter_integer(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
       integer :: p
 
@@ -241,8 +241,8 @@ contains
    !> Pack a field of numbers, one word a row.
    subroutine packer_scalar(self, name, unit, values)
       class(row_packer_t), intent(inout) :: self      !! Rows and particles
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:) !! (particle)
       integer :: row
 
@@ -258,8 +258,8 @@ contains
    !> Pack a field of vectors or tensors, one word a component.
    subroutine packer_vector(self, name, unit, values)
       class(row_packer_t), intent(inout) :: self      !! Rows and particles
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
       integer :: row, component
 
@@ -278,8 +278,8 @@ contains
    !> Pack a field of whole numbers, one word a row.
    subroutine packer_whole(self, name, unit, values)
       class(row_packer_t), intent(inout) :: self      !! Rows and particles
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
       integer :: row
 

@@ -52,8 +52,8 @@ contains
       type(splitting_t), intent(in) :: splitting     !! When
       !> (0:cells - 1, tile) Cells that are full, of a material without strength; else not allocated
       logical, allocatable, intent(in) :: full(:, :)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       type(tiles_t), intent(in) :: tiles             !! The tiles of this rank
       type(store_t), intent(inout) :: store          !! The particles, with their edges
       real(wp), allocatable, intent(out) :: gain(:)  !! (halved particle) Kinetic energy made [J]
@@ -107,7 +107,7 @@ contains
       type(splitting_t), intent(in) :: splitting     !! What is too long
       real(wp), intent(in) :: spacing                !! Edge of a cell [m]
       type(store_t), intent(inout) :: store          !! The particles, stretched by the step
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle of the tile, 9) [1]
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: edge(3), square, growth
@@ -132,9 +132,9 @@ contains
 
    !> The longest half edge of a particle.
    pure subroutine find_longest(store, p, edge, square)
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
-      integer, intent(out) :: edge                   !! Which edge
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
+      integer, intent(out) :: edge
       real(wp), intent(out) :: square                !! Square of its length [m2]
       real(wp) :: squares(3)
       integer :: k
@@ -151,8 +151,8 @@ contains
    subroutine list_long(splitting, full, grid, store, particle, edge, wish)
       type(splitting_t), intent(in) :: splitting     !! What is too long
       logical, allocatable, intent(in) :: full(:, :) !! As above
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(in) :: store             !! The particles
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
       integer, allocatable, intent(out) :: particle(:) !! Indices
       integer, allocatable, intent(out) :: edge(:)   !! Along which edge of theirs
       integer, allocatable, intent(out) :: wish(:)   !! (tile) Particles with halves
@@ -192,9 +192,9 @@ contains
    !! for good. Equation (P.1) of doc/theory/splitting.md.
    pure integer function too_long(splitting, grid, store, p) result(edge)
       type(splitting_t), intent(in) :: splitting     !! What is too long
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp) :: square, reach
       real(wp), parameter :: least_share = 0.1_wp    ! of the mass of the whole
       integer :: k
@@ -226,9 +226,9 @@ contains
    !! end, and its particles stay close to each other then: only large ones are halved.
    pure logical function is_large(splitting, grid, store, p) result(yes)
       type(splitting_t), intent(in) :: splitting     !! What is too long
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp) :: large
 
       large = grid%depth*(splitting%longest*grid%spacing)**grid%dimensions
@@ -238,7 +238,7 @@ contains
 
    !> Shares of mass and volume of the half against the edge and that along it. Equation (P.4).
    pure function shares_of_halves(grid, radius, shift) result(share)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: radius                 !! Of the whole, along x [m]
       real(wp), intent(in) :: shift                  !! Along x, of the half along the edge [m]
       real(wp) :: share(2)
@@ -251,12 +251,12 @@ contains
    !! Equations (P.2) and (P.3).
    ! gate: long kernel because a halving is told by its two particles, edge and rate
    pure subroutine halve(grid, flows, store, low, high, edge, opening, gain)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       logical, intent(in) :: flows                   !! Is the material without strength?
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer, intent(in) :: low                     !! The whole, will lie against the edge
       integer, intent(in) :: high                    !! Its copy, will lie along it
-      integer, intent(in) :: edge                    !! Which edge
+      integer, intent(in) :: edge
       real(wp), intent(in) :: opening                !! Rate at which it grows [1/s]
       real(wp), intent(out) :: gain                  !! Kinetic energy that nothing pays for [J]
       integer(int64) :: whole
@@ -325,8 +325,8 @@ contains
    !> Copy a field of numbers.
    subroutine copier_scalar(self, name, unit, values)
       class(copier_t), intent(inout) :: self         !! Who and where to
-      character(len=*), intent(in) :: name           !! Name in files
-      character(len=*), intent(in) :: unit           !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:) !! (particle)
 
       values(self%to) = values(self%from)
@@ -335,8 +335,8 @@ contains
    !> Copy a field of vectors or tensors.
    subroutine copier_vector(self, name, unit, values)
       class(copier_t), intent(inout) :: self         !! Who and where to
-      character(len=*), intent(in) :: name           !! Name in files
-      character(len=*), intent(in) :: unit           !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
       integer :: component
 
@@ -348,8 +348,8 @@ contains
    !> Copy a field of whole numbers.
    subroutine copier_whole(self, name, unit, values)
       class(copier_t), intent(inout) :: self         !! Who and where to
-      character(len=*), intent(in) :: name           !! Name in files
-      character(len=*), intent(in) :: unit           !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
 
       values(self%to) = values(self%from)

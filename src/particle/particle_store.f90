@@ -100,7 +100,7 @@ contains
 
    !> Make an empty store without tiles. The fields of the matter were asked for before.
    subroutine store_start(self, name, cells, traits)
-      class(store_t), intent(inout) :: self           !! The store
+      class(store_t), intent(inout) :: self
       character(len=*), intent(in) :: name            !! Name of the material
       integer, intent(in) :: cells                    !! Cells of a tile
       type(traits_t), intent(in) :: traits            !! What particles carry besides their matter
@@ -119,7 +119,7 @@ contains
 
    !> Forget all tiles.
    pure subroutine store_clear(self, cells)
-      class(store_t), intent(inout) :: self           !! The store
+      class(store_t), intent(inout) :: self
       integer, intent(in) :: cells                    !! Cells of a tile
 
       if (allocated(self%first)) deallocate (self%first, self%count, self%room, self%restless, &
@@ -131,7 +131,7 @@ contains
 
    !> Particles that were just read lie in one range: let all of them look for their tiles.
    pure subroutine store_unsettle(self, cells)
-      class(store_t), intent(inout) :: self           !! The store
+      class(store_t), intent(inout) :: self
       integer, intent(in) :: cells                    !! Cells of a tile
 
       if (allocated(self%home)) deallocate (self%home)
@@ -147,7 +147,7 @@ contains
 
    !> Show every allocated field to a worker, always in the same order.
    subroutine store_walk(self, worker)
-      class(store_t), intent(inout) :: self           !! The particles
+      class(store_t), intent(inout) :: self
       class(field_worker_t), intent(inout) :: worker  !! What is to be done
 
       call worker%whole("identity", "1", self%identity)
@@ -166,7 +166,7 @@ contains
 
    !> Number of particles on this rank.
    pure integer function store_particles(self) result(particles)
-      class(store_t), intent(in) :: self              !! The particles
+      class(store_t), intent(in) :: self
 
       particles = 0
       if (allocated(self%count)) particles = sum(self%count)
@@ -174,7 +174,7 @@ contains
 
    !> Numbers of 8 bytes that a particle carries.
    integer function store_words(self) result(words)
-      class(store_t), intent(inout) :: self           !! The particles
+      class(store_t), intent(inout) :: self
       type(counter_t) :: counter
 
       call self%walk(counter)
@@ -183,7 +183,7 @@ contains
 
    !> Give each tile a range for the wished count with room to grow, moving what is there.
    subroutine store_layout(self, wish)
-      class(store_t), intent(inout) :: self           !! The particles
+      class(store_t), intent(inout) :: self
       integer, intent(in) :: wish(:)                  !! (tile) Particles that must fit
       type(mover_t) :: mover
       integer, allocatable :: home(:)
@@ -205,7 +205,7 @@ contains
 
    !> Renumber the tiles. The particles stay where they are.
    subroutine store_remap(self, old, cells)
-      class(store_t), intent(inout) :: self           !! The particles
+      class(store_t), intent(inout) :: self
       integer, intent(in) :: old(:)                   !! (tile) Former index, 0 = new
       integer, intent(in) :: cells                    !! Cells of a tile
       integer, allocatable :: first(:), count(:), room(:), leaving(:), cell_start(:, :)
@@ -242,7 +242,7 @@ contains
 
    !> Can each tile have its coming count without new arrays?
    pure logical function store_fits(self, wish) result(fits)
-      class(store_t), intent(in) :: self              !! The particles
+      class(store_t), intent(in) :: self
       integer, intent(in) :: wish(:)                  !! (tile) Coming counts
       integer :: tile, used
 
@@ -282,7 +282,7 @@ contains
    !> Make sure that each tile has room for its coming count; the new first particles may differ
    !! from where the particles are now, which is returned.
    subroutine store_reserve(self, wish, now)
-      class(store_t), intent(inout) :: self           !! The particles
+      class(store_t), intent(inout) :: self
       integer, intent(in) :: wish(:)                  !! (tile) Coming counts
       integer, intent(out) :: now(:)                  !! (tile) First particle as they lie now
       integer :: tile

@@ -13,8 +13,8 @@ contains
    !> Let the sizes of the particles of a tile follow a step, as far as they are asked for. The
    !! gradient is that of the whole step with respect to the places before it.
    pure subroutine stretch_tile(store, tile, gradient)
-      type(store_t), intent(inout) :: store                  !! The particles
-      integer, intent(in) :: tile                            !! Index of the tile
+      type(store_t), intent(inout) :: store
+      integer, intent(in) :: tile
       !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1) [1]
       real(wp), contiguous, intent(in) :: gradient(:, :)
 

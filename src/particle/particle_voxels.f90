@@ -27,7 +27,7 @@ contains
 
    !> Make a solid of the bits of its voxels, which are taken over.
    pure subroutine set_voxels(shape, extent, edge, corner, mask)
-      type(voxels_t), intent(out) :: shape               !! The solid
+      type(voxels_t), intent(out) :: shape
       integer, intent(in) :: extent(3)                   !! Voxels along x, y and z
       real(wp), intent(in) :: edge(3)                    !! Edges of one [m]
       real(wp), intent(in) :: corner(3)                  !! Lower corner of the first one [m]
@@ -64,7 +64,7 @@ contains
 
    !> True if a voxel belongs to the solid.
    pure logical function marked(self, place) result(yes)
-      class(voxels_t), intent(in) :: self                !! The solid
+      class(voxels_t), intent(in) :: self
       integer, intent(in) :: place(3)                    !! Voxel, from 0
       integer(int64) :: voxel, letter
 
@@ -75,7 +75,7 @@ contains
 
    !> Whether a place in its own coordinates belongs to the solid.
    pure logical function voxels_hold(self, own) result(inside)
-      class(voxels_t), intent(in) :: self                !! The solid
+      class(voxels_t), intent(in) :: self
       real(wp), intent(in) :: own(3)                     !! Place [m]
       real(wp) :: place(3)
 
@@ -86,7 +86,7 @@ contains
 
    !> A box around the voxels of the solid.
    pure subroutine voxels_own_bounds(self, lo, hi)
-      class(voxels_t), intent(in) :: self                !! The solid
+      class(voxels_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
 
       lo = self%corner + self%edge*real(self%first, wp)
@@ -98,7 +98,7 @@ contains
 
    !> Edges of a voxel in space [m].
    pure function voxels_edges(self) result(edges)
-      class(voxels_t), intent(in) :: self                !! The solid
+      class(voxels_t), intent(in) :: self
       real(wp) :: edges(3)
 
       edges = self%growth()*self%edge
