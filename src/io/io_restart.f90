@@ -296,7 +296,7 @@ contains
       call store%walk(reader)
       call set_only(store%first, 1)
       call set_only(store%count, reader%count)
-      call set_only(store%room, reader%count)
+      call set_only(store%capacity, reader%count)
       store%used = reader%count
       if (allocated(store%cell_start)) deallocate (store%cell_start)
    end subroutine read_store

@@ -72,8 +72,8 @@ contains
             block_cells(grid%dimensions))
       end do
       disks%wanted = per_cell*product(disks%width)
-      call start_throwing(thrown, disks)
-      call throw(disks, grid, pattern_key, .true., thrown)
+      call start_block(thrown, disks)
+      call throw_points(disks, grid, pattern_key, .true., thrown)
       allocate (near(thrown%count))
       do n = 1, thrown%count
          near(n) = any(grid%active .and. (thrown%place(:, n) < 0.5_wp*disks%distance .or. &
@@ -86,22 +86,22 @@ contains
    end subroutine start_disks
 
    !> Cells along a block. In a direction that closes on itself blocks must not be cut.
-   pure integer function block_width(cells, periodic, wish) result(width)
+   pure integer function block_width(cells, periodic, usual) result(width)
       integer, intent(in) :: cells                    !! Of the grid
       logical, intent(in) :: periodic                 !! Does the direction close on itself?
-      integer, intent(in) :: wish                     !! Usual width
+      integer, intent(in) :: usual                     !! Usual width
       integer :: trial
 
-      width = wish
+      width = usual
       if (.not. periodic) return
       width = cells
-      do trial = min(2*wish, cells), max(wish/2, 2), -1
-         if (mod(cells, trial) == 0 .and. abs(trial - wish) < abs(width - wish)) width = trial
+      do trial = min(2*usual, cells), max(usual/2, 2), -1
+         if (mod(cells, trial) == 0 .and. abs(trial - usual) < abs(width - usual)) width = trial
       end do
    end function block_width
 
    !> An empty block.
-   pure subroutine start_throwing(thrown, disks)
+   pure subroutine start_block(thrown, disks)
       type(thrown_t), intent(out) :: thrown
       class(disks_t), intent(in) :: disks              !! Its distance and width
 
@@ -111,10 +111,10 @@ contains
       allocate (thrown%first(product(thrown%boxes)))
       allocate (thrown%place(3, 16*disks%wanted + 64), thrown%next(16*disks%wanted + 64))
       thrown%first = 0
-   end subroutine start_throwing
+   end subroutine start_block
 
    !> Throw points into a block.
-   pure subroutine throw(disks, grid, key, closed, thrown)
+   pure subroutine throw_points(disks, grid, key, closed, thrown)
       class(disks_t), intent(in) :: disks              !! What is wanted
       type(grid_t), intent(in) :: grid                !! For its directions
       integer(int64), intent(in) :: key               !! Whose random numbers
@@ -133,9 +133,9 @@ contains
             if (grid%active(k)) place(k) = margin + (extent(k) - 2.0_wp*margin) &
                *random_uniform(disks%seed, owner, int(3*n + k, int64))
          end do
-         if (.not. crowded(thrown, grid, disks%distance, closed, place)) call keep(thrown, place)
+         if (.not. crowded(thrown, grid, disks%distance, closed, place)) call add_point(thrown, place)
       end do
-   end subroutine throw
+   end subroutine throw_points
 
    !> Box of a place; places outside of the block belong to its outermost boxes.
    pure function box_of(thrown, place) result(box)
@@ -147,7 +147,7 @@ contains
    end function box_of
 
    !> Add a point.
-   pure subroutine keep(thrown, place)
+   pure subroutine add_point(thrown, place)
       type(thrown_t), intent(inout) :: thrown
       real(wp), intent(in) :: place(3)                !! [cells]
       integer :: box(3), index
@@ -158,7 +158,7 @@ contains
       thrown%place(:, thrown%count) = place
       thrown%next(thrown%count) = thrown%first(index)
       thrown%first(index) = thrown%count
-   end subroutine keep
+   end subroutine add_point
 
    !> True if a place is too near to a point.
    pure logical function crowded(thrown, grid, distance, closed, place) result(near)
@@ -210,10 +210,10 @@ contains
       real(wp) :: extent(3), image(3)
       integer(int64) :: key
 
-      call start_throwing(thrown, disks)
+      call start_block(thrown, disks)
       extent = real(disks%width, wp)
       do n = 1, size(disks%frame, 2)
-         call keep(thrown, disks%frame(:, n))
+         call add_point(thrown, disks%frame(:, n))
       end do
       do z = -1, 1
          do y = -1, 1
@@ -224,7 +224,7 @@ contains
                   image(2) = disks%frame(2, n) + extent(2)*real(y, wp)
                   image(3) = disks%frame(3, n) + extent(3)*real(z, wp)
                   if (all(image > -0.5_wp*disks%distance .and. image < extent &
-                     + 0.5_wp*disks%distance)) call keep(thrown, image)
+                     + 0.5_wp*disks%distance)) call add_point(thrown, image)
                end do
             end do
          end do
@@ -232,7 +232,7 @@ contains
       beyond = thrown%count
       blocks = blocks_of(disks, grid)
       key = block(1) + int(blocks(1), int64)*(block(2) + int(blocks(2), int64)*block(3))
-      call throw(disks, grid, key, .false., thrown)
+      call throw_points(disks, grid, key, .false., thrown)
       points = size(disks%frame, 2) + thrown%count - beyond
       allocate (place(3, points))
       place(:, :size(disks%frame, 2)) = disks%frame

@@ -237,12 +237,12 @@ contains
       integer, intent(out) :: turned_edges               !! One facet is turned inside out
       integer, intent(out) :: crowded_edges              !! Solids that touch, or facets twice
       integer, intent(out) :: flat                       !! Facets with two corners in one place
-      integer(int64), parameter :: room = 2_int64**31
+      integer(int64), parameter :: base = 2_int64**31
       integer(int64), allocatable :: key(:)
       integer, allocatable :: vertex(:, :), order(:), way(:)
       integer :: facet, k, edges, first, last
 
-      call name_corners(self%lattice, vertex)
+      call number_corners(self%lattice, vertex)
       allocate (key(size(vertex)), way(size(vertex)))
       edges = 0
       flat = 0
@@ -255,7 +255,7 @@ contains
          do k = 1, 3
             associate (from => vertex(k, facet), to => vertex(1 + mod(k, 3), facet))
                edges = edges + 1
-               key(edges) = min(from, to)*room + max(from, to)
+               key(edges) = min(from, to)*base + max(from, to)
                way(edges) = merge(1, -1, from < to)
             end associate
          end do
@@ -283,7 +283,7 @@ contains
    end subroutine facets_faults
 
    !> Give corners that fall on one place of the lattice one number.
-   pure subroutine name_corners(place, vertex)
+   pure subroutine number_corners(place, vertex)
       integer(int64), intent(in) :: place(:, :, :)       !! (3, corner, facet)
       integer, allocatable, intent(out) :: vertex(:, :)  !! (corner, facet) From 1
       type(key_table_t) :: columns, corners
@@ -310,5 +310,5 @@ contains
             vertex(k, facet) = number
          end do
       end do
-   end subroutine name_corners
+   end subroutine number_corners
 end module particle_facets

@@ -133,7 +133,7 @@ contains
       do z = 0, sites(3) - 1
          do y = 0, sites(2) - 1
             do x = 0, sites(1) - 1
-               call look_at_site(grid, bodies, body, site_position(grid, bodies(body), &
+               call measure_site(grid, bodies, body, site_position(grid, bodies(body), &
                   coordinate, [x, y, z]), share, position)
                if (share > 0.0_wp) number = number + 1
             end do
@@ -161,7 +161,7 @@ contains
    !> Share of a lattice site that belongs to a body and the centre of that share [m]. A lattice
    !! that
    !! is not cut has whole sites, those with their middles inside.
-   pure subroutine look_at_site(grid, bodies, body, middle, share, position)
+   pure subroutine measure_site(grid, bodies, body, middle, share, position)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
@@ -186,7 +186,7 @@ contains
       end do
       if ((inside .and. corners == 8) .or. (.not. inside .and. corners == 0)) return
       call cut_site(grid, bodies, body, middle, share, position)
-   end subroutine look_at_site
+   end subroutine measure_site
 
    !> Share and its centre by samples. What is less than a fiftieth of a site is dropped: so light a
    !! particle would be thrown about by its neighbours.
@@ -241,26 +241,26 @@ contains
       integer, contiguous, intent(in) :: coordinates(:, :) !! (3, tile) Tiles of this rank
       integer, intent(in) :: index                    !! Which store is meant
       type(store_t), intent(inout) :: store           !! Gets particles
-      integer, allocatable :: wish(:)
+      integer, allocatable :: new_count(:)
       integer :: tile, body
 
-      allocate (wish(size(store%count)))
-      wish = 0
-      do tile = 1, size(wish)
+      allocate (new_count(size(store%count)))
+      new_count = 0
+      do tile = 1, size(new_count)
          do body = 1, size(bodies)
             if (bodies(body)%store /= index) cycle
-            wish(tile) = wish(tile) + int(count_sites(grid, bodies, body, coordinates(:, tile)))
+            new_count(tile) = new_count(tile) + int(count_sites(grid, bodies, body, coordinates(:, tile)))
          end do
       end do
-      call store%layout(wish)
-      !$omp parallel do default(none) shared(grid, bodies, coordinates, index, store, wish) &
+      call store%layout(new_count)
+      !$omp parallel do default(none) shared(grid, bodies, coordinates, index, store, new_count) &
       !$omp private(tile, body) schedule(dynamic, 16)
-      do tile = 1, size(wish)
+      do tile = 1, size(new_count)
          do body = 1, size(bodies)
             if (bodies(body)%store == index) &
                call fill_tile(grid, bodies, body, coordinates(:, tile), tile, store)
          end do
-         store%restless(tile) = .true.
+         store%unsorted(tile) = .true.
       end do
       !$omp end parallel do
    end subroutine fill_bodies
@@ -288,7 +288,7 @@ contains
             do y = 0, sites(2) - 1
                do x = 0, sites(1) - 1
                   middle = site_position(grid, it, coordinate, [x, y, z])
-                  call look_at_site(grid, bodies, body, middle, share, position)
+                  call measure_site(grid, bodies, body, middle, share, position)
                   if (.not. share > 0.0_wp) cycle
                   number = [x, y, z]
                   cell = 0
@@ -298,10 +298,10 @@ contains
                   end where
                   identity = it%first_identity + number(1) + all_sites(1)*(number(2) &
                      + all_sites(2)*number(3))
-                  if (it%jitter) position = position + chance(identity)*site_edge(grid, it)
-                  call add_particle(bodies, body, tile, identity, home_of(grid, cell), position, &
+                  if (it%jitter) position = position + random_shift(identity)*site_edge(grid, it)
+                  call add_particle(bodies, body, tile, identity, cell_number(grid, cell), position, &
                      share*site_volume(grid, it, middle), store)
-                  call size_particle(0.5_wp*site_edge(grid, it), &
+                  call set_size(0.5_wp*site_edge(grid, it), &
                      store%first(tile) + store%count(tile) - 1, store)
                end do
             end do
@@ -327,12 +327,12 @@ contains
          do n = 1, size(number)
             if (.not. belongs(bodies, body, position(:, n))) cycle
             call add_particle(bodies, body, tile, it%first_identity + number(n) - 1, &
-               home_of(grid, cell_of(grid, position(:, n)) - coordinate*grid%width), &
+               cell_number(grid, cell_of(grid, position(:, n)) - coordinate*grid%width), &
                position(:, n), it%share*volume(n), store)
             depth = merge(2.0_wp*pi*position(1, n), grid%depth, grid%axisymmetric)
             half = merge(0.5_wp*(it%share*volume(n)/depth)**(1.0_wp/real(grid%dimensions, wp)), &
                0.0_wp, grid%active)
-            call size_particle(half, store%first(tile) + store%count(tile) - 1, store)
+            call set_size(half, store%first(tile) + store%count(tile) - 1, store)
          end do
       end associate
    end subroutine fill_given
@@ -361,16 +361,16 @@ contains
    end subroutine add_particle
 
    !> Number of a cell of a tile.
-   pure integer function home_of(grid, cell) result(home)
+   pure integer function cell_number(grid, cell) result(home)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell(3)                  !! In the tile, counted from 0
 
       home = cell(1) + grid%width(1)*(cell(2) + grid%width(2)*cell(3))
-   end function home_of
+   end function cell_number
 
    !> How far a particle is moved from the middle of its site, in edges of it: up to a quarter to
    !! either side. It depends on its identity alone.
-   pure function chance(identity) result(shift)
+   pure function random_shift(identity) result(shift)
       integer(int64), intent(in) :: identity          !! Of the particle
       real(wp) :: shift(3)
       integer(int64), parameter :: seed = 12345_int64
@@ -379,11 +379,11 @@ contains
       do k = 1, 3
          shift(k) = 0.5_wp*random_uniform(seed, identity, int(k, int64)) - 0.25_wp
       end do
-   end function chance
+   end function random_shift
 
    !> Size and linear velocity field of a particle at the start, as far as it carries them. Along a
    !! missing direction it has no size.
-   pure subroutine size_particle(half, p, store)
+   pure subroutine set_size(half, p, store)
       real(wp), intent(in) :: half(3)                 !! Half its edges [m]
       integer, intent(in) :: p
       type(store_t), intent(inout) :: store           !! Gets its fields
@@ -400,7 +400,7 @@ contains
       if (allocated(store%spin)) store%spin(p, :) = 0.0_wp
       if (allocated(store%ahead)) store%ahead(p, :) = 0.0_wp
       if (allocated(store%bond)) store%bond(p) = 1.0_wp
-   end subroutine size_particle
+   end subroutine set_size
 
    !> Volume of a lattice site [m3]; that of the ring in axisymmetry.
    pure real(wp) function site_volume(grid, body, position) result(volume)

@@ -44,21 +44,21 @@ contains
       integer :: index
 
       allocate (newcomers(size(stores)))
-      call collect(communicator, grid, boundary, tiles, stores, newcomers, messages)
+      call collect_leavers(communicator, grid, boundary, tiles, stores, newcomers, messages)
       if (communicator%size > 1) then
-         call send(communicator, tiles, messages, arrived)
-         call receive(stores, arrived, size(messages, 1), newcomers)
+         call send_rows(communicator, tiles, messages, arrived)
+         call receive_rows(stores, arrived, size(messages, 1), newcomers)
       end if
-      call renew_tiles(grid, tiles, stores, newcomers)
+      call update_tiles(grid, tiles, stores, newcomers)
       do index = 1, size(stores)
          call group_by_tile(tiles, newcomers(index))
-         call settle_store(stores(index), newcomers(index))
+         call sort_tiles(stores(index), newcomers(index))
       end do
    end subroutine migrate
 
    !> Take the particles that left their tiles: those that stay on the rank become newcomers, the
    !! others messages.
-   subroutine collect(communicator, grid, boundary, tiles, stores, newcomers, messages)
+   subroutine collect_leavers(communicator, grid, boundary, tiles, stores, newcomers, messages)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
@@ -111,7 +111,7 @@ contains
             deallocate (here)
          end associate
       end do
-   end subroutine collect
+   end subroutine collect_leavers
 
    !> Tiles and cells of the particles that left theirs.
    subroutine find_destinations(grid, boundary, position, particle, come)
@@ -125,7 +125,7 @@ contains
       !$omp parallel do default(none) shared(grid, boundary, position, particle, come) &
       !$omp private(row) schedule(static) if(size(particle) > many)
       do row = 1, size(particle)
-         call destination(grid, boundary, [position(particle(row), 1), &
+         call find_destination(grid, boundary, [position(particle(row), 1), &
             position(particle(row), 2), position(particle(row), 3)], come%key(row), come%cell(row))
       end do
       !$omp end parallel do
@@ -167,7 +167,7 @@ contains
    end subroutine list_leavers
 
    !> Tile and cell of a position.
-   pure subroutine destination(grid, boundary, position, key, cell)
+   pure subroutine find_destination(grid, boundary, position, key, cell)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
       real(wp), intent(in) :: position(3)            !! [m]
@@ -179,10 +179,10 @@ contains
       call find_place(grid, boundary, position, owner, cells, lost)
       key = hilbert_key(owner, grid%dimensions)
       cell = cells(1) + grid%width(1)*(cells(2) + grid%width(2)*cells(3))
-   end subroutine destination
+   end subroutine find_destination
 
    !> Send rows to the owners of their tiles.
-   subroutine send(communicator, tiles, messages, arrived)
+   subroutine send_rows(communicator, tiles, messages, arrived)
       type(communicator_t), intent(inout) :: communicator
       type(tiles_t), intent(in) :: tiles             !! Who owns what
       integer(int64), intent(in) :: messages(:, :)   !! (word, row)
@@ -207,10 +207,10 @@ contains
          end do
       end do
       call communicator%exchange(ranks, length, outgoing, arrived)
-   end subroutine send
+   end subroutine send_rows
 
    !> Add the rows that arrived to the newcomers of their stores.
-   subroutine receive(stores, arrived, words, newcomers)
+   subroutine receive_rows(stores, arrived, words, newcomers)
       type(store_t), intent(inout) :: stores(:)
       integer(int64), intent(in) :: arrived(:)       !! Rows, one after another
       integer, intent(in) :: words                   !! Words of a row
@@ -246,10 +246,10 @@ contains
             call move_alloc(cell, come%cell)
          end associate
       end do
-   end subroutine receive
+   end subroutine receive_rows
 
    !> Make tiles for newcomers in empty space and drop tiles that nobody is left in.
-   subroutine renew_tiles(grid, tiles, stores, newcomers)
+   subroutine update_tiles(grid, tiles, stores, newcomers)
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles
       type(store_t), intent(inout) :: stores(:)
@@ -286,7 +286,7 @@ contains
       ghost = tiles%key(tiles%own + 1:tiles%all)
       call merge_keys(pack(tiles%key(:tiles%own), kept), pack([(tile, tile=1, tiles%own)], kept), &
          key(:number), old)
-      call tiles%set(grid, renewed(tiles%key, key(:number), old), &
+      call tiles%set(grid, merged_keys(tiles%key, key(:number), old), &
          ghost_without(ghost, key(:number)))
       do index = 1, size(stores)
          call stores(index)%remap(old_index(old), grid%tile_cells)
@@ -301,7 +301,7 @@ contains
 
          former = max(marks, 0)
       end function old_index
-   end subroutine renew_tiles
+   end subroutine update_tiles
 
    !> Merge kept tiles and new keys into one ascending list: former index, or minus the new key's.
    pure subroutine merge_keys(kept_key, kept_tile, new_key, mark)
@@ -337,7 +337,7 @@ contains
    end subroutine merge_keys
 
    !> Keys in the merged order.
-   pure function renewed(key, new_key, mark) result(merged)
+   pure function merged_keys(key, new_key, mark) result(merged)
       integer(int64), intent(in) :: key(:)           !! Former tiles
       integer(int64), intent(in) :: new_key(:)       !! New ones
       integer, intent(in) :: mark(:)                 !! (tile) > 0 former tile, < 0 place in new_key
@@ -351,7 +351,7 @@ contains
             merged(tile) = new_key(-mark(tile))
          end if
       end do
-   end function renewed
+   end function merged_keys
 
    !> Ghosts that did not become tiles of this rank.
    pure function ghost_without(ghost, key) result(rest)
@@ -391,33 +391,33 @@ contains
    end subroutine group_by_tile
 
    !> Bring the particles of all tiles of a store into order.
-   subroutine settle_store(store, come)
+   subroutine sort_tiles(store, come)
       type(store_t), intent(inout) :: store
       type(newcomers_t), target, intent(in) :: come  !! Newcomers
-      type(tile_sorter_t) :: settler
-      integer, allocatable :: wish(:), now(:)
+      type(tile_sorter_t) :: sorter
+      integer, allocatable :: new_count(:), now(:)
       integer :: tile
 
-      allocate (wish(size(store%count)), now(size(store%count)))
-      do tile = 1, size(wish)
-         wish(tile) = store%count(tile) - store%leaving(tile) + come%before(tile + 1) &
+      allocate (new_count(size(store%count)), now(size(store%count)))
+      do tile = 1, size(new_count)
+         new_count(tile) = store%count(tile) - store%leaving(tile) + come%before(tile + 1) &
             - come%before(tile)
       end do
-      if (.not. store%fits(wish)) then
-         call sort_store(store, wish, come%rows, come%before, come%row, come%cell)
+      if (.not. store%fits(new_count)) then
+         call sort_store(store, new_count, come%rows, come%before, come%row, come%cell)
          return
       end if
-      call store%reserve(wish, now)
-      !$omp parallel default(none) shared(store, come, wish, now) private(tile, settler)
-      settler%rows => come%rows
+      call store%reserve(new_count, now)
+      !$omp parallel default(none) shared(store, come, new_count, now) private(tile, sorter)
+      sorter%rows => come%rows
       !$omp do schedule(dynamic, 4)
-      do tile = 1, size(wish)
-         if (.not. store%restless(tile) .and. come%before(tile + 1) == come%before(tile) .and. &
+      do tile = 1, size(new_count)
+         if (.not. store%unsorted(tile) .and. come%before(tile + 1) == come%before(tile) .and. &
             store%first(tile) == now(tile)) cycle
-         call sort_tile(store, settler, tile, now(tile), &
+         call sort_tile(store, sorter, tile, now(tile), &
             come%row(come%before(tile) + 1:come%before(tile + 1)), come%cell)
       end do
       !$omp end do
       !$omp end parallel
-   end subroutine settle_store
+   end subroutine sort_tiles
 end module particle_migrate

@@ -27,7 +27,7 @@ contains
       last = first + store%count(tile) - 1
       call find_homes(grid, coordinate, first, last, store%position, store%home, leaving, changed)
       store%leaving(tile) = leaving
-      store%restless(tile) = store%restless(tile) .or. changed > 0
+      store%unsorted(tile) = store%unsorted(tile) .or. changed > 0
       if (leaving == 0) return
       do p = first, last
          if (store%home(p) >= 0) cycle
@@ -36,7 +36,7 @@ contains
          if (lost) then
             store%home(p) = moved_out
          else
-            call wrap(grid, boundary, store%position, p)
+            call wrap_position(grid, boundary, store%position, p)
             if (all(owner == coordinate)) then
                store%home(p) = cells(1) + grid%width(1)*(cells(2) + grid%width(2)*cells(3))
                store%leaving(tile) = store%leaving(tile) - 1
@@ -60,7 +60,7 @@ contains
          store%position(p, 3)], owner, cells, lost)
       store%home(p) = moved_out
       if (.not. lost) then
-         call wrap(grid, boundary, store%position, p)
+         call wrap_position(grid, boundary, store%position, p)
          store%home(p) = cells(1) + grid%width(1)*(cells(2) + grid%width(2)*cells(3))
          if (any(owner /= coordinate)) store%home(p) = moved_away
       end if
@@ -123,14 +123,14 @@ contains
       owner = 0
       cells = 0
       inside(1, :) = position
-      call wrap(grid, boundary, inside, 1)
+      call wrap_position(grid, boundary, inside, 1)
       do direction = 1, 3
          if (.not. grid%active(direction)) cycle
          y = (inside(1, direction) - grid%lower(direction))*(1.0_wp/grid%spacing)
          face = 0
          if (.not. y >= 0.0_wp) face = 2*direction - 1
          if (y >= real(grid%cells(direction), wp)) face = 2*direction
-         if (face > 0) lost = lost .or. opens(grid, boundary, face, inside(1, :))
+         if (face > 0) lost = lost .or. face_is_open(grid, boundary, face, inside(1, :))
          cell = min(max(floor(min(max(y, -1.0_wp), real(grid%cells(direction), wp))), 0), &
             grid%cells(direction) - 1)
          owner(direction) = cell/grid%width(direction)
@@ -141,7 +141,7 @@ contains
    !> Bring a position back into the box: round a periodic direction, or just inside a closed face,
    !! which rounding alone can make a particle cross. A place that only rounds to the upper face
    !! counts as on it, so that a particle never lies past the cell that holds it.
-   pure subroutine wrap(grid, boundary, position, p)
+   pure subroutine wrap_position(grid, boundary, position, p)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
       real(wp), contiguous, intent(inout) :: position(:, :) !! (particle, 3) [m]
@@ -161,20 +161,20 @@ contains
             if (x < lower) x = x + length
             if (x >= upper) x = x - length
          else if (x <= lower) then
-            if (.not. opens(grid, boundary, 2*direction - 1, here)) &
+            if (.not. face_is_open(grid, boundary, 2*direction - 1, here)) &
                x = lower + inside*grid%spacing
          end if
          if ((x - lower)*(1.0_wp/grid%spacing) >= real(grid%cells(direction), wp)) then
-            if (.not. opens(grid, boundary, 2*direction, here)) &
+            if (.not. face_is_open(grid, boundary, 2*direction, here)) &
                x = upper - inside*grid%spacing
          end if
          position(p, direction) = x
          here(direction) = x
       end do
-   end subroutine wrap
+   end subroutine wrap_position
 
    !> Whether a face is open where a particle reached it.
-   pure logical function opens(grid, boundary, face, position) result(open)
+   pure logical function face_is_open(grid, boundary, face, position) result(open)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: face                    !! 1 to 6
@@ -186,5 +186,5 @@ contains
       place = position
       place(normal) = merge(grid%lower(normal), grid%upper(normal), mod(face, 2) == 1)
       open = lets_out(boundary%kind_at(face, place))
-   end function opens
+   end function face_is_open
 end module particle_place

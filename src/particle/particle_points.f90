@@ -34,18 +34,18 @@ module particle_points
       procedure :: numbers => points_numbers             !! Numbers that its particles may have
       procedure :: collect => points_collect             !! The particles of a tile
       procedure :: whole_volume => points_whole_volume   !! Volume of all
-      procedure :: places => points_places               !! Places of all
+      procedure :: positions => points_positions               !! Places of all
    end type points_t
 
 contains
 
    !> Places of all particles of the list.
-   pure function points_places(self) result(position)
+   pure function points_positions(self) result(position)
       class(points_t), intent(in) :: self
       real(wp) :: position(3, size(self%position, 2))    !! (3, particle) [m]
 
       position = self%position
-   end function points_places
+   end function points_positions
 
    !> The cloud of some points.
    pure type(cloud_t) function cloud(position) result(shape)

@@ -34,42 +34,42 @@ module particle_sort_tile
       real(wp), allocatable :: buffer(:)              !! Scratch
       integer(int64), allocatable :: integer_buffer(:)  !! Scratch
    contains
-      procedure :: scalar => settler_scalar           !! Reorders numbers
-      procedure :: vector => settler_vector           !! Reorders vectors
-      procedure :: whole => sorter_integer             !! Reorders whole numbers
-      procedure :: make_room => settler_make_room     !! Sizes the scratch
+      procedure :: scalar => sorter_scalar           !! Reorders numbers
+      procedure :: vector => sorter_vector           !! Reorders vectors
+      procedure :: whole => sorter_whole             !! Reorders whole numbers
+      procedure :: reserve => sorter_reserve     !! Sizes the scratch
    end type tile_sorter_t
 
 contains
 
    !> Reorder one tile: particles that stay and newcomers, by cell and then by identity.
-   subroutine sort_tile(store, settler, tile, now, newcomer, home)
+   subroutine sort_tile(store, sorter, tile, now, newcomer, home)
       type(store_t), intent(inout) :: store           !! The particles; count becomes the new one
-      class(tile_sorter_t), intent(inout) :: settler      !! Scratch, with the rows
+      class(tile_sorter_t), intent(inout) :: sorter      !! Scratch, with the rows
       integer, intent(in) :: tile
       integer, intent(in) :: now                      !! First particle as they lie now
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
       integer, intent(in) :: home(:)                  !! (row) Cells of all rows
       integer :: p, cell
 
-      call order_tile(store, settler, tile, now, newcomer, home)
-      settler%first = store%first(tile)
-      settler%word = 0
-      call store%walk(settler)
+      call order_tile(store, sorter, tile, now, newcomer, home)
+      sorter%first = store%first(tile)
+      sorter%word = 0
+      call store%walk(sorter)
       do cell = 0, ubound(store%cell_start, 1) - 1
          do p = store%cell_start(cell, tile), store%cell_start(cell + 1, tile) - 1
             store%home(store%first(tile) + p) = cell
          end do
       end do
-      store%count(tile) = settler%count
-      store%restless(tile) = .false.
+      store%count(tile) = sorter%count
+      store%unsorted(tile) = .false.
       store%leaving(tile) = 0
    end subroutine sort_tile
 
    !> Find where each particle of the new range of a tile comes from, and the range of each cell.
-   subroutine order_tile(store, settler, tile, now, newcomer, home)
+   subroutine order_tile(store, sorter, tile, now, newcomer, home)
       type(store_t), intent(inout) :: store           !! The particles; gets the ranges of cells
-      class(tile_sorter_t), intent(inout) :: settler !! Scratch, with the rows; gets the sources
+      class(tile_sorter_t), intent(inout) :: sorter !! Scratch, with the rows; gets the sources
       integer, intent(in) :: tile
       integer, intent(in) :: now                      !! First particle as they lie now
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
@@ -77,38 +77,38 @@ contains
       integer, parameter :: identity_word = 1
       integer :: p, n, cell, row
 
-      call settler%make_room(store%count(tile) + size(newcomer))
+      call sorter%reserve(store%count(tile) + size(newcomer))
       n = 0
       do p = now, now + store%count(tile) - 1
          if (store%home(p) < 0) cycle
          n = n + 1
-         settler%order(n) = p
-         settler%cell(n) = store%home(p)
+         sorter%order(n) = p
+         sorter%cell(n) = store%home(p)
       end do
       do row = 1, size(newcomer)
          n = n + 1
-         settler%order(n) = -newcomer(row)
-         settler%cell(n) = home(newcomer(row))
+         sorter%order(n) = -newcomer(row)
+         sorter%cell(n) = home(newcomer(row))
       end do
-      settler%count = n
-      call order_by_cell(settler, n, store%cell_start(:, tile))
+      sorter%count = n
+      call order_by_cell(sorter, n, store%cell_start(:, tile))
       do cell = 0, ubound(store%cell_start, 1) - 1
          if (store%cell_start(cell + 1, tile) - store%cell_start(cell, tile) < 2) cycle
-         call order_by_identity(store, settler, store%cell_start(cell, tile) + 1, &
+         call order_by_identity(store, sorter, store%cell_start(cell, tile) + 1, &
             store%cell_start(cell + 1, tile), identity_word)
       end do
    end subroutine order_tile
 
    !> Group the sources of a tile by cell, each cell in the order in which they are listed.
-   pure subroutine order_by_cell(settler, number, start)
-      class(tile_sorter_t), intent(inout) :: settler      !! Holds the list and gets the sources
+   pure subroutine order_by_cell(sorter, number, start)
+      class(tile_sorter_t), intent(inout) :: sorter      !! Holds the list and gets the sources
       integer, intent(in) :: number                   !! Particles on the list
       integer, contiguous, intent(inout) :: start(0:) !! (0:cells) Particles before each cell
       integer :: p, cell, place
 
       start = 0
       do p = 1, number
-         cell = settler%cell(p) + 1
+         cell = sorter%cell(p) + 1
          start(cell) = start(cell) + 1
       end do
       do cell = 1, ubound(start, 1)
@@ -116,9 +116,9 @@ contains
       end do
       do p = number, 1, -1
          ! filled from behind, so that start can serve as the cursor of each cell
-         cell = settler%cell(p)
+         cell = sorter%cell(p)
          place = start(cell + 1)
-         settler%source(place) = settler%order(p)
+         sorter%source(place) = sorter%order(p)
          start(cell + 1) = place - 1
       end do
       do cell = 0, ubound(start, 1) - 1
@@ -128,9 +128,9 @@ contains
    end subroutine order_by_cell
 
    !> Sort the sources of one cell by identity; they are few and nearly in order.
-   pure subroutine order_by_identity(store, settler, first, last, identity_word)
+   pure subroutine order_by_identity(store, sorter, first, last, identity_word)
       type(store_t), intent(in) :: store
-      class(tile_sorter_t), intent(inout) :: settler      !! Holds the sources
+      class(tile_sorter_t), intent(inout) :: sorter      !! Holds the sources
       integer, intent(in) :: first                    !! First source of the cell
       integer, intent(in) :: last                     !! Last source of the cell
       integer, intent(in) :: identity_word            !! Word of the rows that holds the identity
@@ -138,15 +138,15 @@ contains
       integer(int64) :: key
 
       do at = first + 1, last
-         held = settler%source(at)
+         held = sorter%source(at)
          key = identity_of(held)
          hole = at
          do while (hole > first)
-            if (identity_of(settler%source(hole - 1)) <= key) exit
-            settler%source(hole) = settler%source(hole - 1)
+            if (identity_of(sorter%source(hole - 1)) <= key) exit
+            sorter%source(hole) = sorter%source(hole - 1)
             hole = hole - 1
          end do
-         settler%source(hole) = held
+         sorter%source(hole) = held
       end do
 
    contains
@@ -158,28 +158,28 @@ contains
          if (source > 0) then
             number = store%identity(source)
          else
-            number = settler%rows(identity_word, -source)
+            number = sorter%rows(identity_word, -source)
          end if
       end function identity_of
    end subroutine order_by_identity
 
    !> Size the scratch for a number of particles.
-   pure subroutine settler_make_room(self, number)
+   pure subroutine sorter_reserve(self, number)
       class(tile_sorter_t), intent(inout) :: self
       integer, intent(in) :: number                   !! Particles
-      integer :: room
+      integer :: capacity
 
       if (allocated(self%source)) then
          if (size(self%source) >= number) return
          deallocate (self%source, self%cell, self%order, self%buffer, self%integer_buffer)
       end if
-      room = number + number/4 + 16
-      allocate (self%source(room), self%cell(room), self%order(room), self%buffer(room), &
-         self%integer_buffer(room))
-   end subroutine settler_make_room
+      capacity = number + number/4 + 16
+      allocate (self%source(capacity), self%cell(capacity), self%order(capacity), self%buffer(capacity), &
+         self%integer_buffer(capacity))
+   end subroutine sorter_reserve
 
    !> Bring a field of numbers into the new order.
-   subroutine settler_scalar(self, name, unit, values)
+   subroutine sorter_scalar(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
@@ -187,10 +187,10 @@ contains
 
       self%word = self%word + 1
       call reorder_reals(self, values)
-   end subroutine settler_scalar
+   end subroutine sorter_scalar
 
    !> Bring a field of vectors or tensors into the new order.
-   subroutine settler_vector(self, name, unit, values)
+   subroutine sorter_vector(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
@@ -201,10 +201,10 @@ contains
          self%word = self%word + 1
          call reorder_reals(self, values(:, component))
       end do
-   end subroutine settler_vector
+   end subroutine sorter_vector
 
    !> Bring a field of whole numbers into the new order.
-   subroutine sorter_integer(self, name, unit, values)
+   subroutine sorter_whole(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
@@ -220,7 +220,7 @@ contains
          end if
       end do
       values(self%first:self%first + self%count - 1) = self%integer_buffer(:self%count)
-   end subroutine sorter_integer
+   end subroutine sorter_whole
 
    !> Bring one component into the new order.
    pure subroutine reorder_reals(self, values)

@@ -57,12 +57,12 @@ contains
       type(tiles_t), intent(in) :: tiles             !! The tiles of this rank
       type(store_t), intent(inout) :: store          !! The particles, with their edges
       real(wp), allocatable, intent(out) :: gain(:)  !! (halved particle) Kinetic energy made [J]
-      integer, allocatable :: wish(:), edge(:)
+      integer, allocatable :: new_count(:), edge(:)
       real(wp), allocatable :: opening(:)
       type(copier_t) :: copier
       integer :: tile, p, n, halved
 
-      call list_long(splitting, full, grid, store, copier%from, edge, wish)
+      call list_long(splitting, full, grid, store, copier%from, edge, new_count)
       halved = size(edge)
       allocate (gain(halved))
       if (halved == 0) return
@@ -72,15 +72,15 @@ contains
          ! strained before the force, and this was the first step: nothing has grown yet
          allocate (opening(halved), source=0.0_wp)
       end if
-      if (any(wish > store%room)) then
+      if (any(new_count > store%capacity)) then
          ! particles move, so they are listed anew
-         call store%layout(wish)
-         call list_long(splitting, full, grid, store, copier%from, edge, wish)
+         call store%layout(new_count)
+         call list_long(splitting, full, grid, store, copier%from, edge, new_count)
       end if
       allocate (copier%to(halved))
       n = 0
       do tile = 1, size(store%count)
-         do p = store%first(tile) + store%count(tile), store%first(tile) + wish(tile) - 1
+         do p = store%first(tile) + store%count(tile), store%first(tile) + new_count(tile) - 1
             n = n + 1
             copier%to(n) = p
          end do
@@ -88,16 +88,16 @@ contains
       call store%walk(copier)
       n = 0
       do tile = 1, size(store%count)
-         do p = store%count(tile) + 1, wish(tile)
+         do p = store%count(tile) + 1, new_count(tile)
             n = n + 1
-            call halve(grid, allocated(full), store, copier%from(n), copier%to(n), edge(n), &
+            call halve_particle(grid, allocated(full), store, copier%from(n), copier%to(n), edge(n), &
                opening(n), gain(n))
             store%count(tile) = p
             call place_particle(grid, boundary, tiles%coordinate(:, tile), store, tile, &
                copier%from(n))
             call place_particle(grid, boundary, tiles%coordinate(:, tile), store, tile, &
                copier%to(n))
-            store%restless(tile) = .true.
+            store%unsorted(tile) = .true.
          end do
       end do
    end subroutine split_store
@@ -148,36 +148,36 @@ contains
    end subroutine find_longest
 
    !> Particles that are too long, those of the first tile first, and how many each tile will hold.
-   subroutine list_long(splitting, full, grid, store, particle, edge, wish)
+   subroutine list_long(splitting, full, grid, store, particle, edge, new_count)
       type(splitting_t), intent(in) :: splitting     !! What is too long
       logical, allocatable, intent(in) :: full(:, :) !! As above
       type(grid_t), intent(in) :: grid
       type(store_t), intent(in) :: store
       integer, allocatable, intent(out) :: particle(:) !! Indices
       integer, allocatable, intent(out) :: edge(:)   !! Along which edge of theirs
-      integer, allocatable, intent(out) :: wish(:)   !! (tile) Particles with halves
+      integer, allocatable, intent(out) :: new_count(:)   !! (tile) Particles with halves
       integer, allocatable :: longest(:)
       integer :: tile, p, n
 
-      allocate (longest(size(store%home)), wish(size(store%count)))
-      !$omp parallel do default(none) shared(splitting, full, grid, store, longest, wish) &
+      allocate (longest(size(store%home)), new_count(size(store%count)))
+      !$omp parallel do default(none) shared(splitting, full, grid, store, longest, new_count) &
       !$omp private(tile, p) schedule(static)
       do tile = 1, size(store%count)
-         wish(tile) = store%count(tile)
+         new_count(tile) = store%count(tile)
          do p = store%first(tile), store%first(tile) + store%count(tile) - 1
             longest(p) = too_long(splitting, grid, store, p)
             if (allocated(full) .and. longest(p) > 0) then
                if (.not. (full(store%home(p), tile) .and. is_large(splitting, grid, store, p))) &
                   longest(p) = 0
             end if
-            if (longest(p) > 0) wish(tile) = wish(tile) + 1
+            if (longest(p) > 0) new_count(tile) = new_count(tile) + 1
          end do
       end do
       !$omp end parallel do
-      allocate (particle(sum(wish - store%count)), edge(sum(wish - store%count)))
+      allocate (particle(sum(new_count - store%count)), edge(sum(new_count - store%count)))
       n = 0
       do tile = 1, size(store%count)
-         if (wish(tile) == store%count(tile)) cycle
+         if (new_count(tile) == store%count(tile)) cycle
          do p = store%first(tile), store%first(tile) + store%count(tile) - 1
             if (longest(p) == 0) cycle
             n = n + 1
@@ -250,7 +250,7 @@ contains
    !> Make halves of two equal particles. Their velocities leave the momentum of the whole.
    !! Equations (P.2) and (P.3).
    ! gate: long kernel because a halving is told by its two particles, edge and rate
-   pure subroutine halve(grid, flows, store, low, high, edge, opening, gain)
+   pure subroutine halve_particle(grid, flows, store, low, high, edge, opening, gain)
       type(grid_t), intent(in) :: grid
       logical, intent(in) :: flows                   !! Is the material without strength?
       type(store_t), intent(inout) :: store
@@ -296,7 +296,7 @@ contains
       if (.not. allocated(store%extent)) return
       k = maxloc(abs(half), 1)
       store%extent([low, high], k) = 0.5_wp*store%extent(low, k)
-   end subroutine halve
+   end subroutine halve_particle
 
    !> Identity of a half: the place in the tree of halves, 1 for the first whole, in the upper bits.
    pure integer(int64) function half_of(whole, side) result(identity)

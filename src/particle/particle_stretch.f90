@@ -20,7 +20,7 @@ contains
 
       if (store%stretching) call stretch_boxes(store%first(tile), store%count(tile), gradient, &
          store%extent)
-      if (allocated(store%domain)) call carry_domains(store%first(tile), store%count(tile), &
+      if (allocated(store%domain)) call stretch_domains(store%first(tile), store%count(tile), &
          gradient, store%domain)
    end subroutine stretch_tile
 
@@ -42,7 +42,7 @@ contains
 
    !> Of parallelepipeds r <- r + G r for each edge (A. Sadeghirad, R. M. Brannon, J. Burghardt,
    !! Int. J. Numer. Methods Eng. 86 (2011) 1435). Equation (N.8).
-   pure subroutine carry_domains(first, count, gradient, domain)
+   pure subroutine stretch_domains(first, count, gradient, domain)
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(in) :: gradient(:, :)     !! (particle of the tile, 9) [1]
@@ -62,5 +62,5 @@ contains
             domain(q, edge + 2) = z + (gradient(p, 3)*x + gradient(p, 6)*y + gradient(p, 9)*z)
          end do
       end do
-   end subroutine carry_domains
+   end subroutine stretch_domains
 end module particle_stretch
