@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A writer of JSON, for the summary of a run.
+!> Writes JSON, for the summary of a run.
 module io_summary
    use base_error, only: error_t
    use base_kinds, only: int32, int64, wp
@@ -11,15 +11,15 @@ module io_summary
 
    public :: json_t
 
-   !> An object that grows member by member. Objects may stand in objects.
+   !> An object to which members are added. Objects may be nested.
    type :: json_t
       character(len=:), allocatable, private :: body     !! Members so far
       integer, private :: depth = 1                      !! Objects that are open
       logical, private :: first = .true.                 !! No member yet in the open object
    contains
-      procedure :: begin => json_begin                   !! Begin an object as a member
+      procedure :: begin => json_begin                   !! Begin a nested object
       procedure :: end => json_end                       !! End that object
-      procedure :: text => json_text                     !! All of it
+      procedure :: text => json_text                     !! Text of the object
       procedure :: write => json_write                   !! Write it to a file
       procedure, private :: add_text, add_real, add_integer, add_short, add_logical, add_reals, &
          add_texts, add_raw
@@ -57,7 +57,7 @@ contains
       line = line//""""
    end function quoted
 
-   !> A number, or null for what JSON has no number for.
+   !> A number, or null if it is not finite.
    function number_text(number) result(text)
       real(wp), intent(in) :: number                     !! Any number
       character(len=:), allocatable :: text
@@ -66,7 +66,7 @@ contains
       if (ieee_is_finite(number)) text = real_text(number)
    end function number_text
 
-   !> Add a member whose value is JSON already.
+   !> Add a member whose value is JSON text.
    subroutine add_raw(self, name, value)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
@@ -78,7 +78,7 @@ contains
       self%first = .false.
    end subroutine add_raw
 
-   !> Begin an object as a member.
+   !> Begin a nested object.
    subroutine json_begin(self, name)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
@@ -99,7 +99,7 @@ contains
       self%first = .false.
    end subroutine json_end
 
-   !> All of it; objects that are still open are closed.
+   !> Text of the object; open nested objects are closed.
    pure function json_text(self) result(text)
       class(json_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -113,7 +113,7 @@ contains
       text = text//new_line("a")
    end function json_text
 
-   !> Write it to a file.
+   !> Write the object to a file.
    subroutine json_write(self, path, error)
       class(json_t), intent(in) :: self
       character(len=*), intent(in) :: path               !! Where
@@ -131,7 +131,7 @@ contains
       call self%add_raw(name, quoted(value))
    end subroutine add_text
 
-   !> Add a real number.
+   !> Add a real.
    subroutine add_real(self, name, value)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
@@ -140,7 +140,7 @@ contains
       call self%add_raw(name, number_text(value))
    end subroutine add_real
 
-   !> Add a whole number.
+   !> Add an integer.
    subroutine add_integer(self, name, value)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
@@ -149,7 +149,7 @@ contains
       call self%add_raw(name, integer_text(value))
    end subroutine add_integer
 
-   !> Add a short whole number.
+   !> Add a 32-bit integer.
    subroutine add_short(self, name, value)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
@@ -171,7 +171,7 @@ contains
       end if
    end subroutine add_logical
 
-   !> Add an array of real numbers.
+   !> Add an array of reals.
    subroutine add_reals(self, name, values)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
@@ -187,7 +187,7 @@ contains
       call self%add_raw(name, line//"]")
    end subroutine add_reals
 
-   !> Add an array of texts, without blanks at their ends.
+   !> Add an array of texts, without trailing blanks.
    subroutine add_texts(self, name, values)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member

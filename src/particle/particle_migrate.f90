@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Moves particles that left their tiles to the tiles, and ranks, where they belong.
+!> Moves particles that left their tiles to their new tiles and ranks.
 module particle_migrate
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
@@ -19,20 +19,20 @@ module particle_migrate
 
    integer, parameter :: heading = 3                 !! Words before a row: store, key, cell
 
-   !> Particles on their way to the tiles of this rank, all of one store.
+   !> Particles of one store that arrive at tiles of this rank.
    type :: newcomers_t
       integer(int64), allocatable :: key(:)           !! (row) Tile on the curve
       integer, allocatable :: cell(:)                 !! (row) Cell in the tile, from 0
       integer(int64), allocatable :: rows(:, :)       !! (word, row) Fields
       integer, allocatable :: row(:)                  !! Rows grouped by tile
-      integer, allocatable :: before(:)               !! (tile + 1) Rows of the tiles before
+      integer, allocatable :: before(:)               !! (tile + 1) Rows of lower tiles
    end type newcomers_t
 
 contains
 
-   !> Bring every particle that left its tile to its new one, make tiles where there were none,
-   !! drop empty ones, and put the particles of each tile in order. Particles that left the box
-   !! are forgotten: whoever wants to book them does so before.
+   !> Move every particle that left its tile to its new one, create tiles in empty space, remove
+   !! empty tiles, and sort the particles of each tile. Particles that left the domain are removed;
+   !! the balance must have recorded them before.
    subroutine migrate(communicator, grid, boundary, tiles, stores)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
@@ -56,7 +56,7 @@ contains
       end do
    end subroutine migrate
 
-   !> Take the particles that left their tiles: those that stay on the rank become newcomers, the
+   !> Extract the particles that left their tiles: those that stay on the rank become newcomers, the
    !! others messages.
    subroutine collect_leavers(communicator, grid, boundary, tiles, stores, newcomers, messages)
       type(communicator_t), intent(in) :: communicator
@@ -113,13 +113,13 @@ contains
       end do
    end subroutine collect_leavers
 
-   !> Tiles and cells of the particles that left theirs.
+   !> Find the tiles and cells of the particles that left theirs.
    subroutine find_destinations(grid, boundary, position, particle, come)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) [m]
       integer, intent(in) :: particle(:)             !! (row) Indices
-      type(newcomers_t), intent(inout) :: come       !! Gets keys and cells
+      type(newcomers_t), intent(inout) :: come
       integer :: row
 
       !$omp parallel do default(none) shared(grid, boundary, position, particle, come) &
@@ -131,7 +131,7 @@ contains
       !$omp end parallel do
    end subroutine find_destinations
 
-   !> Columns of an array that a mask chooses.
+   !> Columns of an array that a mask selects.
    pure function pack_columns(rows, mask) result(chosen)
       integer(int64), intent(in) :: rows(:, :)       !! (word, row)
       logical, intent(in) :: mask(:)                 !! (row)
@@ -147,7 +147,7 @@ contains
       end do
    end function pack_columns
 
-   !> Particles that left their tiles but not the box.
+   !> List the particles that left their tiles but not the domain.
    pure subroutine list_leavers(store, particle)
       type(store_t), intent(in) :: store
       integer, allocatable, intent(out) :: particle(:) !! Indices
@@ -166,7 +166,7 @@ contains
       particle = particle(:number)
    end subroutine list_leavers
 
-   !> Tile and cell of a position.
+   !> Find tile and cell of a position.
    pure subroutine find_destination(grid, boundary, position, key, cell)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
@@ -184,9 +184,10 @@ contains
    !> Send rows to the owners of their tiles.
    subroutine send_rows(communicator, tiles, messages, arrived)
       type(communicator_t), intent(inout) :: communicator
-      type(tiles_t), intent(in) :: tiles             !! Who owns what
+      type(tiles_t), intent(in) :: tiles
       integer(int64), intent(in) :: messages(:, :)   !! (word, row)
-      integer(int64), allocatable, intent(out) :: arrived(:) !! Rows for this rank, one by one
+      !> Rows for this rank, one after another
+      integer(int64), allocatable, intent(out) :: arrived(:)
       integer, allocatable :: owner(:), ranks(:), length(:)
       integer(int64), allocatable :: outgoing(:)
       integer :: row, rank, at
@@ -248,7 +249,7 @@ contains
       end do
    end subroutine receive_rows
 
-   !> Make tiles for newcomers in empty space and drop tiles that nobody is left in.
+   !> Create tiles for newcomers in empty space and remove empty tiles.
    subroutine update_tiles(grid, tiles, stores, newcomers)
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles
@@ -281,7 +282,7 @@ contains
             end if
          end do
       end do
-      ! particles that were just read lie in a range that is no tile
+      ! particles that were just read are in one range, which is no tile
       if (number == 0 .and. all(kept) .and. size(stores(1)%count) == tiles%own) return
       ghost = tiles%key(tiles%own + 1:tiles%all)
       call merge_keys(pack(tiles%key(:tiles%own), kept), pack([(tile, tile=1, tiles%own)], kept), &
@@ -294,21 +295,21 @@ contains
 
    contains
 
-      !> Former tile, or 0 for a new one.
-      pure function old_index(marks) result(former)
-         integer, intent(in) :: marks(:)             !! Former tile > 0 or new key < 0
-         integer :: former(size(marks))
+      !> Old tile, or 0 for a new one.
+      pure function old_index(marks) result(old_tile)
+         integer, intent(in) :: marks(:)             !! Old tile > 0 or new key < 0
+         integer :: old_tile(size(marks))
 
-         former = max(marks, 0)
+         old_tile = max(marks, 0)
       end function old_index
    end subroutine update_tiles
 
-   !> Merge kept tiles and new keys into one ascending list: former index, or minus the new key's.
+   !> Merge kept tiles and new keys into one ascending list: old index, or minus the new key's.
    pure subroutine merge_keys(kept_key, kept_tile, new_key, mark)
       integer(int64), intent(in) :: kept_key(:)      !! Ascending
       integer, intent(in) :: kept_tile(:)            !! Their indices
       integer(int64), intent(in) :: new_key(:)       !! In any order, with repetitions
-      integer, allocatable, intent(out) :: mark(:)   !! (tile) > 0 former tile, < 0 place in new_key
+      integer, allocatable, intent(out) :: mark(:)   !! (tile) > 0 old tile, < 0 index in new_key
       integer :: order(size(new_key)), i, j, n
       integer(int64) :: before
 
@@ -338,9 +339,9 @@ contains
 
    !> Keys in the merged order.
    pure function merged_keys(key, new_key, mark) result(merged)
-      integer(int64), intent(in) :: key(:)           !! Former tiles
-      integer(int64), intent(in) :: new_key(:)       !! New ones
-      integer, intent(in) :: mark(:)                 !! (tile) > 0 former tile, < 0 place in new_key
+      integer(int64), intent(in) :: key(:)           !! Old tiles
+      integer(int64), intent(in) :: new_key(:)       !! New tiles
+      integer, intent(in) :: mark(:)                 !! (tile) > 0 old tile, < 0 index in new_key
       integer(int64) :: merged(size(mark))
       integer :: tile
 
@@ -353,10 +354,10 @@ contains
       end do
    end function merged_keys
 
-   !> Ghosts that did not become tiles of this rank.
+   !> Ghost tiles that did not become tiles of this rank.
    pure function ghost_without(ghost, key) result(rest)
-      integer(int64), intent(in) :: ghost(:)         !! Ghosts
-      integer(int64), intent(in) :: key(:)           !! New own tiles
+      integer(int64), intent(in) :: ghost(:)         !! Keys of ghost tiles
+      integer(int64), intent(in) :: key(:)           !! Keys of new tiles
       integer(int64), allocatable :: rest(:)
       integer :: tile
       logical :: keep(size(ghost))
@@ -370,7 +371,7 @@ contains
    !> Group the rows of newcomers by tile.
    pure subroutine group_by_tile(tiles, come)
       type(tiles_t), intent(in) :: tiles
-      type(newcomers_t), intent(inout) :: come       !! Newcomers of one store
+      type(newcomers_t), intent(inout) :: come
       integer, allocatable :: tile(:), cursor(:)
       integer :: row
 
@@ -390,10 +391,10 @@ contains
       end do
    end subroutine group_by_tile
 
-   !> Bring the particles of all tiles of a store into order.
+   !> Sort the particles of all tiles of a store.
    subroutine sort_tiles(store, come)
       type(store_t), intent(inout) :: store
-      type(newcomers_t), target, intent(in) :: come  !! Newcomers
+      type(newcomers_t), target, intent(in) :: come
       type(tile_sorter_t) :: sorter
       integer, allocatable :: new_count(:), now(:)
       integer :: tile

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Finds the cells of particles that moved, and what the faces of the box do to them.
+!> Finds the cells of particles that moved and applies the boundaries of the domain to them.
 module particle_place
    use base_kinds, only: wp
    use mesh_boundary, only: boundary_t, lets_out
@@ -12,7 +12,7 @@ module particle_place
 
 contains
 
-   !> Find the new cells of the particles of a tile; count those that left it.
+   !> Find the new cells of the particles of a tile and count those that left it.
    pure subroutine place_tile(grid, boundary, coordinate, store, tile)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
@@ -45,14 +45,14 @@ contains
       end do
    end subroutine place_tile
 
-   !> Find the cell of one particle of a tile; count it if it left it.
+   !> Find the cell of one particle of a tile and count the particle if it left the tile.
    pure subroutine place_particle(grid, boundary, coordinate, store, tile, p)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
-      integer, intent(in) :: p                       !! Which particle, in its tile so far
+      integer, intent(in) :: p                       !! A particle of the tile
       integer :: cells(3), owner(3)
       logical :: lost
 
@@ -66,8 +66,10 @@ contains
       end if
       if (store%home(p) < 0) store%leaving(tile) = store%leaving(tile) + 1
    end subroutine place_particle
-   !> Cells of the particles of a tile, or that they moved away; without branches, as vectors.
-   ! gate: long kernel because a tile is told by its grid, coordinate and range
+
+   !> Find the cells of the particles of a tile, `moved_away` outside of it; without branches, so
+   !! that the loop vectorises.
+   ! gate: long kernel because a tile is given by its grid, coordinate and range
    pure subroutine find_homes(grid, coordinate, first, last, position, home, leaving, changed)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
@@ -82,7 +84,7 @@ contains
 
       lower = grid%lower
       limit = real(grid%tile_extent(coordinate), wp)
-      ! a missing direction has one cell that holds every place
+      ! a missing direction has one cell, which contains every position
       scale = merge(1.0_wp/grid%spacing, 0.0_wp, grid%active)
       shift = merge(real(coordinate*grid%width, wp), 0.0_wp, grid%active)
       width = grid%width(1)
@@ -94,7 +96,7 @@ contains
          x = (position(p, 1) - lower(1))*scale(1) - shift(1)
          y = (position(p, 2) - lower(2))*scale(2) - shift(2)
          z = (position(p, 3) - lower(3))*scale(3) - shift(3)
-         ! each comparison counts for itself, which makes vectors of it and fails what is no number
+        ! separate comparisons vectorise, and each of them is false for NaN
          inside = merge(1, 0, x >= 0.0_wp)*merge(1, 0, x < limit(1)) &
             *merge(1, 0, y >= 0.0_wp)*merge(1, 0, y < limit(2)) &
             *merge(1, 0, z >= 0.0_wp)*merge(1, 0, z < limit(3))
@@ -107,15 +109,16 @@ contains
       end do
    end subroutine find_homes
 
-   !> Tile and cell in the tile of a position. Outside of the box a position wraps round, is held at
-   !! a closed face, or is lost through an open one.
+   !> Tile of a position and cell in the tile. A position outside the domain is wrapped at a
+   !! periodic
+   !! boundary, clipped at a closed one, and lost at an open one.
    pure subroutine find_place(grid, boundary, position, owner, cells, lost)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
       real(wp), intent(in) :: position(3)            !! [m]
       integer, intent(out) :: owner(3)               !! Tile, counted from 0
       integer, intent(out) :: cells(3)               !! Cell in the tile, counted from 0
-      logical, intent(out) :: lost                   !! Did it leave through an open face?
+      logical, intent(out) :: lost                   !! Did it leave through an open boundary?
       real(wp) :: y, inside(1, 3)
       integer :: direction, face, cell
 
@@ -138,9 +141,10 @@ contains
       end do
    end subroutine find_place
 
-   !> Bring a position back into the box: round a periodic direction, or just inside a closed face,
-   !! which rounding alone can make a particle cross. A place that only rounds to the upper face
-   !! counts as on it, so that a particle never lies past the cell that holds it.
+   !> Move a position back into the domain: through a periodic boundary, or just inside a closed
+   !! one,
+   !! which a particle crosses by rounding only. A position that rounds to the upper boundary counts
+   !! as on it, so that a particle is never beyond the cell that contains it.
    pure subroutine wrap_position(grid, boundary, position, p)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
@@ -173,12 +177,12 @@ contains
       end do
    end subroutine wrap_position
 
-   !> Whether a face is open where a particle reached it.
+   !> True if a boundary is open where a particle reached it.
    pure logical function face_is_open(grid, boundary, face, position) result(open)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: face                    !! 1 to 6
-      real(wp), intent(in) :: position(3)            !! Of the particle, on or beyond the face [m]
+      real(wp), intent(in) :: position(3)            !! On or beyond the boundary [m]
       real(wp) :: place(3)
       integer :: normal
 

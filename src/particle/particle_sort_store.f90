@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Brings all tiles of a store into order at once, in new arrays without gaps.
+!> Sorts all tiles of a store at once, into new arrays without gaps.
 !!
-!! Where tiles hold few particles almost each of them gets or loses some in a step. Then one way
-!! through each field costs less than one through all fields for each tile, and no tile needs room
-!! to grow.
+!! Where tiles have few particles, almost every tile gains or loses some in a step. One pass through
+!! each field then costs less than a pass through all fields for each tile, and no tile needs spare
+!! capacity.
 module particle_sort_store
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
@@ -14,25 +14,25 @@ module particle_sort_store
 
    public :: sort_store
 
-   !> Makes new arrays of fields from the places where their values are.
+   !> Copies fields into new arrays in sorted order.
    type, extends(field_worker_t) :: store_sorter_t
-      integer, allocatable :: source(:)               !! (place) Particle > 0, row < 0, 0 = nobody
+      integer, allocatable :: source(:) !! (particle) Old index > 0, row < 0, 0 = unused
       integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers
       integer :: word = 0                             !! Words of the rows used so far
    contains
-      procedure :: scalar => store_sorter_scalar          !! Arranges numbers
-      procedure :: vector => store_sorter_vector          !! Arranges vectors
-      procedure :: whole => store_sorter_whole            !! Arranges whole numbers
+      procedure :: scalar => store_sorter_scalar          !! Sorts a scalar field
+      procedure :: vector => store_sorter_vector          !! Sorts a vector or tensor field
+      procedure :: whole => store_sorter_whole            !! Sorts an integer field
    end type store_sorter_t
 
 contains
 
-   !> Arrange all tiles of a store: particles that stay and newcomers, by cell and then by identity.
+   !> Sort all tiles of a store: particles that stay and newcomers, by cell and then by identity.
    subroutine sort_store(store, new_count, rows, before, row, home)
       type(store_t), intent(inout) :: store
-      integer, intent(in) :: new_count(:)                  !! (tile) Coming counts
+      integer, intent(in) :: new_count(:)                  !! (tile) Counts with newcomers
       integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
-      integer, intent(in) :: before(:)                !! (tile + 1) Rows of the tiles before
+      integer, intent(in) :: before(:)                !! (tile + 1) Rows of lower tiles
       integer, intent(in) :: row(:)                   !! Rows grouped by tile
       integer, intent(in) :: home(:)                  !! (row) Their cells
       type(store_sorter_t) :: store_sorter
@@ -53,17 +53,17 @@ contains
       store%leaving = 0
    end subroutine sort_store
 
-   !> Where the particle of each place comes from, and its cell.
-   ! gate: long kernel because newcomers are told by their rows, groups and cells
+   !> Find the old index or the row of each particle, and its cell.
+   ! gate: long kernel because newcomers are given by their rows, groups and cells
    subroutine find_sources(store, first, rows, before, row, home, source, cells)
-      type(store_t), intent(inout) :: store           !! The particles; get the ranges of cells
-      integer, intent(in) :: first(:)                 !! (tile) First places
+      type(store_t), intent(inout) :: store           !! Gets the ranges of cells
+      integer, intent(in) :: first(:)                 !! (tile) First particle of the new range
       integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
-      integer, intent(in) :: before(:)                !! (tile + 1) Rows of the tiles before
+      integer, intent(in) :: before(:)                !! (tile + 1) Rows of lower tiles
       integer, intent(in) :: row(:)                   !! Rows grouped by tile
       integer, intent(in) :: home(:)                  !! (row) Their cells
-      integer, intent(inout) :: source(:)             !! (place) Particle > 0, row < 0
-      integer, intent(inout) :: cells(:)              !! (place) Cells
+      integer, intent(inout) :: source(:)             !! (particle) Old index > 0, row < 0
+      integer, intent(inout) :: cells(:)              !! (particle) Cells
       type(tile_sorter_t) :: sorter
       integer :: tile, at, p
 
@@ -91,7 +91,7 @@ contains
       !$omp end parallel
    end subroutine find_sources
 
-   !> Cells of the particles of a tile from the ranges of the cells.
+   !> List the cells of the particles of a tile from the ranges of the cells.
    pure subroutine list_cells(start, cells)
       integer, contiguous, intent(in) :: start(0:)    !! (0:cells) Particles before each cell
       integer, intent(inout) :: cells(0:)             !! (particle, from 0)
@@ -102,9 +102,9 @@ contains
       end do
    end subroutine list_cells
 
-   !> Arrange a field of numbers.
+   !> Sort a scalar field.
    subroutine store_sorter_scalar(self, name, unit, values)
-      class(store_sorter_t), intent(inout) :: self        !! Where values come from
+      class(store_sorter_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:) !! (particle)
@@ -116,9 +116,9 @@ contains
       call move_alloc(sorted, values)
    end subroutine store_sorter_scalar
 
-   !> Arrange a field of vectors or tensors.
+   !> Sort a vector or tensor field.
    subroutine store_sorter_vector(self, name, unit, values)
-      class(store_sorter_t), intent(inout) :: self        !! Where values come from
+      class(store_sorter_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
@@ -134,9 +134,9 @@ contains
       call move_alloc(sorted, values)
    end subroutine store_sorter_vector
 
-   !> Arrange a field of whole numbers.
+   !> Sort an integer field.
    subroutine store_sorter_whole(self, name, unit, values)
-      class(store_sorter_t), intent(inout) :: self        !! Where values come from
+      class(store_sorter_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
@@ -157,13 +157,13 @@ contains
       call move_alloc(sorted, values)
    end subroutine store_sorter_whole
 
-   !> Numbers from where they are.
+   !> Copy reals from the old arrays or the rows.
    subroutine take_reals(source, rows, word, values, sorted)
-      integer, intent(in) :: source(:)                !! (place) Particle > 0, row < 0, 0 = nobody
+      integer, intent(in) :: source(:) !! (particle) Old index > 0, row < 0, 0 = unused
       integer(int64), contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
       integer, intent(in) :: word                     !! Word of the rows
       real(wp), contiguous, intent(in) :: values(:)   !! (particle)
-      real(wp), contiguous, intent(inout) :: sorted(:) !! (place)
+      real(wp), contiguous, intent(inout) :: sorted(:) !! (new particle)
       integer :: p
 
       !$omp parallel do default(none) shared(source, rows, word, values, sorted) private(p) &

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Puts the particles of a tile in the order of cells and identities, newcomers among them.
+!> Sorts the particles of a tile, with newcomers, by cell and then by identity.
 module particle_sort_tile
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
@@ -9,45 +9,45 @@ module particle_sort_tile
 
    public :: order_tile, sort_tile, tile_sorter_t, row_packer_t
 
-   integer, parameter, public :: many = 1000          !! Particles that are worth several threads
+   integer, parameter, public :: many = 1000 !! Least number of particles for several threads
 
-   !> Packs listed particles into rows of whole numbers, reals bit by bit.
+   !> Packs listed particles into rows of integers, with the bit patterns of reals.
    type, extends(field_worker_t) :: row_packer_t
       integer, allocatable :: particle(:)             !! (row) Index in the store
       integer(int64), allocatable :: rows(:, :)       !! (word, row)
       integer :: word = 0                             !! Words filled so far
    contains
-      procedure :: scalar => packer_scalar            !! Packs numbers
-      procedure :: vector => packer_vector            !! Packs vectors
-      procedure :: whole => packer_whole              !! Packs whole numbers
+      procedure :: scalar => packer_scalar            !! Packs a scalar field
+      procedure :: vector => packer_vector            !! Packs a vector or tensor field
+      procedure :: whole => packer_whole              !! Packs an integer field
    end type row_packer_t
 
-   !> Brings the particles of one tile into their new order; scratch of one thread.
+   !> Sorts the particles of one tile; scratch of one thread.
    type, extends(field_worker_t) :: tile_sorter_t
       integer :: first = 0                            !! First particle of the new range
       integer :: count = 0                            !! Particles of the new range
       integer :: word = 0                             !! Words of the rows used so far
-      integer, allocatable :: source(:)               !! Particle > 0 or row < 0 for each new place
+      integer, allocatable :: source(:)               !! (new particle) Old index > 0 or row < 0
       integer, allocatable :: cell(:)                 !! Cell of each source
       integer, allocatable :: order(:)                !! Scratch
       integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers
       real(wp), allocatable :: buffer(:)              !! Scratch
       integer(int64), allocatable :: integer_buffer(:)  !! Scratch
    contains
-      procedure :: scalar => sorter_scalar           !! Reorders numbers
-      procedure :: vector => sorter_vector           !! Reorders vectors
-      procedure :: whole => sorter_whole             !! Reorders whole numbers
-      procedure :: reserve => sorter_reserve     !! Sizes the scratch
+      procedure :: scalar => sorter_scalar           !! Sorts a scalar field
+      procedure :: vector => sorter_vector           !! Sorts a vector or tensor field
+      procedure :: whole => sorter_whole             !! Sorts an integer field
+      procedure :: reserve => sorter_reserve     !! Allocates the scratch
    end type tile_sorter_t
 
 contains
 
-   !> Reorder one tile: particles that stay and newcomers, by cell and then by identity.
+   !> Sort one tile: particles that stay and newcomers, by cell and then by identity.
    subroutine sort_tile(store, sorter, tile, now, newcomer, home)
-      type(store_t), intent(inout) :: store           !! The particles; count becomes the new one
+      type(store_t), intent(inout) :: store           !! Gets the new count
       class(tile_sorter_t), intent(inout) :: sorter      !! Scratch, with the rows
       integer, intent(in) :: tile
-      integer, intent(in) :: now                      !! First particle as they lie now
+      integer, intent(in) :: now                      !! Present first particle
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
       integer, intent(in) :: home(:)                  !! (row) Cells of all rows
       integer :: p, cell
@@ -68,10 +68,10 @@ contains
 
    !> Find where each particle of the new range of a tile comes from, and the range of each cell.
    subroutine order_tile(store, sorter, tile, now, newcomer, home)
-      type(store_t), intent(inout) :: store           !! The particles; gets the ranges of cells
+      type(store_t), intent(inout) :: store           !! Gets the ranges of cells
       class(tile_sorter_t), intent(inout) :: sorter !! Scratch, with the rows; gets the sources
       integer, intent(in) :: tile
-      integer, intent(in) :: now                      !! First particle as they lie now
+      integer, intent(in) :: now                      !! Present first particle
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
       integer, intent(in) :: home(:)                  !! (row) Cells of all rows
       integer, parameter :: identity_word = 1
@@ -99,7 +99,7 @@ contains
       end do
    end subroutine order_tile
 
-   !> Group the sources of a tile by cell, each cell in the order in which they are listed.
+   !> Group the sources of a tile by cell; in a cell they keep their order.
    pure subroutine order_by_cell(sorter, number, start)
       class(tile_sorter_t), intent(inout) :: sorter      !! Holds the list and gets the sources
       integer, intent(in) :: number                   !! Particles on the list
@@ -115,7 +115,7 @@ contains
          start(cell) = start(cell) + start(cell - 1)
       end do
       do p = number, 1, -1
-         ! filled from behind, so that start can serve as the cursor of each cell
+        ! backwards, so that start serves as the cursor of each cell
          cell = sorter%cell(p)
          place = start(cell + 1)
          sorter%source(place) = sorter%order(p)
@@ -127,7 +127,7 @@ contains
       start(ubound(start, 1)) = number
    end subroutine order_by_cell
 
-   !> Sort the sources of one cell by identity; they are few and nearly in order.
+   !> Sort the sources of one cell by identity, by insertion, as they are few and nearly sorted.
    pure subroutine order_by_identity(store, sorter, first, last, identity_word)
       type(store_t), intent(in) :: store
       class(tile_sorter_t), intent(inout) :: sorter      !! Holds the sources
@@ -163,7 +163,7 @@ contains
       end function identity_of
    end subroutine order_by_identity
 
-   !> Size the scratch for a number of particles.
+   !> Allocate the scratch for a number of particles.
    pure subroutine sorter_reserve(self, number)
       class(tile_sorter_t), intent(inout) :: self
       integer, intent(in) :: number                   !! Particles
@@ -174,11 +174,12 @@ contains
          deallocate (self%source, self%cell, self%order, self%buffer, self%integer_buffer)
       end if
       capacity = number + number/4 + 16
-      allocate (self%source(capacity), self%cell(capacity), self%order(capacity), self%buffer(capacity), &
+      allocate (self%source(capacity), self%cell(capacity), self%order(capacity), &
+         self%buffer(capacity), &
          self%integer_buffer(capacity))
    end subroutine sorter_reserve
 
-   !> Bring a field of numbers into the new order.
+   !> Sort a scalar field.
    subroutine sorter_scalar(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       character(len=*), intent(in) :: name
@@ -189,7 +190,7 @@ contains
       call reorder_reals(self, values)
    end subroutine sorter_scalar
 
-   !> Bring a field of vectors or tensors into the new order.
+   !> Sort a vector or tensor field.
    subroutine sorter_vector(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       character(len=*), intent(in) :: name
@@ -203,7 +204,7 @@ contains
       end do
    end subroutine sorter_vector
 
-   !> Bring a field of whole numbers into the new order.
+   !> Sort an integer field.
    subroutine sorter_whole(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       character(len=*), intent(in) :: name
@@ -222,7 +223,7 @@ contains
       values(self%first:self%first + self%count - 1) = self%integer_buffer(:self%count)
    end subroutine sorter_whole
 
-   !> Bring one component into the new order.
+   !> Sort one component.
    pure subroutine reorder_reals(self, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       real(wp), contiguous, intent(inout) :: values(:) !! (particle)
@@ -238,7 +239,7 @@ contains
       values(self%first:self%first + self%count - 1) = self%buffer(:self%count)
    end subroutine reorder_reals
 
-   !> Pack a field of numbers, one word a row.
+   !> Pack a scalar field, one word a row.
    subroutine packer_scalar(self, name, unit, values)
       class(row_packer_t), intent(inout) :: self      !! Rows and particles
       character(len=*), intent(in) :: name
@@ -255,7 +256,7 @@ contains
       !$omp end parallel do
    end subroutine packer_scalar
 
-   !> Pack a field of vectors or tensors, one word a component.
+   !> Pack a vector or tensor field, one word a component.
    subroutine packer_vector(self, name, unit, values)
       class(row_packer_t), intent(inout) :: self      !! Rows and particles
       character(len=*), intent(in) :: name
@@ -275,7 +276,7 @@ contains
       self%word = self%word + size(values, 2)
    end subroutine packer_vector
 
-   !> Pack a field of whole numbers, one word a row.
+   !> Pack an integer field, one word a row.
    subroutine packer_whole(self, name, unit, values)
       class(row_packer_t), intent(inout) :: self      !! Rows and particles
       character(len=*), intent(in) :: name

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The particles of one material on one rank, as a structure of arrays.
 !!
-!! Each tile has a range of the arrays (particle_tile_ranges). In a range the particles are sorted by
+!! Each tile has a range of the arrays (particle_tile_ranges). In a range the particles are sorted
+!! by
 !! cell and within a cell by identity, so no sum depends on the order in which they arrived.
 module particle_store
    use base_field_worker, only: field_worker_t
@@ -46,7 +47,7 @@ module particle_store
       !> (particle, 9) Half of the strain of the last step, applied before the move [1]
       real(wp), allocatable :: ahead(:, :)
       real(wp), allocatable :: bond(:)                !! 1 = bonds to other bodies hold, 0 = broken
-      real(wp), allocatable :: reference(:, :)        !! (particle, 3) Initial position, on request [m]
+      real(wp), allocatable :: reference(:, :) !! (particle, 3) Initial position, on request [m]
       !> Rate at which the longest edge grows, from the strain of a step to its end only [1/s]
       real(wp), allocatable :: opening(:)
       type(material_state_t) :: state                 !! State of the constitutive laws

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Ranges of the particles of each tile in the arrays of a store.
 !!
-!! The particles of a tile are contiguous, followed by spare capacity. A tile that outgrows its range
+!! The particles of a tile are contiguous, followed by spare capacity. A tile that outgrows its
+!! range
 !! gets a new one at the end of the arrays; when these are full, all ranges are laid out anew.
 module particle_tile_ranges
    implicit none

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Volumes of particles that lie at random: together they have that of the lattice sites of their
-!! body, to the last bit of rounding, whatever their number is.
+!> Volume factors of bodies whose particles lie at random: the total volume of a body is exactly
+!! that
+!! of its lattice sites, whatever the number of particles.
 module particle_volume_factors
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
@@ -16,10 +17,10 @@ module particle_volume_factors
 
 contains
 
-   !> Find the factor of the volumes of each body whose particles are given and have shares alone.
+   !> Find the volume factor of each body whose given particles have relative weights only.
    !! The sums are exact, so they do not depend on the ranks.
    subroutine set_volume_factors(communicator, grid, bodies)
-      type(communicator_t), intent(in) :: communicator !! Ranks that share the work
+      type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
       type(body_t), intent(inout) :: bodies(:)
       type(exact_sum_t) :: lattice, given
@@ -52,7 +53,7 @@ contains
       end do
    end subroutine set_volume_factors
 
-   !> Volume of the lattice sites of a body in a tile, and shares of its particles.
+   !> Sum the volume of the lattice sites of a body in a tile and the weights of its particles.
    pure subroutine sum_volumes(grid, bodies, body, coordinate, sums)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
