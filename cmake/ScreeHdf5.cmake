@@ -85,5 +85,6 @@ endif()
 message(STATUS "Found parallel HDF5: ${scree_hdf5_libraries}")
 
 add_library(scree_hdf5 INTERFACE)
+set_target_properties(scree_hdf5 PROPERTIES EXPORT_NAME hdf5)
 target_include_directories(scree_hdf5 SYSTEM INTERFACE ${scree_hdf5_includes})
 target_link_libraries(scree_hdf5 INTERFACE ${scree_hdf5_libraries})

@@ -1,9 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# cmake --install build --prefix PLACE: program, man page, completion, libraries, modules,
-# post-processing and scenes.
+# cmake --install build --prefix PLACE: program, man page, completion, libraries, modules, CMake
+# package, post-processing and scenes.
+
+include(CMakePackageConfigHelpers)
 
 get_property(layers GLOBAL PROPERTY scree_layers)
-install(TARGETS ${layers} ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}/scree")
+install(TARGETS ${layers} scree_hdf5 EXPORT scree
+   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}/scree")
+set(scree_package "${CMAKE_INSTALL_LIBDIR}/cmake/scree")
+install(EXPORT scree NAMESPACE scree:: FILE screeTargets.cmake DESTINATION "${scree_package}")
+string(REGEX MATCH "^[0-9]+" scree_compiler_generation "${CMAKE_Fortran_COMPILER_VERSION}")
+configure_file("${CMAKE_CURRENT_LIST_DIR}/screeConfig.cmake.in"
+   "${PROJECT_BINARY_DIR}/cmake/screeConfig.cmake" @ONLY)
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/cmake/screeConfigVersion.cmake"
+   COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/cmake/screeConfig.cmake"
+   "${PROJECT_BINARY_DIR}/cmake/screeConfigVersion.cmake" DESTINATION "${scree_package}")
 if(TARGET scree)
    install(TARGETS scree RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The cells of the grid that hold the particles of an output, and sums over them.
+!> The grid cells that contain the particles of an output, and sums over them.
 !!
-!! A cell belongs to one tile and so to one rank, and its particles have one order, so that its sums
+!! A cell belongs to one tile, hence to one rank, and its particles have a fixed order, so its sums
 !! do not depend on ranks or threads.
 module io_cells
    use base_kinds, only: int64, wp
@@ -15,23 +15,23 @@ module io_cells
 
    !> Cells of this rank with particles in them.
    type :: cells_t
-      integer :: count = 0                               !! How many
-      integer, allocatable :: place(:, :)                !! (3, cell) In the box, from 0
+      integer :: count = 0                               !! Number of cells
+      integer, allocatable :: place(:, :)                !! (3, cell) Coordinate in the grid, from 0
       integer, allocatable :: of_row(:)                  !! (row) Cell of a particle
    contains
-      procedure :: sum => cells_sum                      !! Sums of what particles have
-      procedure :: key => cells_key                      !! Number of a cell in the box, from 0
+      procedure :: sum => cells_sum                      !! Sums over particles
+      procedure :: key => cells_key                      !! Number of a cell in the grid, from 0
    end type cells_t
 
 contains
 
    !> Find the cells of particles. Rows are particles, store after store.
    subroutine find_cells(grid, tiles, stores, picks, cells)
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
-      type(store_t), intent(in) :: stores(:)             !! The particles
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
-      type(cells_t), intent(out) :: cells                !! The cells
+      type(store_t), intent(in) :: stores(:)
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
+      type(cells_t), intent(out) :: cells
       integer, allocatable :: number(:, :), row_tile(:)
       integer :: cell, filled, row, store, tile
 
@@ -75,7 +75,7 @@ contains
 
    !> Sums over the particles of each cell, in their order.
    pure subroutine cells_sum(self, values, weight, sums)
-      class(cells_t), intent(in) :: self                 !! The cells
+      class(cells_t), intent(in) :: self
       real(wp), intent(in) :: values(:, :)               !! (component, row)
       real(wp), intent(in) :: weight(:)                  !! (row) Factor of each particle
       real(wp), intent(out) :: sums(:, :)                !! (component, cell)
@@ -91,11 +91,11 @@ contains
       end do
    end subroutine cells_sum
 
-   !> Number of a cell in the box, from 0, x first.
+   !> Number of a cell in the grid, from 0, x fastest.
    pure integer(int64) function cells_key(self, grid, cell) result(key)
-      class(cells_t), intent(in) :: self                 !! The cells
-      type(grid_t), intent(in) :: grid                   !! The grid
-      integer, intent(in) :: cell                        !! Which one
+      class(cells_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: cell                        !! Index among these
 
       associate (place => self%place(:, cell))
          key = place(1) + grid%cells(1)*(place(2) + int(grid%cells(2), int64)*place(3))

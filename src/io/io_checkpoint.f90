@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Checkpoints hold the whole state of a run in double precision, to go on on any number of ranks.
+!> Writes checkpoints: the whole state of a run in double precision, for a restart on any number of
+!! ranks.
 !!
-!! Layout: attributes of the root hold step and time; /particles/MATERIAL/FIELD one data set a
-!! field, in the order of particles of all files; /state the small numbers; /deck and /deck_echo
-!! texts.
-!! Every data set carries an attribute `check`, a hash that reading compares; the whole file has a
+!! Layout: step and time are attributes of the root; /particles/MATERIAL/FIELD is one data set a
+!! field, in the particle order of all files; /state has the scalar data; /deck and /deck_echo are
+!! texts. Every data set has an attribute `check`, a hash that is verified on reading; the file has
+!! a
 !! seal (io_seal).
 module io_checkpoint
    use base_agreement, only: agree
@@ -24,50 +25,50 @@ module io_checkpoint
    implicit none
    private
 
-   public :: checkpoint_newest, checkpoint_place_t, checkpoint_write, head_check, keep_newest
+   public :: checkpoint_newest, checkpoint_place_t, checkpoint_write, head_check, remove_old_files
 
-   !> Where a checkpoint goes and what stands in it beside the state. The same on all ranks.
+   !> Path of a checkpoint and its contents besides the state. The same on all ranks.
    type :: checkpoint_place_t
       character(len=:), allocatable :: folder             !! Folder of the results
       character(len=:), allocatable :: case               !! Prefix of all files
       integer :: number = 1                               !! Number in the name
-      integer :: keep = 2                                 !! How many remain, 0: all
+      integer :: keep = 2                                 !! Number of checkpoints to keep, 0: all
       character(len=:), allocatable :: version            !! Version of the program
-      character(len=:), allocatable :: deck               !! Text of the deck, may be missing
-      character(len=:), allocatable :: echo               !! All keys, may be missing
+      character(len=:), allocatable :: deck               !! Text of the deck, optional
+      character(len=:), allocatable :: echo               !! All keys with their values, optional
    contains
       procedure :: path => place_path                     !! Path of the file
    end type checkpoint_place_t
 
-   !> Counts the bytes of a particle.
+   !> Sums the bytes of the fields of a store.
    type, extends(field_worker_t) :: measure_t
       type(rows_t) :: rows                                !! Rows of the store
       integer(int64) :: bytes = 0                         !! Of all fields so far
    contains
-      procedure :: scalar => measure_scalar               !! Count a field of numbers
-      procedure :: vector => measure_vector               !! Count a field of vectors or tensors
-      procedure :: whole => measure_whole                 !! Count a field of whole numbers
+      procedure :: scalar => measure_scalar               !! Count a scalar field
+      procedure :: vector => measure_vector               !! Count a vector or tensor field
+      procedure :: whole => measure_whole                 !! Count an integer field
    end type measure_t
 
    !> Writes the fields of one store.
    type, extends(field_worker_t) :: writer_t
-      type(hdf5_file_t) :: file                           !! The file
+      type(hdf5_file_t) :: file
       character(len=:), allocatable :: store              !! Name of the material
       type(rows_t) :: rows                                !! Rows of this rank
-      integer, allocatable :: order(:)                    !! Where the particles are
-      integer(int64), allocatable :: owners(:)            !! Rows as owners of their values
+      integer, allocatable :: order(:)                    !! Indices of the particles
+      integer(int64), allocatable :: owners(:)            !! Row numbers, the owners in hashes
    contains
-      procedure :: scalar => writer_scalar                !! Write a field of numbers
-      procedure :: vector => writer_vector                !! Write a field of vectors or tensors
-      procedure :: whole => writer_whole                  !! Write a field of whole numbers
-      procedure :: book => writer_book                    !! Write the attributes of a field
+      procedure :: scalar => writer_scalar                !! Write a scalar field
+      procedure :: vector => writer_vector                !! Write a vector or tensor field
+      procedure :: whole => writer_whole                  !! Write an integer field
+      procedure :: write_attributes => writer_write_attributes !! Write the attributes of a field
    end type writer_t
 
 contains
 
    !> Path of the file.
    function place_path(self) result(path)
-      class(checkpoint_place_t), intent(in) :: self       !! The place
+      class(checkpoint_place_t), intent(in) :: self
       character(len=:), allocatable :: path
       character(len=16) :: digits
 
@@ -77,25 +78,25 @@ contains
 
    !> Hash of step and time.
    pure function head_check(state) result(check)
-      type(state_t), intent(in) :: state                  !! The state
+      type(state_t), intent(in) :: state
       integer(int64) :: check
 
       check = mix(ieor(mix(ieor(mix(state%step), transfer(state%time, check))), &
          transfer(state%dt_next, check)))
    end function head_check
 
-   !> Write a checkpoint and remove those beyond the number to keep. Collective.
+   !> Write a checkpoint and remove the oldest beyond the number to keep. Collective.
    subroutine checkpoint_write(communicator, place, stores, state, error)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
-      type(checkpoint_place_t), intent(in) :: place       !! Where it goes
-      type(store_t), intent(inout) :: stores(:)           !! The particles, not changed
+      type(communicator_t), intent(in) :: communicator
+      type(checkpoint_place_t), intent(in) :: place
+      type(store_t), intent(inout) :: stores(:)           !! Not changed
       type(state_t), intent(in) :: state                  !! The same on all ranks
-      type(error_t), allocatable, intent(out) :: error    !! Not written; older ones are intact
+      type(error_t), allocatable, intent(out) :: error !! Not written; older checkpoints are intact
       type(writer_t) :: writer
       integer(int64) :: bytes
       integer :: index, row
 
-      call measure(communicator, place, stores, state, bytes)
+      call bound_size(communicator, place, stores, state, bytes)
       call writer%file%create(communicator, place%path(), bytes, error)
       if (allocated(error)) return
       writer%file%seal = checkpoint_schema
@@ -116,13 +117,13 @@ contains
       call write_state(writer%file, state)
       call writer%file%finish(error)
       if (allocated(error)) return
-      if (communicator%rank == 0 .and. place%keep > 0) call keep_newest(place)
+      if (communicator%rank == 0 .and. place%keep > 0) call remove_old_files(place)
    end subroutine checkpoint_write
 
    !> Rows of the particles of one store. Collective.
    function rows_of_store(communicator, store) result(rows)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
-      type(store_t), intent(in) :: store                  !! The particles
+      type(communicator_t), intent(in) :: communicator
+      type(store_t), intent(in) :: store
       type(rows_t) :: rows
       integer(int64) :: counts(1)
 
@@ -130,13 +131,13 @@ contains
       rows = store_rows(communicator, counts, 0)
    end function rows_of_store
 
-   !> Greatest length that the file can get [byte]. Collective.
-   subroutine measure(communicator, place, stores, state, bytes)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+   !> Upper bound of the length of the file [byte]. Collective.
+   subroutine bound_size(communicator, place, stores, state, bytes)
+      type(communicator_t), intent(in) :: communicator
       type(checkpoint_place_t), intent(in) :: place       !! Texts
-      type(store_t), intent(inout) :: stores(:)           !! The particles, not changed
-      type(state_t), intent(in) :: state                  !! Small numbers
-      integer(int64), intent(out) :: bytes                !! Greatest length
+      type(store_t), intent(inout) :: stores(:)           !! Not changed
+      type(state_t), intent(in) :: state                  !! Scalar data
+      integer(int64), intent(out) :: bytes                !! Upper bound
       integer(int64), parameter :: heading = 16384, number = 8
       type(measure_t) :: measurer
       integer :: index
@@ -157,11 +158,11 @@ contains
          if (allocated(state%entries(index)%integers)) &
             bytes = bytes + heading + number*size(state%entries(index)%integers)
       end do
-   end subroutine measure
+   end subroutine bound_size
 
-   !> Write what stands at the root.
+   !> Write the attributes and texts of the root.
    subroutine write_head(file, place, state)
-      type(hdf5_file_t), intent(inout) :: file            !! The file
+      type(hdf5_file_t), intent(inout) :: file
       type(checkpoint_place_t), intent(in) :: place       !! Texts
       type(state_t), intent(in) :: state                  !! Step and time
 
@@ -178,18 +179,18 @@ contains
 
    !> Write a text.
    subroutine write_text(file, name, text)
-      type(hdf5_file_t), intent(inout) :: file            !! The file
+      type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name                !! From the root
-      character(len=*), intent(in) :: text                !! The text
+      character(len=*), intent(in) :: text
 
       call write_bytes(file, name, rows_of_root(file%communicator, len(text)), text)
       call file%attribute(name, "check", hash_text(text))
    end subroutine write_text
 
-   !> Write the small numbers; all ranks have them, rank 0 writes them.
+   !> Write the scalar data; all ranks have them, rank 0 writes them.
    subroutine write_state(file, state)
-      type(hdf5_file_t), intent(inout) :: file            !! The file
-      type(state_t), intent(in) :: state                  !! Small numbers
+      type(hdf5_file_t), intent(inout) :: file
+      type(state_t), intent(in) :: state                  !! Scalar data
       integer(int64), allocatable :: owners(:)
       integer(int64) :: check
       character(len=:), allocatable :: name
@@ -201,13 +202,13 @@ contains
          name = "/state/"//state%entries(index)%name
          if (allocated(state%entries(index)%reals)) then
             rows = size(state%entries(index)%reals)
-            call count_up(rows, owners)
+            call number_rows(rows, owners)
             call write_data(file, name, rows_of_root(file%communicator, rows), &
                state%entries(index)%reals)
             check = hash_reals(field_key("state", name, 1), owners, state%entries(index)%reals)
          else
             rows = size(state%entries(index)%integers)
-            call count_up(rows, owners)
+            call number_rows(rows, owners)
             call write_data(file, name, rows_of_root(file%communicator, rows), &
                state%entries(index)%integers)
             check = hash_integers(field_key("state", name, 1), owners, &
@@ -217,8 +218,8 @@ contains
       end do
    end subroutine write_state
 
-   !> The numbers from 1 upwards.
-   pure subroutine count_up(count, numbers)
+   !> Number rows from 1.
+   pure subroutine number_rows(count, numbers)
       integer, intent(in) :: count                        !! How many
       integer(int64), allocatable, intent(out) :: numbers(:) !! 1, 2, ...
       integer :: index
@@ -227,11 +228,11 @@ contains
       do index = 1, count
          numbers(index) = index
       end do
-   end subroutine count_up
+   end subroutine number_rows
 
    !> Remove all checkpoints of a case but the newest.
-   subroutine keep_newest(place)
-      type(checkpoint_place_t), intent(in) :: place       !! Folder, case and how many to keep
+   subroutine remove_old_files(place)
+      type(checkpoint_place_t), intent(in) :: place
       character(len=longest_name), allocatable :: names(:)
       type(error_t), allocatable :: error
       integer :: index
@@ -241,13 +242,13 @@ contains
       do index = place%keep + 1, size(names)
          call remove_file(join_path(place%folder, trim(names(index))))
       end do
-   end subroutine keep_newest
+   end subroutine remove_old_files
 
    !> Names of the checkpoints of a case, newest first.
    subroutine list_checkpoints(folder, case, names, error)
       character(len=*), intent(in) :: folder              !! Folder of the results
       character(len=*), intent(in) :: case                !! Prefix of all files
-      character(len=longest_name), allocatable, intent(out) :: names(:) !! Filled with blanks
+      character(len=longest_name), allocatable, intent(out) :: names(:) !! Padded with blanks
       type(error_t), allocatable, intent(out) :: error    !! The folder cannot be read
       character(len=longest_name), allocatable :: found(:)
       character(len=:), allocatable :: prefix
@@ -265,13 +266,13 @@ contains
       allocate (names(count(numbers >= 0)))
       do index = 1, size(found)
          if (numbers(index) < 0) cycle
-         ! 1 and 0001 are the same number; names must not share a place
+         ! 1 and 0001 are the same number; sorting by name would give them one position
          names(1 + count(numbers > numbers(index)) &
             + count(numbers(:index - 1) == numbers(index))) = found(index)
       end do
    end subroutine list_checkpoints
 
-   !> The number that a text of digits stands for, -1 if it is something else.
+   !> Value of a text of digits, -1 for any other text.
    pure integer function number_of(text) result(number)
       character(len=*), intent(in) :: text                !! Part of a file name
       integer :: status
@@ -284,10 +285,10 @@ contains
 
    !> Paths of the checkpoints of a case, newest first. Collective.
    subroutine checkpoint_newest(communicator, folder, case, paths, error)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+      type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: folder              !! Folder of the results
       character(len=*), intent(in) :: case                !! Prefix of all files
-      character(len=longest_path), allocatable, intent(out) :: paths(:) !! Filled with blanks
+      character(len=longest_path), allocatable, intent(out) :: paths(:) !! Padded with blanks
       type(error_t), allocatable, intent(out) :: error    !! The folder cannot be read
       character(len=longest_name), allocatable :: names(:)
       character(len=:), allocatable :: joined
@@ -312,10 +313,10 @@ contains
    end subroutine checkpoint_newest
 
    !> Write the attributes of a field. Collective.
-   subroutine writer_book(self, name, unit, check)
-      class(writer_t), intent(inout) :: self              !! The worker
+   subroutine writer_write_attributes(self, name, unit, check)
+      class(writer_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Data set, from the root
-      character(len=*), intent(in) :: unit                !! SI unit
+      character(len=*), intent(in) :: unit
       integer(int64), intent(in) :: check                 !! Hash of the rows of this rank
       integer(int64) :: whole(1)
 
@@ -323,13 +324,13 @@ contains
       call self%file%communicator%total(whole)
       call self%file%attribute(name, "units", unit)
       call self%file%attribute(name, "check", whole(1))
-   end subroutine writer_book
+   end subroutine writer_write_attributes
 
-   !> Write a field of numbers. Collective.
+   !> Write a scalar field. Collective.
    subroutine writer_scalar(self, name, unit, values)
-      class(writer_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(writer_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)   !! (particle), not changed
       character(len=:), allocatable :: path
       real(wp), allocatable :: rows(:)
@@ -341,14 +342,15 @@ contains
       end do
       path = "/particles/"//self%store//"/"//name
       call write_data(self%file, path, self%rows, rows)
-      call self%book(path, unit, hash_reals(field_key(self%store, name, 1), self%owners, rows))
+      call self%write_attributes(path, unit, hash_reals(field_key(self%store, name, 1), &
+         self%owners, rows))
    end subroutine writer_scalar
 
-   !> Write a field of vectors or tensors. Collective.
+   !> Write a vector or tensor field. Collective.
    subroutine writer_vector(self, name, unit, values)
-      class(writer_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(writer_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
       character(len=:), allocatable :: path
       real(wp), allocatable :: column(:), rows(:, :)
@@ -367,14 +369,14 @@ contains
       end do
       path = "/particles/"//self%store//"/"//name
       call write_data(self%file, path, self%rows, rows)
-      call self%book(path, unit, check)
+      call self%write_attributes(path, unit, check)
    end subroutine writer_vector
 
-   !> Write a field of whole numbers. Collective.
+   !> Write an integer field. Collective.
    subroutine writer_whole(self, name, unit, values)
-      class(writer_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(writer_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
       character(len=:), allocatable :: path
       integer(int64), allocatable :: rows(:)
@@ -386,34 +388,35 @@ contains
       end do
       path = "/particles/"//self%store//"/"//name
       call write_data(self%file, path, self%rows, rows)
-      call self%book(path, unit, hash_integers(field_key(self%store, name, 1), self%owners, rows))
+      call self%write_attributes(path, unit, hash_integers(field_key(self%store, name, 1), &
+         self%owners, rows))
    end subroutine writer_whole
 
-   !> Count a field of numbers.
+   !> Count a scalar field.
    subroutine measure_scalar(self, name, unit, values)
-      class(measure_t), intent(inout) :: self             !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(measure_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)   !! (particle), not changed
 
       self%bytes = self%bytes + data_bytes(self%rows, 8_int64)
    end subroutine measure_scalar
 
-   !> Count a field of vectors or tensors.
+   !> Count a vector or tensor field.
    subroutine measure_vector(self, name, unit, values)
-      class(measure_t), intent(inout) :: self             !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(measure_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
 
       self%bytes = self%bytes + data_bytes(self%rows, 8_int64*size(values, 2))
    end subroutine measure_vector
 
-   !> Count a field of whole numbers.
+   !> Count an integer field.
    subroutine measure_whole(self, name, unit, values)
-      class(measure_t), intent(inout) :: self             !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(measure_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
 
       self%bytes = self%bytes + data_bytes(self%rows, 8_int64)

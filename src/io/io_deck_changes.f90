@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What differs between the deck of a checkpoint and that of the run which goes on from it.
+!> Differences between the deck of a checkpoint and that of the run that restarts from it.
 !!
-!! Both are read from their echoes, so a default that has become another one is found as well, and
-!! a checkpoint of an older version can be compared.
+!! The echoes of both are compared, so a changed default is found too, and a checkpoint of an older
+!! version can be compared.
 module io_deck_changes
    use base_text, only: append, number, shortened, text_t
    use io_deck_restart, only: change_class, changes_end, changes_extent, changes_nothing, &
@@ -13,16 +13,16 @@ module io_deck_changes
 
    public :: changes_t, compare_decks, echo_streams
 
-   integer, parameter :: shown = 40                      !! Letters of a value in a message
+   integer, parameter :: shown = 40                      !! Characters of a value in a message
    integer, parameter :: key_indent = 3                  !! Blanks before a key in an echo
    character(len=*), parameter :: default_mark = "! default"
    character(len=*), parameter :: not_given = "not given"
 
    !> One key of an echo.
    type :: echo_entry_t
-      character(len=:), allocatable :: key               !! The key
+      character(len=:), allocatable :: key
       character(len=:), allocatable :: value             !! Its values in SI, as in the echo
-      logical :: default = .false.                       !! The deck does not give it
+      logical :: default = .false.                       !! Not given in the deck
    end type echo_entry_t
 
    !> One group of an echo.
@@ -39,15 +39,15 @@ module io_deck_changes
       type(echo_group_t), allocatable :: group(:)             !! The groups; longer than `count`
    end type echo_groups_t
 
-   !> What differs: a line for each key, by what a change of the key means.
+   !> What differs, with a line for each key, by the class of the change.
    type :: changes_t
       character(len=:), allocatable :: refused           !! Keys that may not change
       character(len=:), allocatable :: physics           !! Keys that change the rest of the run
-      character(len=:), allocatable :: end               !! Keys that change where it ends
+      character(len=:), allocatable :: end               !! Keys that change its end
       character(len=:), allocatable :: extent            !! Keys that change its files and limits
       character(len=:), allocatable :: nothing           !! Keys that change no result
    contains
-      procedure :: state => changes_matter              !! Will results differ?
+      procedure :: state => changes_results              !! Will results differ?
    end type changes_t
 
 contains
@@ -69,7 +69,7 @@ contains
       call read_echo(old, was)
       call read_echo(new, is)
       do n = 1, is%count
-         other = place_of(was, is%group(n)%label)
+         other = index_of_group(was, is%group(n)%label)
          if (other == 0) then
             call add_line(changes, is%group(n)%kind, group_added, &
                is%group(n)%label//" is new")
@@ -78,17 +78,18 @@ contains
          end if
       end do
       do n = 1, was%count
-         if (place_of(is, was%group(n)%label) == 0) call add_line(changes, was%group(n)%kind, &
+         if (index_of_group(is, was%group(n)%label) == 0) call add_line(changes, &
+            was%group(n)%kind, &
             group_removed, was%group(n)%label//" is gone")
       end do
    end subroutine compare_decks
 
-   !> The streams of output of a deck.
+   !> Output streams of a deck.
    pure subroutine echo_streams(echo, name, kind, place)
       character(len=*), intent(in) :: echo               !! All keys of the deck
       type(text_t), allocatable, intent(out) :: name(:)  !! (stream) Names
       integer, allocatable, intent(out) :: kind(:)       !! (stream) Constants of io_stream_names
-      integer, allocatable, intent(out) :: place(:)      !! (stream) Number among those of its kind
+      integer, allocatable, intent(out) :: place(:)      !! (stream) Number within its kind
       type(echo_groups_t) :: groups
       integer :: at, n, seen(stream_kinds)
 
@@ -106,15 +107,15 @@ contains
       end do
    end subroutine echo_streams
 
-   !> Value of a key of one text, without its quotes; empty without the key.
+   !> Value of a key with one text, without its quotes; empty if the group lacks the key.
    pure function plain_value(group, key) result(value)
-      type(echo_group_t), intent(in) :: group            !! The group
-      character(len=*), intent(in) :: key                !! The key
+      type(echo_group_t), intent(in) :: group
+      character(len=*), intent(in) :: key
       character(len=:), allocatable :: value
       integer :: place
 
       value = ""
-      place = key_place(group, key)
+      place = index_of_key(group, key)
       if (place == 0) return
       associate (text => group%entries(place)%value)
          if (len(text) > 1) value = text(2:len(text) - 1)
@@ -122,11 +123,11 @@ contains
    end function plain_value
 
    !> True if results before the end depend on one of the keys that differ.
-   pure logical function changes_matter(self) result(state)
+   pure logical function changes_results(self) result(state)
       class(changes_t), intent(in) :: self               !! The keys that differ
 
       state = len(self%refused) + len(self%physics) + len(self%extent) > 0
-   end function changes_matter
+   end function changes_results
 
    !> Compare the keys of a group that both decks have.
    pure subroutine compare_groups(was, is, changes)
@@ -136,9 +137,9 @@ contains
       integer :: n, other
 
       do n = 1, is%count
-         other = key_place(was, is%entries(n)%key)
+         other = index_of_key(was, is%entries(n)%key)
          if (other == 0) then
-            ! what only a default tells is decided by another key, which differs too
+            ! a difference of defaults follows from another key, which is reported itself
             if (.not. is%entries(n)%default) call add_key(changes, is, is%entries(n)%key, &
                not_given, is%entries(n)%value)
          else if (was%entries(other)%value /= is%entries(n)%value) then
@@ -148,16 +149,16 @@ contains
       end do
       do n = 1, was%count
          if (was%entries(n)%default) cycle
-         if (key_place(is, was%entries(n)%key) == 0) call add_key(changes, is, &
+         if (index_of_key(is, was%entries(n)%key) == 0) call add_key(changes, is, &
             was%entries(n)%key, was%entries(n)%value, not_given)
       end do
    end subroutine compare_groups
 
-   !> Note a key that differs.
+   !> Record a key that differs.
    pure subroutine add_key(changes, group, key, old, new)
       type(changes_t), intent(inout) :: changes          !! Gets a line
       type(echo_group_t), intent(in) :: group                 !! Its group
-      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: key
       character(len=*), intent(in) :: old                !! Value of the checkpoint
       character(len=*), intent(in) :: new                !! Value of this run
 
@@ -165,11 +166,11 @@ contains
          shortened(new, shown)//", was "//shortened(old, shown))
    end subroutine add_key
 
-   !> Add a line where it belongs.
+   !> Add a line to the list of its class.
    pure subroutine add_line(changes, kind, key, line)
       type(changes_t), intent(inout) :: changes          !! Gets the line
       character(len=*), intent(in) :: kind               !! Kind of the group
-      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: key
       character(len=*), intent(in) :: line               !! What differs
       character(len=:), allocatable :: text
 
@@ -189,29 +190,29 @@ contains
    end subroutine add_line
 
    !> Index of a group, 0 if there is none of that label.
-   pure integer function place_of(groups, label) result(place)
-      type(echo_groups_t), intent(in) :: groups               !! The groups
-      character(len=*), intent(in) :: label              !! The label
+   pure integer function index_of_group(groups, label) result(place)
+      type(echo_groups_t), intent(in) :: groups
+      character(len=*), intent(in) :: label
 
       do place = groups%count, 1, -1
          if (groups%group(place)%label == label) return
       end do
-   end function place_of
+   end function index_of_group
 
    !> Index of a key, 0 if there is none of that name.
-   pure integer function key_place(group, key) result(place)
-      type(echo_group_t), intent(in) :: group                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+   pure integer function index_of_key(group, key) result(place)
+      type(echo_group_t), intent(in) :: group
+      character(len=*), intent(in) :: key
 
       do place = group%count, 1, -1
          if (group%entries(place)%key == key) return
       end do
-   end function key_place
+   end function index_of_key
 
-   !> Take an echo apart. Its form is that of base_deck_echo: a group in lines of its own, keys
-   !! after three blanks, the rest of long lists after more.
+   !> Parse an echo. Its form is that of base_deck_echo: a group has lines of its own, keys are
+   !! indented by three blanks, continuation lines of long lists by more.
    pure subroutine read_echo(text, groups)
-      character(len=*), intent(in) :: text               !! The echo
+      character(len=*), intent(in) :: text
       type(echo_groups_t), intent(out) :: groups              !! What it holds
       integer :: first, last
 
@@ -226,7 +227,7 @@ contains
       call name_groups(groups)
    end subroutine read_echo
 
-   !> Take one line of an echo.
+   !> Parse one line of an echo.
    pure subroutine read_line(line, groups)
       character(len=*), intent(in) :: line               !! Not empty
       type(echo_groups_t), intent(inout) :: groups            !! Gets a group, a key, or more values
@@ -248,10 +249,10 @@ contains
       end if
    end subroutine read_line
 
-   !> Take a key, or further values of the last one.
-   pure subroutine read_key(line, going_on, group)
+   !> Parse a key, or further values of the last one.
+   pure subroutine read_key(line, continued, group)
       character(len=*), intent(in) :: line               !! Without its indent
-      logical, intent(in) :: going_on                    !! Further values of the last key
+      logical, intent(in) :: continued                    !! Further values of the last key
       type(echo_group_t), intent(inout) :: group              !! Gets them
       type(echo_entry_t), allocatable :: longer(:)
       character(len=:), allocatable :: value
@@ -262,10 +263,10 @@ contains
       default = .false.
       if (mark > 0) default = line(mark:len_trim(line)) == default_mark
       equals = 0
-      if (.not. going_on) equals = index(line, " =")
+      if (.not. continued) equals = index(line, " =")
       value = trim(adjustl(line(merge(equals + 2, 1, equals > 0):merge(mark - 1, len(line), &
          default))))
-      if (going_on) then
+      if (continued) then
          if (group%count == 0) return
          group%entries(group%count)%value = group%entries(group%count)%value//" "//value
          group%entries(group%count)%default = default
@@ -281,14 +282,14 @@ contains
       group%entries(group%count) = echo_entry_t(line(:equals - 1), value, default)
    end subroutine read_key
 
-   !> Give groups their labels: the name where they have one, else their number among their kind.
+   !> Label groups by their name if they have one, else by their number within their kind.
    pure subroutine name_groups(groups)
       type(echo_groups_t), intent(inout) :: groups            !! Get labels
       integer :: n, name, earlier, alike
 
       do n = 1, groups%count
          associate (group => groups%group(n))
-            name = key_place(group, "name")
+            name = index_of_key(group, "name")
             alike = 0
             do earlier = 1, n
                if (groups%group(earlier)%kind == group%kind) alike = alike + 1
@@ -304,7 +305,7 @@ contains
       end do
       do n = 1, groups%count
          associate (group => groups%group(n))
-            if (group%kind == "boundary" .and. key_place(group, "face") == 0) &
+            if (group%kind == "boundary" .and. index_of_key(group, "face") == 0) &
                group%kind = rigid_region
          end associate
       end do

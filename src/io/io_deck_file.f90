@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The files of a deck, made one text with the included files in their places.
+!> Reads a deck and the files that it includes into one text.
 !!
-!! One rank reads; the text can be sent to others, and parsing it gives the same messages there.
+!! One rank reads. The text can be sent to the others, which parse it to the same messages.
 module io_deck_file
    use base_deck_problems, only: problems_t
    use base_error, only: error_t, exit_file, exit_input, fail
@@ -22,16 +22,16 @@ module io_deck_file
 
 contains
 
-   !> Read a deck with all that it includes.
+   !> Read a deck with all included files.
    subroutine read_deck_file(path, text, error)
-      character(len=*), intent(in) :: path               !! The file
-      character(len=:), allocatable, intent(out) :: text !! All lines, with marks at included files
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable, intent(out) :: text !! All lines, with marks at includes
       type(error_t), allocatable, intent(out) :: error   !! A file cannot be read or is no deck
       type(text_t), allocatable :: chain(:)
       type(buffer_t) :: buffer
 
       call append(chain, path)
-      call splice(path, chain, buffer, error)
+      call append_file(path, chain, buffer, error)
       text = buffer%content()
       if (allocated(error)) return
       if (scan(text, "&") == 0) call fail(error, exit_input, path//own_error// &
@@ -39,10 +39,10 @@ contains
          "scree --template prints one with all keys")
    end subroutine read_deck_file
 
-   !> Append a file to the text, and in it those that it includes.
-   recursive subroutine splice(path, chain, buffer, error)
-      character(len=*), intent(in) :: path               !! The file
-      type(text_t), intent(in) :: chain(:)               !! It and those that include it
+   !> Append a file to the text, with the files that it includes.
+   recursive subroutine append_file(path, chain, buffer, error)
+      character(len=*), intent(in) :: path
+      type(text_t), intent(in) :: chain(:)               !! The file and those that include it
       type(buffer_t), intent(inout) :: buffer            !! Gets the text
       type(error_t), allocatable, intent(out) :: error   !! A file cannot be read or is no deck
       type(namelist_t) :: namelist
@@ -65,9 +65,9 @@ contains
          end associate
       end do
       call buffer%line(text(at:))
-   end subroutine splice
+   end subroutine append_file
 
-   !> Number of ends of lines in a text.
+   !> Number of line ends in a text.
    pure integer function lines_in(text) result(lines)
       character(len=*), intent(in) :: text               !! Any text
       integer :: i
@@ -80,8 +80,8 @@ contains
 
    !> Append the file that an &include names.
    recursive subroutine include_file(block, path, chain, buffer, error)
-      type(block_t), intent(in) :: block                 !! The group
-      character(len=*), intent(in) :: path               !! File that it stands in
+      type(block_t), intent(in) :: block
+      character(len=*), intent(in) :: path               !! File of the group
       type(text_t), intent(in) :: chain(:)               !! That file and those that include it
       type(buffer_t), intent(inout) :: buffer            !! Gets the text
       type(error_t), allocatable, intent(out) :: error   !! A file cannot be read or is no deck
@@ -108,16 +108,16 @@ contains
          return
       end if
       call buffer%add(file_mark(name, 1))
-      call splice(name, longer, buffer, error)
+      call append_file(name, longer, buffer, error)
       if (.not. allocated(error)) return
       if (index(error%message, name//own_error) /= 1) return
       error%message = place//error%message(len(name//own_error) + 1:)
    end subroutine include_file
 
-   !> The file that an &include names; empty if it does not do so properly.
+   !> File name of an &include; empty if the group is malformed.
    subroutine file_of(block, name)
-      type(block_t), intent(in) :: block                 !! The group
-      character(len=:), allocatable, intent(out) :: name !! The file
+      type(block_t), intent(in) :: block
+      character(len=:), allocatable, intent(out) :: name
 
       name = ""
       if (size(block%pieces) /= 1) return
@@ -127,10 +127,10 @@ contains
       end associate
    end subroutine file_of
 
-   !> Read one file and make sure that it is plain text. Ends of lines are made those of Unix.
+   !> Read one file, check that it is plain text, and convert its line ends to those of Unix.
    subroutine read_plain_text(path, text, error)
-      character(len=*), intent(in) :: path               !! The file
-      character(len=:), allocatable, intent(out) :: text !! Its text
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error   !! It cannot be read or is no text
       character(len=:), allocatable :: raw
       integer :: i, lines, start

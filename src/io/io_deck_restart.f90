@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Which keys of a deck may change when a run goes on from a checkpoint: one table for all groups.
+!> Table of the deck keys that may change on a restart from a checkpoint, and what a change means.
 module io_deck_restart
    use base_text, only: append, split, text_t
    implicit none
@@ -7,27 +7,28 @@ module io_deck_restart
 
    public :: change_class, table_keys
 
-   integer, parameter, public :: may_not_change = 1      !! The state means nothing without it
-   integer, parameter, public :: changes_physics = 2     !! The rest of the run follows other rules
-   integer, parameter, public :: changes_end = 3         !! Where the run ends
-   integer, parameter, public :: changes_extent = 4      !! What it writes and what it bears
+   integer, parameter, public :: may_not_change = 1      !! The state depends on the key
+   integer, parameter, public :: changes_physics = 2     !! Physics of the rest of the run
+   integer, parameter, public :: changes_end = 3         !! End of the run
+   integer, parameter, public :: changes_extent = 4      !! Output and limits
    integer, parameter, public :: changes_nothing = 5     !! No result depends on it
 
    !> A group that only one of the two decks has.
    character(len=*), parameter, public :: group_added = "+", group_removed = "-"
-   !> The kind of a `&boundary` that is a rigid region. Its place is that of its motion since the
-   !! start, so a change of the motion would move it in one step.
+   !> The kind of a `&boundary` that is a rigid region. Its position follows from its motion since
+   !! the
+   !! start, so a change of the motion would move it within one step.
    character(len=*), parameter, public :: rigid_region = "rigid"
 
-   !> Some keys of a group.
+   !> Keys of a group whose change has the same meaning.
    type :: rule_t
       character(len=10) :: group                         !! As in the deck without &
       integer :: meaning                                 !! One of the constants above
       character(len=200) :: keys                         !! Blanks between; * for all
    end type rule_t
 
-   !> Keys that are not named here may not change: grid, dimension, bodies, models of materials,
-   !! equations of state, whatever decides which fields particles carry, and keys to come.
+   !> Keys that are not listed may not change: grid, dimension, bodies, material models,
+   !! equations of state, keys that decide which fields particles have, and future keys.
    type(rule_t), parameter :: rules(28) = [ &
       rule_t("run", changes_nothing, "title case deck_version"), &
       rule_t("units", changes_extent, "output_units"), &
@@ -54,7 +55,7 @@ module io_deck_restart
          "failure_delay failure_delay_power fracture_energy softening crack_speed"), &
       rule_t("material", changes_physics, "failed_friction_angle failed_tau failed_gamma_c "// &
          "b_shear b_thermal"), &
-      ! a region is asked for by its user, whose keys have rules of their own
+      ! a region matters through the group that uses it, which has rules of its own
       rule_t("region", changes_nothing, group_added//" "//group_removed), &
       rule_t("region", changes_physics, "file"), &
       rule_t("boundary", changes_physics, "face region type velocity table friction t_on t_off "// &
@@ -73,7 +74,7 @@ module io_deck_restart
 
 contains
 
-   !> What a change of a key means for a run that goes on.
+   !> Meaning of a change of a key on a restart.
    pure integer function change_class(group, key) result(meaning)
       character(len=*), intent(in) :: group              !! Kind of group, or `rigid_region`
       character(len=*), intent(in) :: key                !! Key, `group_added` or `group_removed`

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> One number for the whole state of a run, to the last bit.
+!> Digest of the whole state of a run: equal digests mean equal bits.
 !!
-!! Each value of each particle is hashed with the identity of the particle and the name of material
-!! and field, and the hashes are added; so neither the order of particles nor ranks, threads or
-!! restarts matter, and a checkpoint has the digest of the state that it holds.
+!! Each value of each particle is hashed with the identity of the particle and the names of material
+!! and field, and the hashes are added. So the digest is independent of the order of particles, of
+!! ranks, threads and restarts, and a checkpoint has the digest of its state.
 module io_digest
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -27,18 +27,18 @@ module io_digest
    !> Hashes the fields of one store.
    type, extends(field_worker_t) :: digester_t
       character(len=:), allocatable :: store             !! Name of the material
-      integer, allocatable :: order(:)                   !! Where the particles are
+      integer, allocatable :: order(:)                   !! Indices of the particles
       integer(int64), allocatable :: owners(:)           !! Their identities
       integer(int64) :: sum = 0_int64                    !! Sum of all hashes
    contains
-      procedure :: scalar => digester_scalar             !! Hash a field of numbers
-      procedure :: vector => digester_vector             !! Hash a field of vectors or tensors
-      procedure :: whole => digester_whole               !! Hash a field of whole numbers
+      procedure :: scalar => digester_scalar             !! Hash a scalar field
+      procedure :: vector => digester_vector             !! Hash a vector or tensor field
+      procedure :: whole => digester_whole               !! Hash an integer field
    end type digester_t
 
 contains
 
-   !> Key of one component of a field; plain numbers have component 1.
+   !> Key of one component of a field; a scalar has component 1.
    pure function field_key(store, field, component) result(key)
       character(len=*), intent(in) :: store              !! Name of the material
       character(len=*), intent(in) :: field              !! Name of the field
@@ -50,8 +50,8 @@ contains
 
    !> Digest of a state in memory. Collective.
    function state_digest(communicator, stores, state) result(digest)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      type(communicator_t), intent(in) :: communicator
+      type(store_t), intent(inout) :: stores(:)          !! Not changed
       type(state_t), intent(in) :: state                 !! Step and time
       character(len=16) :: digest
       type(digester_t) :: digester
@@ -60,17 +60,17 @@ contains
       do index = 1, size(stores)
          digester%store = stores(index)%name
          call tile_order(stores(index), digester%order)
-         call pick(stores(index)%identity, digester%order, digester%owners)
+         call gather_values(stores(index)%identity, digester%order, digester%owners)
          call stores(index)%walk(digester)
       end do
-      digest = finished(communicator, digester%sum, state%step, state%time)
+      digest = digest_of(communicator, digester%sum, state%step, state%time)
    end function state_digest
 
-   !> Digest of the state in a checkpoint, for which no deck is needed. Collective.
+   !> Digest of the state in a checkpoint, without its deck. Collective.
    subroutine file_digest(communicator, path, digest, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path               !! Checkpoint
-      character(len=16), intent(out) :: digest           !! As of the state
+      character(len=16), intent(out) :: digest           !! As that of the state in memory
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       type(hdf5_source_t) :: source
       type(data_info_t), allocatable :: groups(:)
@@ -96,12 +96,12 @@ contains
       end if
       call source%close()
       call agree(communicator, error)
-      if (.not. allocated(error)) digest = finished(communicator, sum, step, time)
+      if (.not. allocated(error)) digest = digest_of(communicator, sum, step, time)
    end subroutine file_digest
 
-   !> Add the hashes of one material in a checkpoint, the share of this rank.
+   !> Add the hashes of one material in a checkpoint, for the rows of this rank.
    subroutine digest_group(communicator, source, store, sum, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(hdf5_source_t), intent(in) :: source          !! Open checkpoint
       character(len=*), intent(in) :: store              !! Name of the material
       integer(int64), intent(inout) :: sum               !! Sum of hashes
@@ -171,9 +171,9 @@ contains
       end if
    end subroutine digest_block
 
-   !> The sum over all ranks, mixed with step and time, as a text. Collective.
-   function finished(communicator, sum, step, time) result(digest)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+   !> Digest as text: the sum over all ranks, mixed with step and time. Collective.
+   function digest_of(communicator, sum, step, time) result(digest)
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: sum                  !! Sum of the hashes of this rank
       integer(int64), intent(in) :: step                 !! Steps done
       real(wp), intent(in) :: time                       !! Simulated time [s]
@@ -183,26 +183,26 @@ contains
       whole = sum
       call communicator%total(whole)
       digest = digest_text(mix(ieor(mix(ieor(mix(whole(1)), step)), transfer(time, step))))
-   end function finished
+   end function digest_of
 
-   !> Values of some places.
-   pure subroutine pick(values, order, picked)
-      integer(int64), contiguous, intent(in) :: values(:) !! (place)
-      integer, contiguous, intent(in) :: order(:)        !! Places wanted
-      integer(int64), allocatable, intent(out) :: picked(:) !! Their values
+   !> Gather values by index.
+   pure subroutine gather_values(values, order, picked)
+      integer(int64), contiguous, intent(in) :: values(:) !! (particle)
+      integer, contiguous, intent(in) :: order(:)        !! Indices
+      integer(int64), allocatable, intent(out) :: picked(:) !! Values at these indices
       integer :: index
 
       allocate (picked(size(order)))
       do index = 1, size(order)
          picked(index) = values(order(index))
       end do
-   end subroutine pick
+   end subroutine gather_values
 
-   !> Hash a field of numbers.
+   !> Hash a scalar field.
    subroutine digester_scalar(self, name, unit, values)
-      class(digester_t), intent(inout) :: self           !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(digester_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)  !! (particle), not changed
       real(wp), allocatable :: column(:)
       integer :: index
@@ -214,11 +214,11 @@ contains
       self%sum = add_hash(self%sum, hash_reals(field_key(self%store, name, 1), self%owners, column))
    end subroutine digester_scalar
 
-   !> Hash a field of vectors or tensors.
+   !> Hash a vector or tensor field.
    subroutine digester_vector(self, name, unit, values)
-      class(digester_t), intent(inout) :: self           !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(digester_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
       real(wp), allocatable :: column(:)
       integer :: component, index
@@ -233,15 +233,15 @@ contains
       end do
    end subroutine digester_vector
 
-   !> Hash a field of whole numbers.
+   !> Hash an integer field.
    subroutine digester_whole(self, name, unit, values)
-      class(digester_t), intent(inout) :: self           !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(digester_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
       integer(int64), allocatable :: column(:)
 
-      call pick(values, self%order, column)
+      call gather_values(values, self%order, column)
       self%sum = add_hash(self%sum, hash_integers(field_key(self%store, name, 1), self%owners, &
          column))
    end subroutine digester_whole

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The fields that outputs may hold: those that particles carry and those that follow from them.
+!> The fields of outputs: those that particles have and those derived from them.
 module io_fields
    use base_constants, only: xx, xy, xz, yy, yz, zz
    use base_error, only: error_t, exit_input, fail
@@ -13,7 +13,7 @@ module io_fields
    public :: choose_columns, column_t, fill_reals, fill_integers, picks_t
 
    integer, parameter, public :: field_name_length = 32  !! Longest name of a field
-   !> All names that `fields` of an output may hold, beside "default" and "state".
+   !> All names that `fields` of an output may have, besides "default" and "state".
    character(len=field_name_length), parameter, public :: field_names(33) = &
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
       "density", "velocity", "speed", "reference", "stress", "pressure", "mises", &
@@ -21,62 +21,62 @@ module io_fields
       "equivalent_strain", "inertial_number", "damage", "failed", "deformation_gradient", &
       "plastic_dilation", "distension", "scatter", "overload", "bulking", "solid_fraction", &
       "bond", "extent", "domain", "affine", "spin", "fragment"]
-   !> Those of "default", as far as there are.
+   !> Fields of "default", if particles have them.
    character(len=field_name_length), parameter :: usual_names(12) = &
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
       "velocity", "pressure", "mises", "temperature", "plastic_strain", "damage", "failed"]
 
-   !> Carried, but not for another run: places are written anyway, and what belongs to a step.
+   !> Not part of "state": positions are always written, and `ahead` belongs to a step.
    character(len=field_name_length), parameter :: passing_names(2) = &
       [character(len=field_name_length) :: "position", "ahead"]
 
    !> One field of an output.
    type :: column_t
-      character(len=field_name_length) :: name = ""      !! Name in files
-      character(len=field_name_length) :: unit = "1"     !! SI unit
-      integer :: components = 1                          !! 1 number, 3 vector, 6 or 9 tensor
-      logical :: is_real = .true.                        !! Real, not whole numbers
-      logical :: derived = .false.                       !! Follows from fields
+      character(len=field_name_length) :: name = ""
+      character(len=field_name_length) :: unit = "1"
+      integer :: components = 1                          !! 1 scalar, 3 vector, 6 or 9 tensor
+      logical :: is_real = .true.                        !! Real, not integer
+      logical :: derived = .false.                       !! Derived from other fields
    end type column_t
 
-   !> Places of the particles of a store that are written.
+   !> Particles of a store that are written.
    type :: picks_t
-      integer, allocatable :: order(:)                   !! In the order of the file
-      integer(int64), allocatable :: fragment(:)         !! Number in the table, 0 = none, if asked
+      integer, allocatable :: order(:)                   !! Indices in the order of the file
+      integer(int64), allocatable :: fragment(:) !! Number in the table, 0 = none; on request
    end type picks_t
 
-   !> Collects what fields there are.
+   !> Collects the fields that particles have.
    type, extends(field_worker_t) :: collector_t
-      type(column_t), allocatable :: columns(:)          !! What was found
+      type(column_t), allocatable :: columns(:)          !! Fields found
    contains
-      procedure :: scalar => collector_scalar            !! Note a field of numbers
-      procedure :: vector => collector_vector            !! Note a field of vectors or tensors
-      procedure :: whole => collector_whole              !! Note a field of whole numbers
-      procedure :: note => collector_note                !! Note any field
+      procedure :: scalar => collector_scalar            !! Record a scalar field
+      procedure :: vector => collector_vector            !! Record a vector or tensor field
+      procedure :: whole => collector_whole              !! Record an integer field
+      procedure :: note => collector_note                !! Record any field
    end type collector_t
 
    !> Copies the values of one field.
    type, extends(field_worker_t) :: fetcher_t
-      character(len=field_name_length) :: name = ""      !! The field wanted
-      integer, allocatable :: order(:)                   !! Places of the particles
+      character(len=field_name_length) :: name = ""      !! Name of the field
+      integer, allocatable :: order(:)                   !! Indices of the particles
       integer :: before = 0                              !! Rows before the first
       real(wp), allocatable :: reals(:, :)               !! (component, row)
       integer(int64), allocatable :: integers(:)           !! (row)
    contains
-      procedure :: scalar => fetcher_scalar              !! Copy a field of numbers
-      procedure :: vector => fetcher_vector              !! Copy a field of vectors or tensors
-      procedure :: whole => fetcher_whole                !! Copy a field of whole numbers
+      procedure :: scalar => fetcher_scalar              !! Copy a scalar field
+      procedure :: vector => fetcher_vector              !! Copy a vector or tensor field
+      procedure :: whole => fetcher_whole                !! Copy an integer field
    end type fetcher_t
 
 contains
 
-   !> The columns of an output: names, "default" for the usual ones, or "state" for all from which
-   !! another run can go on. An unknown field, or one that no particle carries, is an error.
+   !> Choose the columns of an output: names, "default" for the usual ones, or "state" for all that
+   !! another run needs to start. An unknown field, or one that no particle has, is an error.
    subroutine choose_columns(stores, fields, columns, error)
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      type(store_t), intent(inout) :: stores(:)          !! Not changed
       character(len=*), intent(in) :: fields(:)          !! Names, "default" or "state"
-      type(column_t), allocatable, intent(out) :: columns(:) !! In the order asked for
-      type(error_t), allocatable, intent(out) :: error   !! A name does not work
+      type(column_t), allocatable, intent(out) :: columns(:) !! In the order of the request
+      type(error_t), allocatable, intent(out) :: error   !! A field cannot be written
       type(collector_t) :: collector
       type(column_t) :: column
       integer :: index, usual
@@ -108,10 +108,10 @@ contains
       end do
    end subroutine choose_columns
 
-   !> Add what particles carry, and of which material they are.
+   !> Add all fields of the particles, and their material.
    pure subroutine append_state(carried, columns)
-      type(column_t), intent(in) :: carried(:)           !! What there is
-      type(column_t), allocatable, intent(inout) :: columns(:) !! The list
+      type(column_t), intent(in) :: carried(:)           !! Fields of the particles
+      type(column_t), allocatable, intent(inout) :: columns(:)
       type(column_t) :: column
       integer :: index
       logical :: found
@@ -125,7 +125,7 @@ contains
 
    !> Why a field cannot be written.
    pure function reason(name) result(text)
-      character(len=*), intent(in) :: name               !! What was asked for
+      character(len=*), intent(in) :: name               !! Name of the field
       character(len=:), allocatable :: text
       type(text_t), allocatable :: names(:)
       character(len=:), allocatable :: near
@@ -145,12 +145,12 @@ contains
       if (near /= "") text = text//"; did you mean '"//near//"'?"
    end function reason
 
-   !> Find a field among those carried and those that follow from them.
+   !> Find a field among those of the particles and those derived from them.
    pure subroutine find_column(carried, name, column, found)
-      type(column_t), intent(in) :: carried(:)           !! What there is
-      character(len=*), intent(in) :: name               !! What is wanted
-      type(column_t), intent(out) :: column              !! What it is
-      logical, intent(out) :: found                      !! It can be written
+      type(column_t), intent(in) :: carried(:)           !! Fields of the particles
+      character(len=*), intent(in) :: name               !! Name of the field
+      type(column_t), intent(out) :: column              !! Its description
+      logical, intent(out) :: found                      !! True if it can be written
       integer :: index
 
       found = .true.
@@ -177,8 +177,8 @@ contains
 
    !> Add a column unless it is there.
    pure subroutine append(columns, column)
-      type(column_t), allocatable, intent(inout) :: columns(:) !! The list
-      type(column_t), intent(in) :: column               !! A further one
+      type(column_t), allocatable, intent(inout) :: columns(:)
+      type(column_t), intent(in) :: column
       type(column_t), allocatable :: larger(:)
 
       if (any(columns%name == column%name)) return
@@ -188,11 +188,11 @@ contains
       call move_alloc(larger, columns)
    end subroutine append
 
-   !> Values of a column of real numbers, store after store; 0 where a material lacks the field.
+   !> Fill a real column, store after store; 0 where a material lacks the field.
    subroutine fill_reals(stores, picks, column, values)
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
-      type(column_t), intent(in) :: column               !! What is wanted
+      type(store_t), intent(inout) :: stores(:)          !! Not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
+      type(column_t), intent(in) :: column               !! Name of the field
       real(wp), allocatable, intent(inout) :: values(:, :) !! (component, row)
       type(fetcher_t) :: fetcher
       integer :: before, store
@@ -214,11 +214,11 @@ contains
       if (.not. column%derived) call move_alloc(fetcher%reals, values)
    end subroutine fill_reals
 
-   !> Values of a column of whole numbers, store after store; 0 where a material lacks the field.
+   !> Fill an integer column, store after store; 0 where a material lacks the field.
    subroutine fill_integers(stores, picks, column, values)
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
-      type(column_t), intent(in) :: column               !! What is wanted
+      type(store_t), intent(inout) :: stores(:)          !! Not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
+      type(column_t), intent(in) :: column               !! Name of the field
       integer(int64), allocatable, intent(inout) :: values(:) !! (row)
       type(fetcher_t) :: fetcher
       integer :: before, last, store
@@ -243,21 +243,21 @@ contains
       if (.not. column%derived) call move_alloc(fetcher%integers, values)
    end subroutine fill_integers
 
-   !> Copy the places of a store.
+   !> Copy the indices of the selected particles of a store.
    pure subroutine copy_order(picks, order)
-      type(picks_t), intent(in) :: picks                 !! Which particles
-      integer, allocatable, intent(inout) :: order(:)    !! Their places
+      type(picks_t), intent(in) :: picks
+      integer, allocatable, intent(inout) :: order(:)    !! Indices
 
       if (allocated(order)) deallocate (order)
       allocate (order, source=picks%order)
    end subroutine copy_order
 
-   !> Values that follow from fields.
+   !> Compute a derived field.
    pure subroutine derive(store, picks, before, name, values)
-      type(store_t), intent(in) :: store                 !! The particles
-      type(picks_t), intent(in) :: picks                 !! Which of them
+      type(store_t), intent(in) :: store
+      type(picks_t), intent(in) :: picks
       integer, intent(in) :: before                      !! Rows before the first
-      character(len=*), intent(in) :: name               !! What is wanted
+      character(len=*), intent(in) :: name               !! Name of the field
       real(wp), intent(inout) :: values(:, :)            !! (1, row)
       integer :: particle, row
 
@@ -283,13 +283,13 @@ contains
       end do
    end subroutine derive
 
-   !> Note a field.
+   !> Record a field.
    subroutine collector_note(self, name, unit, components, is_real)
-      class(collector_t), intent(inout) :: self          !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(collector_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer, intent(in) :: components                  !! Of a particle
-      logical, intent(in) :: is_real                     !! Real, not whole numbers
+      logical, intent(in) :: is_real                     !! Real, not integer
       type(column_t) :: column
 
       column%name = name
@@ -299,41 +299,41 @@ contains
       call append(self%columns, column)
    end subroutine collector_note
 
-   !> Note a field of numbers.
+   !> Record a scalar field.
    subroutine collector_scalar(self, name, unit, values)
-      class(collector_t), intent(inout) :: self          !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(collector_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)  !! (particle), not changed
 
       call self%note(name, unit, 1, .true.)
    end subroutine collector_scalar
 
-   !> Note a field of vectors or tensors.
+   !> Record a vector or tensor field.
    subroutine collector_vector(self, name, unit, values)
-      class(collector_t), intent(inout) :: self          !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(collector_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
 
       call self%note(name, unit, size(values, 2), .true.)
    end subroutine collector_vector
 
-   !> Note a field of whole numbers.
+   !> Record an integer field.
    subroutine collector_whole(self, name, unit, values)
-      class(collector_t), intent(inout) :: self          !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(collector_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
 
       call self%note(name, unit, 1, .false.)
    end subroutine collector_whole
 
-   !> Copy a field of numbers.
+   !> Copy a scalar field.
    subroutine fetcher_scalar(self, name, unit, values)
-      class(fetcher_t), intent(inout) :: self            !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(fetcher_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)  !! (particle), not changed
       integer :: row
 
@@ -343,11 +343,11 @@ contains
       end do
    end subroutine fetcher_scalar
 
-   !> Copy a field of vectors or tensors.
+   !> Copy a vector or tensor field.
    subroutine fetcher_vector(self, name, unit, values)
-      class(fetcher_t), intent(inout) :: self            !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(fetcher_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), not changed
       integer :: component, row
 
@@ -359,11 +359,11 @@ contains
       end do
    end subroutine fetcher_vector
 
-   !> Copy a field of whole numbers.
+   !> Copy an integer field.
    subroutine fetcher_whole(self, name, unit, values)
-      class(fetcher_t), intent(inout) :: self            !! The worker
-      character(len=*), intent(in) :: name               !! Name in files
-      character(len=*), intent(in) :: unit               !! SI unit
+      class(fetcher_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), not changed
       integer :: row
 

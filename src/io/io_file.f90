@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Files as the system sees them, with the system's reason when something fails.
+!> File operations with the reason of the system when they fail.
 !!
-!! Fortran cannot rename, synchronise or list files and its runtime hides why a write failed, so
-!! this goes to the C library. All of it concerns the calling rank alone.
+!! Fortran cannot rename, synchronise or list files, and its runtime hides why a write failed, so
+!! these procedures call the C library. They are local to the calling rank.
 module io_file
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
@@ -18,7 +18,7 @@ module io_file
       name_of, output_file_t, program_path, read_file, real_path, remove_file, rename_file, &
       reserve_file, sync_file, sync_folder, truncate_file, write_file
 
-   integer, parameter, public :: longest_path = 1024     !! Letters of a path with folder
+   integer, parameter, public :: longest_path = 1024     !! Characters of a path
    integer(c_int32_t), parameter :: file_mode = int(o"666", c_int32_t)
    integer(c_int32_t), parameter :: folder_mode = int(o"777", c_int32_t)
    integer(c_int), parameter :: exists_mode = 0, write_only = 1, read_only = 0
@@ -26,13 +26,13 @@ module io_file
    integer(c_int), parameter :: not_there = 2            !! ENOENT
    integer(c_int), parameter :: no_such_call = 38, not_supported = 95 !! ENOSYS, EOPNOTSUPP
 
-   !> A file that is written piece by piece, each of which reaches the system at once.
+   !> A file that is written without buffering.
    type :: output_file_t
-      character(len=:), allocatable :: path              !! Where it is
+      character(len=:), allocatable :: path
       integer(c_int), private :: descriptor = -1         !! The open file
    contains
-      procedure :: create => output_create               !! Begin an empty file
-      procedure :: append => output_append               !! Go on at the end of a file
+      procedure :: create => output_create               !! Create an empty file
+      procedure :: append => output_append               !! Open to append
       procedure :: write => output_write                 !! Write a text
       procedure :: sync => output_sync                   !! Wait until it is on the disk
       procedure :: close => output_close                 !! Close
@@ -42,9 +42,9 @@ contains
 
    !> Allocate an error that names a path and the system's reason.
    subroutine fail_path(error, action, path)
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
+      type(error_t), allocatable, intent(out) :: error
       character(len=*), intent(in) :: action             !! As in "cannot ACTION path"
-      character(len=*), intent(in) :: path               !! What it was about
+      character(len=*), intent(in) :: path               !! File or folder
 
       call fail(error, exit_file, "cannot "//action//" '"//path//"': "//failure_text())
    end subroutine fail_path
@@ -94,7 +94,7 @@ contains
       name = path(index(path, "/", back=.true.) + 1:)
    end function name_of
 
-   !> Path of a file in a folder; an empty folder is the present one.
+   !> Path of a file in a folder; an empty folder is the current one.
    pure function join_path(folder, name) result(path)
       character(len=*), intent(in) :: folder             !! Folder, with or without slash
       character(len=*), intent(in) :: name               !! Name of the file
@@ -109,7 +109,7 @@ contains
       end if
    end function join_path
 
-   !> Path of the program that runs, with its folder; empty where the system does not tell.
+   !> Path of the running program; empty if the system does not report it.
    function program_path() result(path)
       character(len=:), allocatable :: path
       character(len=longest_path), target :: letters
@@ -120,7 +120,7 @@ contains
       path = letters(:max(int(length), 0))
    end function program_path
 
-   !> Path from the root without links and dots; as it is where there is no such file.
+   !> Absolute path without links and dots; unchanged if there is no such file.
    function real_path(path) result(whole)
       character(len=*), intent(in) :: path               !! File or folder
       character(len=:), allocatable :: whole
@@ -132,7 +132,7 @@ contains
       whole = letters(:index(letters, c_null_char) - 1)
    end function real_path
 
-   !> Make a folder and those above it; one that is there is fine.
+   !> Make a folder and its parents; existing ones are no error.
    subroutine make_folder(path, error)
       character(len=*), intent(in) :: path               !! Folder
       type(error_t), allocatable, intent(out) :: error   !! Cannot be made
@@ -145,7 +145,7 @@ contains
          if (path(last:last) == "/") cycle
          if (file_exists(path(:last)//"/")) cycle
          if (c_mkdir(path(:last)//c_null_char, folder_mode) == 0) cycle
-         ! Another program may have made it just now; if not, the second attempt leaves the reason.
+         ! another program may have made it meanwhile; if not, the second attempt gives the reason
          if (file_exists(path(:last)//"/")) cycle
          if (c_mkdir(path(:last)//c_null_char, folder_mode) == 0) cycle
          call fail_path(error, "make the folder", path(:last))
@@ -153,7 +153,7 @@ contains
       end do
    end subroutine make_folder
 
-   !> Rename a file; what had the new name is replaced in one go.
+   !> Rename a file; an existing file of the new name is replaced atomically.
    subroutine rename_file(old, new, error)
       character(len=*), intent(in) :: old                !! Present path
       character(len=*), intent(in) :: new                !! Future path
@@ -163,7 +163,7 @@ contains
          call fail_path(error, "rename '"//old//"' to", new)
    end subroutine rename_file
 
-   !> Remove a file; one that is not there is fine.
+   !> Remove a file; a missing one is no error.
    subroutine remove_file(path, error)
       character(len=*), intent(in) :: path               !! File
       type(error_t), allocatable, intent(out), optional :: error !! Cannot be removed
@@ -173,16 +173,16 @@ contains
       if (present(error)) call fail_path(error, "remove", path)
    end subroutine remove_file
 
-   !> Cut a file.
+   !> Truncate a file.
    subroutine truncate_file(path, bytes, error)
       character(len=*), intent(in) :: path               !! File
-      integer(int64), intent(in) :: bytes                !! What remains [byte]
+      integer(int64), intent(in) :: bytes                !! New length [byte]
       type(error_t), allocatable, intent(out) :: error   !! Cannot be cut
 
       if (c_truncate(path//c_null_char, bytes) /= 0) call fail_path(error, "shorten", path)
    end subroutine truncate_file
 
-   !> Wait until a file is on the disk.
+   !> Wait until a file is on disk.
    subroutine sync_file(path, error)
       character(len=*), intent(in) :: path               !! File
       type(error_t), allocatable, intent(out) :: error   !! Not all of it reached the disk
@@ -197,7 +197,7 @@ contains
       status = c_close(descriptor)
    end subroutine sync_file
 
-   !> Wait until the names in a folder are on the disk. Systems that cannot do that are tolerated.
+   !> Wait until the entries of a folder are on disk. Systems that cannot do this are tolerated.
    subroutine sync_folder(path)
       character(len=*), intent(in) :: path               !! Folder
       integer(c_int) :: descriptor, status
@@ -208,10 +208,10 @@ contains
       status = c_close(descriptor)
    end subroutine sync_folder
 
-   !> Make sure of the space for a file, which is made if need be and then has this length.
+   !> Reserve disk space for a file, which is created if missing and then has this length.
    !!
-   !! Message passing libraries can hang, or call it success, when the disk fills up under a
-   !! collective write (seen with Open MPI 4.1.4), so space is taken before. File systems that
+   !! MPI libraries can hang, or report success, when the disk fills up during a collective
+   !! write (observed with Open MPI 4.1.4), so space is reserved before. File systems that
    !! cannot reserve space are tolerated.
    subroutine reserve_file(path, bytes, error)
       character(len=*), intent(in) :: path               !! File
@@ -252,7 +252,7 @@ contains
       if (.not. readable) call fail_path(error, "read the folder", folder)
    end subroutine list_folder
 
-   !> Write a whole file so that either the old or the new one is there at any time.
+   !> Write a file atomically: at any time either the old or the new one exists.
    subroutine write_file(path, text, error)
       character(len=*), intent(in) :: path               !! File
       character(len=*), intent(in) :: text               !! All of it
@@ -293,9 +293,9 @@ contains
       status = c_close(descriptor)
    end subroutine read_file
 
-   !> Begin an empty file; what was there is lost.
+   !> Create an empty file, which replaces an existing one.
    subroutine output_create(self, path, error)
-      class(output_file_t), intent(inout) :: self        !! The file
+      class(output_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path               !! Where
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
 
@@ -305,9 +305,9 @@ contains
       if (self%descriptor < 0) call fail_path(error, "write", path)
    end subroutine output_create
 
-   !> Go on at the end of a file that is there.
+   !> Open an existing file to append to it.
    subroutine output_append(self, path, error)
-      class(output_file_t), intent(inout) :: self        !! The file
+      class(output_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path               !! Where
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
 
@@ -319,7 +319,7 @@ contains
 
    !> Write a text.
    subroutine output_write(self, text, error)
-      class(output_file_t), intent(in) :: self           !! The file
+      class(output_file_t), intent(in) :: self
       character(len=*), intent(in) :: text               !! Line ends included
       type(error_t), allocatable, intent(out) :: error   !! Not all was written
       character(len=:), allocatable, target :: letters
@@ -337,9 +337,9 @@ contains
       end do
    end subroutine output_write
 
-   !> Wait until all is on the disk.
+   !> Wait until the file is on disk.
    subroutine output_sync(self, error)
-      class(output_file_t), intent(in) :: self           !! The file
+      class(output_file_t), intent(in) :: self
       type(error_t), allocatable, intent(out) :: error   !! Not all of it reached the disk
 
       if (c_fsync(self%descriptor) /= 0) call fail_path(error, "write", self%path)
@@ -347,7 +347,7 @@ contains
 
    !> Close the file, if it is open.
    subroutine output_close(self)
-      class(output_file_t), intent(inout) :: self        !! The file
+      class(output_file_t), intent(inout) :: self
       integer(c_int) :: status
 
       if (self%descriptor < 0) return

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Files that a former run of a case left in a folder: found, so that they are not lost by accident,
-!! and removed on request. The echo of that run says which streams it had.
+!> Files of a previous run of a case in a folder: detected, so that they are not overwritten by
+!! accident, and removed on request. The echo of that run lists its streams.
 module io_former_run
    use base_error, only: error_t
    use base_text, only: append, text_t
@@ -17,21 +17,21 @@ module io_former_run
    character(len=*), parameter :: snapshot_ending = ".hdf", checkpoint_ending = ".h5"
    integer, parameter :: snapshot_digits = 6, checkpoint_digits = 1 !! Fewest in a name
 
-   !> What a former run left.
+   !> Files of a previous run.
    type :: former_run_t
       type(text_t), allocatable :: files(:)              !! Names in the folder
-      logical :: results = .false.                       !! More than a log and an echo
-      logical :: checkpoints = .false.                   !! A checkpoint is among them
+      logical :: results = .false.                       !! Are there files besides log and echo?
+      logical :: checkpoints = .false.                   !! Is a checkpoint among them?
    end type former_run_t
 
 contains
 
-   !> Look for the files of a run of this case. Concerns the calling rank alone.
+   !> Find the files of a run of this case. Local to the calling rank.
    subroutine find_former_run(folder, case, echo, former)
       character(len=*), intent(in) :: folder             !! Folder of the results
       character(len=*), intent(in) :: case               !! Prefix of all files
       character(len=*), intent(in) :: echo               !! All keys of the run that is to begin
-      type(former_run_t), intent(out) :: former          !! Its files
+      type(former_run_t), intent(out) :: former          !! Files found
       character(len=longest_name), allocatable :: names(:)
       character(len=:), allocatable :: old
       type(error_t), allocatable :: error
@@ -41,22 +41,22 @@ contains
       if (.not. file_exists(join_path(folder, "."))) return
       call list_folder(folder, case, "", names, error)
       if (allocated(error)) return
-      call take_numbered(names, case//"_chk_", checkpoint_ending, checkpoint_digits, former)
+      call add_numbered_files(names, case//"_chk_", checkpoint_ending, checkpoint_digits, former)
       former%checkpoints = has_whole_file(former)
-      call take(names, case//".summary.json", former)
-      call take_streams(names, case, echo, former)
+      call add_file(names, case//".summary.json", former)
+      call add_files_of_streams(names, case, echo, former)
       call read_file(join_path(folder, case//".echo.nml"), old, error)
-      if (.not. allocated(error)) call take_streams(names, case, old, former)
+      if (.not. allocated(error)) call add_files_of_streams(names, case, old, former)
       former%results = has_whole_file(former)
-      call take(names, case//".echo.nml", former)
-      call take(names, case//".log", former)
+      call add_file(names, case//".echo.nml", former)
+      call add_file(names, case//".log", former)
       do known = 1, size(former%files)
-         call take(names, former%files(known)%text//part, former)
+         call add_file(names, former%files(known)%text//part, former)
       end do
    end subroutine find_former_run
 
-   !> Take the files of all streams of a deck.
-   subroutine take_streams(names, case, echo, former)
+   !> Add the files of all streams of a deck.
+   subroutine add_files_of_streams(names, case, echo, former)
       character(len=*), intent(in) :: names(:)           !! Names in the folder
       character(len=*), intent(in) :: case               !! Prefix of all files
       character(len=*), intent(in) :: echo               !! All keys of the deck
@@ -67,34 +67,34 @@ contains
 
       call echo_streams(echo, stream, kind, number)
       ! a deck without outputs has one stream of particles and a history
-      call take_stream(names, stream_file(case, "", of_particles, 1), .false., former)
-      call take_stream(names, stream_file(case, "", of_ledger, 1), .true., former)
+      call add_stream_files(names, stream_file(case, "", of_particles, 1), .false., former)
+      call add_stream_files(names, stream_file(case, "", of_ledger, 1), .true., former)
       do n = 1, size(stream)
-         call take_stream(names, stream_file(case, stream(n)%text, kind(n), number(n)), &
+         call add_stream_files(names, stream_file(case, stream(n)%text, kind(n), number(n)), &
             kind(n) > of_cells, former)
       end do
-   end subroutine take_streams
+   end subroutine add_files_of_streams
 
-   !> Take the files of one stream.
-   subroutine take_stream(names, file, is_table, former)
+   !> Add the files of one stream.
+   subroutine add_stream_files(names, file, is_table, former)
       character(len=*), intent(in) :: names(:)           !! Names in the folder
-      character(len=*), intent(in) :: file               !! The table, or beginning of names
-      logical, intent(in) :: is_table                    !! One file, not one a time
+      character(len=*), intent(in) :: file               !! Name of the table, or prefix of names
+      logical, intent(in) :: is_table                    !! Is it one file, not one for each time?
       type(former_run_t), intent(inout) :: former        !! Gets the files
 
-      call take(names, file, former)
+      call add_file(names, file, former)
       if (is_table) return
-      call take_numbered(names, file//"_", snapshot_ending, snapshot_digits, former)
-      call take(names, file//".hdf.series", former)
-      call take(names, file//".xdmf", former)
-      call take(names, file//".vtkhdf", former)
-   end subroutine take_stream
+      call add_numbered_files(names, file//"_", snapshot_ending, snapshot_digits, former)
+      call add_file(names, file//".hdf.series", former)
+      call add_file(names, file//".xdmf", former)
+      call add_file(names, file//".vtkhdf", former)
+   end subroutine add_stream_files
 
-   !> Take the files whose names have a number between a beginning and an end, whole or not.
-   subroutine take_numbered(names, begin, ending, digits, former)
+   !> Add the files with a number between prefix and suffix of the name, complete or partial.
+   subroutine add_numbered_files(names, begin, ending, digits, former)
       character(len=*), intent(in) :: names(:)           !! Names in the folder
-      character(len=*), intent(in) :: begin              !! Before the number
-      character(len=*), intent(in) :: ending             !! After it
+      character(len=*), intent(in) :: begin              !! Prefix
+      character(len=*), intent(in) :: ending             !! Suffix
       integer, intent(in) :: digits                      !! Fewest digits
       type(former_run_t), intent(inout) :: former        !! Gets the files
       character(len=:), allocatable :: name
@@ -107,20 +107,20 @@ contains
          if (index(name, begin) /= 1 .or. last < len(begin) + digits) cycle
          if (name(last + 1:) /= ending) cycle
          if (verify(name(len(begin) + 1:last), "0123456789") == 0) &
-            call take(names, trim(names(n)), former)
+            call add_file(names, trim(names(n)), former)
       end do
-   end subroutine take_numbered
+   end subroutine add_numbered_files
 
-   !> True for the name of a file that was being written.
+   !> True for the name of a partial file.
    pure logical function is_part(name) result(partial)
       character(len=*), intent(in) :: name               !! Name of a file
 
       partial = index(name, part, back=.true.) > max(len(name) - len(part), 0)
    end function is_part
 
-   !> True if a file was found that is complete.
+   !> True if a complete file was found.
    pure logical function has_whole_file(former) result(has)
-      type(former_run_t), intent(in) :: former           !! The files
+      type(former_run_t), intent(in) :: former
       integer :: n
 
       has = .false.
@@ -129,10 +129,10 @@ contains
       end do
    end function has_whole_file
 
-   !> Take a file if it is there and not yet taken.
-   subroutine take(names, name, former)
+   !> Add a file if it exists and is not in the list.
+   subroutine add_file(names, name, former)
       character(len=*), intent(in) :: names(:)           !! Names in the folder
-      character(len=*), intent(in) :: name               !! The file
+      character(len=*), intent(in) :: name
       type(former_run_t), intent(inout) :: former        !! Gets it
       integer :: n
 
@@ -141,12 +141,12 @@ contains
          if (former%files(n)%text == name) return
       end do
       call append(former%files, name)
-   end subroutine take
+   end subroutine add_file
 
-   !> Remove what a former run left.
+   !> Remove the files of a previous run.
    subroutine remove_former_run(folder, former, error)
       character(len=*), intent(in) :: folder             !! Folder of the results
-      type(former_run_t), intent(in) :: former           !! Its files
+      type(former_run_t), intent(in) :: former           !! Files found
       type(error_t), allocatable, intent(out) :: error   !! One cannot be removed
       integer :: n
 
@@ -156,11 +156,11 @@ contains
       end do
    end subroutine remove_former_run
 
-   !> True if a checkpoint lies where this case writes its own.
+   !> True if a checkpoint is one of those that this case writes.
    logical function is_own_checkpoint(folder, case, path) result(own)
       character(len=*), intent(in) :: folder             !! Folder of the results
       character(len=*), intent(in) :: case               !! Prefix of all files
-      character(len=*), intent(in) :: path               !! The checkpoint
+      character(len=*), intent(in) :: path
       character(len=:), allocatable :: place
 
       place = real_path(path)

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> HDF5 files: how they begin and end, groups and attributes. With `io_hdf5_write`, `io_hdf5_read`
-!! and `io_hdf5_index` the only code that sees HDF5.
+!> HDF5 files: creation and completion, groups and attributes. Only `io_hdf5`, `io_hdf5_write`,
+!! `io_hdf5_read` and `io_hdf5_index` use HDF5.
 !!
-!! A file is written by all ranks together under a name ending in .part and renamed when it is
-!! complete, so a file without that ending is whole. What goes wrong on one rank becomes the error
-!! of all before the next collective call. The bytes of a file do not depend on the number of ranks.
+!! All ranks write a file collectively under a name ending in .part and rename it when it is
+!! complete, so a file without that ending is complete. A failure on one rank becomes the error of
+!! all ranks before the next collective call. The bytes of a file do not depend on the number of
+!! ranks.
 !!
-!! The library is started and ended with each file, so no handle outlives its file.
+!! The library is initialised and closed with each file, so no handle outlives its file.
 module io_hdf5
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -32,33 +33,33 @@ module io_hdf5
    integer(c_int), parameter :: never_again = 3          !! H5F_FSPACE_STRATEGY_NONE
 
    interface
-      !> Part of the C library that the Fortran library of HDF5 1.10 lacks.
+      !> C function that has no Fortran interface in HDF5 1.10.
       function c_file_space_strategy(plan, strategy, persist, threshold) &
          bind(c, name="H5Pset_file_space_strategy") result(status)
          import :: c_bool, c_int, c_int64_t
          implicit none
-         integer(c_int64_t), value :: plan                !! How the file will be made
-         integer(c_int), value :: strategy                !! 3: space is never used again
+         integer(c_int64_t), value :: plan                !! File creation property list
+         integer(c_int), value :: strategy                !! 3: free space is not reused
          logical(c_bool), value :: persist                !! Keep a list of free space
          integer(c_int64_t), value :: threshold           !! Least size in that list
          integer(c_int) :: status
       end function c_file_space_strategy
    end interface
 
-   !> A file that all ranks write.
+   !> A file that all ranks write collectively.
    type :: hdf5_file_t
-      character(len=:), allocatable :: path               !! Name when complete
+      character(len=:), allocatable :: path               !! Final name
       integer(hid_t) :: id = -1                           !! The open file
-      type(communicator_t) :: communicator                !! The ranks
-      type(error_t), allocatable :: problem               !! First thing that failed, on all ranks
-      integer :: status = 0                               !! Failures of this rank not yet shared
-      character(len=:), allocatable :: seal               !! Title of a seal at the end, if wanted
+      type(communicator_t) :: communicator
+      type(error_t), allocatable :: problem               !! First failure, the same on all ranks
+      integer :: status = 0                               !! Failures of this rank, not shared yet
+      character(len=:), allocatable :: seal !! Title of the seal; none if not allocated
    contains
-      procedure :: create => hdf5_create                  !! Begin a file
-      procedure :: finish => hdf5_finish                  !! Complete it, or take it away
-      procedure :: group => hdf5_group                    !! Make a group
-      procedure :: settle => hdf5_settle                  !! Share what went wrong
-      procedure :: works => hdf5_works                    !! Nothing has gone wrong
+      procedure :: create => hdf5_create                  !! Create a file
+      procedure :: finish => hdf5_finish                  !! Complete the file, or remove it
+      procedure :: group => hdf5_group                    !! Create a group
+      procedure :: share_status => hdf5_share_status !! Make a failure common to all ranks
+      procedure :: works => hdf5_works                    !! True without a failure so far
       procedure, private :: attach_text, attach_real, attach_reals, attach_shorts, &
          attach_integer, attach
       !> Attach an attribute to a group or data set. Must be the same on all ranks.
@@ -67,9 +68,9 @@ module io_hdf5
 
 contains
 
-   !> Start the library, mute and without a hand in the end of the program.
+   !> Initialise the library without error printing and without an exit handler.
    subroutine start_library(status)
-      integer, intent(out) :: status                      !! 0 if it runs
+      integer, intent(out) :: status                      !! 0 on success
 
       call h5dont_atexit_f(status)
       call h5open_f(status)
@@ -77,13 +78,13 @@ contains
       call clear_failure()
    end subroutine start_library
 
-   !> Begin a file, once its space is sure. Collective.
+   !> Reserve space for a file and create it. Collective.
    subroutine hdf5_create(self, communicator, path, bytes, error)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
-      type(communicator_t), intent(in) :: communicator    !! The ranks
-      character(len=*), intent(in) :: path                !! Name when complete
-      integer(int64), intent(in) :: bytes                 !! Greatest length it may get [byte]
-      type(error_t), allocatable, intent(out) :: error    !! It cannot be written; nothing is left
+      class(hdf5_file_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: path                !! Final name
+      integer(int64), intent(in) :: bytes                 !! Upper bound of its length [byte]
+      type(error_t), allocatable, intent(out) :: error    !! Cannot be written; no file remains
       integer(hid_t) :: access_list, plan
       integer :: status
 
@@ -102,15 +103,15 @@ contains
       call h5pcreate_f(h5p_file_access_f, access_list, status)
       if (communicator%size > 1) call set_parallel(communicator, access_list)
       call h5pcreate_f(h5p_file_create_f, plan, status)
-      ! Where HDF5 puts a chunk that it moves depends on the ranks if it fills gaps of the file.
+      ! if HDF5 reused free space, the position of a moved chunk would depend on the ranks
       status = c_file_space_strategy(plan, never_again, .false._c_bool, 1_hsize_t)
       call h5fcreate_f(part_of(self), h5f_acc_trunc_f, self%id, status, creation_prp=plan, &
          access_prp=access_list)
-      call self%settle("create", "", status)
+      call self%share_status("create", "", status)
       call h5pclose_f(access_list, status)
       call h5pclose_f(plan, status)
       if (self%works() .and. communicator%size > 1) then
-         ! The library has emptied the file, so its space is taken once more.
+         ! the library has truncated the file, so space is reserved again
          if (communicator%rank == 0) call reserve_file(part_of(self), bytes, error)
          call agree_plainly(communicator, error)
          if (allocated(error)) self%problem = error
@@ -118,18 +119,18 @@ contains
       if (.not. self%works()) call self%finish(error)
    end subroutine hdf5_create
 
-   !> Name of a file while it is not complete.
+   !> Name of an incomplete file.
    pure function part_of(self) result(path)
-      class(hdf5_file_t), intent(in) :: self              !! The file
+      class(hdf5_file_t), intent(in) :: self
       character(len=:), allocatable :: path
 
       path = self%path//".part"
    end function part_of
 
-   !> Share an error of rank 0, which speaks for all.
+   !> Make an error of rank 0 common to all ranks, without the rank in its text.
    subroutine agree_plainly(communicator, error)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
-      type(error_t), allocatable, intent(inout) :: error  !! Own error in, common error out
+      type(communicator_t), intent(in) :: communicator
+      type(error_t), allocatable, intent(inout) :: error  !! Local error in, common error out
       character(len=*), parameter :: label = "rank 0: "
 
       call agree(communicator, error)
@@ -137,10 +138,10 @@ contains
       if (index(error%message, label) == 1) error%message = error%message(len(label) + 1:)
    end subroutine agree_plainly
 
-   !> Let all ranks write to the file.
+   !> Set up the access list for parallel writing.
    subroutine set_parallel(communicator, access_list)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
-      integer(hid_t), intent(in) :: access_list           !! How the file will be opened
+      type(communicator_t), intent(in) :: communicator
+      integer(hid_t), intent(in) :: access_list           !! File access property list
       integer :: group, hints, status
 
       call communicator%native(group, hints)
@@ -149,25 +150,25 @@ contains
       call h5pset_coll_metadata_write_f(access_list, .true., status)
    end subroutine set_parallel
 
-   !> Complete the file and give it its name; if anything went wrong take it away. Collective.
+   !> Complete the file and rename it; after a failure remove it. Collective.
    subroutine hdf5_finish(self, error)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
-      type(error_t), allocatable, intent(out) :: error    !! It was not written; nothing is left
+      class(hdf5_file_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error    !! Not written; no file remains
       type(error_t), allocatable :: ignored
       integer :: status
 
       if (self%works()) then
          call h5fflush_f(self%id, h5f_scope_global_f, status)
-         call self%settle("complete", "", status)
+         call self%share_status("complete", "", status)
       end if
       if (.not. self%works()) then
-         ! An empty file frees the space that the library needs to close without complaint.
+         ! truncating the file frees the space that the library needs to close without an error
          if (self%communicator%rank == 0) call truncate_file(part_of(self), 0_int64, ignored)
          call self%communicator%barrier()
       end if
       if (self%id >= 0) call h5fclose_f(self%id, status)
       self%id = -1
-      if (self%works()) call self%settle("close", "", status)
+      if (self%works()) call self%share_status("close", "", status)
       call h5close_f(status)
       if (self%works() .and. allocated(self%seal)) then
          call write_seal(self%communicator, part_of(self), self%seal, error)
@@ -184,19 +185,19 @@ contains
       call self%communicator%barrier()
    end subroutine hdf5_finish
 
-   !> True until something goes wrong on some rank.
+   !> True until a failure on some rank.
    pure logical function hdf5_works(self) result(works)
-      class(hdf5_file_t), intent(in) :: self              !! The file
+      class(hdf5_file_t), intent(in) :: self
 
       works = .not. allocated(self%problem)
    end function hdf5_works
 
-   !> Share what went wrong on any rank, here or at attributes before. Collective.
-   subroutine hdf5_settle(self, action, object, status)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+   !> Make a failure of any rank, here or in earlier attributes, common to all. Collective.
+   subroutine hdf5_share_status(self, action, object, status)
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: action              !! As in "cannot ACTION the file"
-      character(len=*), intent(in) :: object              !! What in the file, or empty
-      integer, intent(in) :: status                       !! Answer of the library on this rank
+      character(len=*), intent(in) :: object              !! Object in the file, or empty
+      integer, intent(in) :: status                       !! Status of the library on this rank
       type(error_t), allocatable :: error
       character(len=:), allocatable :: message
 
@@ -212,11 +213,11 @@ contains
       end if
       call agree(self%communicator, error)
       if (allocated(error) .and. self%works()) call move_alloc(error, self%problem)
-   end subroutine hdf5_settle
+   end subroutine hdf5_share_status
 
-   !> Make a group. Collective.
+   !> Create a group. Collective.
    subroutine hdf5_group(self, name)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! From the root
       integer(hid_t) :: group
       integer :: status
@@ -224,13 +225,13 @@ contains
       if (.not. self%works()) return
       call h5gcreate_f(self%id, name, group, status)
       if (status >= 0) call h5gclose_f(group, status)
-      call self%settle("write", name, status)
+      call self%share_status("write", name, status)
    end subroutine hdf5_group
 
-   !> A type for texts of a given length. The caller closes it.
+   !> Make a type for texts of a given length. The caller closes it.
    subroutine text_type(length, kind)
-      integer, intent(in) :: length                       !! Letters
-      integer(hid_t), intent(out) :: kind                 !! The type
+      integer, intent(in) :: length                       !! Characters
+      integer(hid_t), intent(out) :: kind                !! Handle of the type
       integer :: status
 
       call h5tcopy_f(h5t_fortran_s1, kind, status)
@@ -239,12 +240,12 @@ contains
 
    !> Attach a value of any type to an object.
    subroutine attach(self, object, name, kind, length, address)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       integer(hid_t), intent(in) :: kind                  !! Type in memory and file
       integer, intent(in) :: length                       !! Number of values, 0: one, no array
-      type(c_ptr), intent(in) :: address                  !! The values
+      type(c_ptr), intent(in) :: address
       integer(hid_t) :: attribute, place, space
       integer(hsize_t) :: extent(1)
       integer :: ignored, status
@@ -268,7 +269,7 @@ contains
 
    !> Attach a text.
    subroutine attach_text(self, object, name, text)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       character(len=*), intent(in) :: text                !! Its value
@@ -284,9 +285,9 @@ contains
       call h5tclose_f(kind, status)
    end subroutine attach_text
 
-   !> Attach a real number.
+   !> Attach a real.
    subroutine attach_real(self, object, name, value)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       real(wp), intent(in) :: value                       !! Its value
@@ -296,9 +297,9 @@ contains
       call self%attach(object, name, h5t_native_double, 0, c_loc(copy))
    end subroutine attach_real
 
-   !> Attach a row of real numbers.
+   !> Attach a row of reals.
    subroutine attach_reals(self, object, name, values)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       real(wp), intent(in) :: values(:)                   !! Its values
@@ -308,9 +309,9 @@ contains
       call self%attach(object, name, h5t_native_double, size(copy), c_loc(copy))
    end subroutine attach_reals
 
-   !> Attach a row of short whole numbers.
+   !> Attach a row of 32-bit integers.
    subroutine attach_shorts(self, object, name, values)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       integer(int32), intent(in) :: values(:)             !! Its values
@@ -321,9 +322,9 @@ contains
       call self%attach(object, name, h5t_std_i32le, size(copy), c_loc(copy))
    end subroutine attach_shorts
 
-   !> Attach a whole number.
+   !> Attach an integer.
    subroutine attach_integer(self, object, name, value)
-      class(hdf5_file_t), intent(inout) :: self           !! The file
+      class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
       integer(int64), intent(in) :: value                 !! Its value

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The index of a series: one small file whose data sets are windows on those of the snapshots, and
-!! which viewers with VTKHDF 2 open as one data set in time. Done by one rank.
+!> Writes the index of a series: one small file with virtual data sets that refer to those of the
+!! snapshots. Viewers with VTKHDF 2 open it as one data set in time. Written by one rank.
 module io_hdf5_index
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
@@ -18,11 +18,11 @@ module io_hdf5_index
 
    public :: read_snapshot, snapshot_info_t, write_index
 
-   character(len=*), parameter :: root = "/VTKHDF"       !! Where viewers look
+   character(len=*), parameter :: root = "/VTKHDF"       !! Group that viewers read
 
-   !> What a snapshot holds.
+   !> Contents of a snapshot.
    type :: snapshot_info_t
-      character(len=:), allocatable :: path              !! The file
+      character(len=:), allocatable :: path
       real(wp) :: time = 0.0_wp                          !! Simulated time [s]
       integer(int64) :: points = 0                       !! Number of particles
       type(data_info_t), allocatable :: fields(:)        !! Their fields
@@ -30,12 +30,12 @@ module io_hdf5_index
 
 contains
 
-   !> Learn what a snapshot holds.
+   !> Read the contents of a snapshot.
    subroutine read_snapshot(path, info, error, of_grid)
-      character(len=*), intent(in) :: path               !! The file
-      type(snapshot_info_t), intent(out) :: info         !! What it holds
+      character(len=*), intent(in) :: path
+      type(snapshot_info_t), intent(out) :: info
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
-      logical, intent(in) :: of_grid                     !! It holds no particles, only the time
+      logical, intent(in) :: of_grid                     !! Of a grid, not of particles
       type(hdf5_source_t) :: source
       real(wp) :: times(1)
       integer(int64) :: counts(1)
@@ -59,21 +59,22 @@ contains
       info%time = times(1)
       info%points = counts(1)
       if (info%points >= 0 .and. abs(info%time) <= huge(1.0_wp)) return
-      call fail(error, exit_file, path//" is damaged: its time or its number of particles is none")
+      call fail(error, exit_file, &
+         path//" is damaged: its time is not finite or its number of particles is negative")
    end subroutine read_snapshot
 
    !> Write the index of a series. Fields that not all snapshots have are left out.
    subroutine write_index(path, steps, error)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots, in order
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
-      integer(int64), parameter :: room = 1048576, room_per_step = 8192
+      integer(int64), parameter :: base_bytes = 1048576, bytes_per_step = 8192
       type(communicator_t) :: alone
       type(hdf5_file_t) :: file
       integer(int64), allocatable :: counts(:), starts(:)
       integer :: step
 
-      call file%create(alone, path, room + room_per_step*size(steps), error)
+      call file%create(alone, path, base_bytes + bytes_per_step*size(steps), error)
       if (allocated(error)) return
       allocate (counts(size(steps)), starts(size(steps)))
       do step = 1, size(steps)
@@ -95,12 +96,12 @@ contains
       call file%finish(error)
    end subroutine write_index
 
-   !> Description of a data set that is no field.
+   !> Description of a data set that is not a field.
    pure function plain(name, components, is_real, bytes) result(info)
       character(len=*), intent(in) :: name               !! Name
       integer, intent(in) :: components                  !! Of a row
-      logical, intent(in) :: is_real                     !! Real, not whole numbers
-      integer, intent(in) :: bytes                       !! Of one number
+      logical, intent(in) :: is_real                     !! Real, not integer
+      integer, intent(in) :: bytes                       !! Bytes of a value
       type(data_info_t) :: info
 
       info%name = name
@@ -110,10 +111,10 @@ contains
       info%bytes = bytes
    end function plain
 
-   !> Write the fields that all snapshots have alike.
+   !> Write the fields that all snapshots have in the same form.
    subroutine write_fields(file, steps)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
-      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
+      type(hdf5_file_t), intent(inout) :: file
+      type(snapshot_info_t), intent(in) :: steps(:)
       integer :: field
 
       call file%group(root//"/PointData")
@@ -125,8 +126,8 @@ contains
 
    !> True if all snapshots have a field in the same form.
    pure logical function everywhere(steps, field) result(found)
-      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
-      type(data_info_t), intent(in) :: field             !! The field
+      type(snapshot_info_t), intent(in) :: steps(:)
+      type(data_info_t), intent(in) :: field
       integer :: step
 
       found = .true.
@@ -139,11 +140,11 @@ contains
       end do
    end function everywhere
 
-   !> Write times and where each time begins.
+   !> Write the times and the offsets of each time.
    subroutine write_steps(file, steps, starts)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
-      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
-      integer(int64), contiguous, intent(in) :: starts(:) !! (snapshot) Points before it
+      type(hdf5_file_t), intent(inout) :: file
+      type(snapshot_info_t), intent(in) :: steps(:)
+      integer(int64), contiguous, intent(in) :: starts(:) !! (snapshot) Points of earlier ones
       character(len=*), parameter :: group = root//"/Steps"
       integer(int64) :: numbers(size(steps)), column(1, size(steps))
       real(wp) :: times(size(steps))
@@ -170,30 +171,30 @@ contains
       end do
    end subroutine write_steps
 
-   !> Write a row of whole numbers.
+   !> Write a row of integers.
    subroutine write_numbers(file, name, numbers)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      integer(int64), contiguous, intent(in) :: numbers(:) !! The numbers
+      integer(int64), contiguous, intent(in) :: numbers(:)
 
       call write_data(file, name, rows_of_root(file%communicator, size(numbers)), numbers)
    end subroutine write_numbers
 
-   !> Write a column of whole numbers, one a row.
+   !> Write a column of integers, one a row.
    subroutine write_column(file, name, numbers)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       integer(int64), contiguous, intent(in) :: numbers(:, :) !! (1, row)
 
       call write_data(file, name, rows_of_root(file%communicator, size(numbers, 2)), numbers)
    end subroutine write_column
 
-   !> Write a data set that is a window on those of all snapshots, one after the other.
+   !> Write a virtual data set that joins those of all snapshots.
    subroutine write_window(file, steps, name, info, extra)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
-      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
-      character(len=*), intent(in) :: name               !! From the root of viewers
-      type(data_info_t), intent(in) :: info              !! What it is
+      type(hdf5_file_t), intent(inout) :: file
+      type(snapshot_info_t), intent(in) :: steps(:)
+      character(len=*), intent(in) :: name               !! From the group that viewers read
+      type(data_info_t), intent(in) :: info              !! Its form
       integer, intent(in) :: extra                       !! Rows beyond those of the points
       integer(hid_t) :: data_set, piece, plan, space
       integer(hsize_t) :: extent(2), rows(2), start(2)
@@ -225,12 +226,12 @@ contains
       if (status >= 0) call h5dclose_f(data_set, ignored)
       call h5pclose_f(plan, ignored)
       call h5sclose_f(space, ignored)
-      call file%settle("write", root//"/"//name, status)
+      call file%share_status("write", root//"/"//name, status)
    end subroutine write_window
 
-   !> Type of the numbers of a data set.
+   !> HDF5 type of a data set.
    integer(hid_t) function type_of(info) result(kind)
-      type(data_info_t), intent(in) :: info              !! What it is
+      type(data_info_t), intent(in) :: info              !! Its form
 
       if (info%is_real) then
          kind = h5t_ieee_f64le

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Reading of HDF5 files. Every rank reads for itself, so nothing here waits for other ranks.
+!> Reads HDF5 files. Every rank reads independently; no procedure is collective.
 module io_hdf5_read
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
@@ -21,32 +21,32 @@ module io_hdf5_read
 
    integer, parameter :: name_length = 64                !! Longest name of a data set
 
-   !> What a data set is.
+   !> Description of a data set.
    type :: data_info_t
       character(len=name_length) :: name = ""            !! Name in its group
       logical :: is_data = .false.                       !! A data set, not a group
-      logical :: is_real = .false.                       !! Real, not whole numbers
-      integer :: bytes = 0                               !! Of one number
-      integer :: components = 1                          !! Numbers of a row
-      integer :: dimensions = 0                          !! 1: numbers, 2: vectors or tensors
+      logical :: is_real = .false.                       !! Real, not integer
+      integer :: bytes = 0                               !! Bytes of a value
+      integer :: components = 1                          !! Values of a row
+      integer :: dimensions = 0                          !! 1: scalars, 2: vectors or tensors
       integer(int64) :: rows = 0                         !! Number of rows
    end type data_info_t
 
-   !> A file that is read.
+   !> An HDF5 file that is open for reading.
    type :: hdf5_source_t
-      character(len=:), allocatable :: path              !! Where it is
+      character(len=:), allocatable :: path
       integer(hid_t) :: id = -1                          !! The open file
    contains
       procedure :: open => source_open                   !! Open
       procedure :: close => source_close                 !! Close
-      procedure :: has => source_has                     !! Is there an object of this name
-      procedure :: info => source_info                   !! What a data set is
-      procedure :: members => source_members             !! What is in a group
-      procedure :: text => source_text                   !! Bytes of a data set as a text
-      procedure :: extents => source_extents             !! Numbers along each direction
-      procedure :: layers => source_layers               !! Some layers of a data set
-      procedure :: list => source_list                   !! Numbers of an attribute
-      procedure :: names => source_names                 !! Texts of a data set
+      procedure :: has => source_has                     !! Is there an object of this name?
+      procedure :: info => source_info                   !! Describe a data set
+      procedure :: members => source_members             !! List the members of a group
+      procedure :: text => source_text                   !! Read bytes of a data set as text
+      procedure :: extents => source_extents             !! Extents of a data set
+      procedure :: layers => source_layers               !! Read layers of a data set
+      procedure :: list => source_list                   !! Read the values of an attribute
+      procedure :: names => source_names                 !! Read the texts of a data set
       procedure, private :: source_real, source_integer, source_reals, source_vectors, &
          source_integers
       !> Read an attribute.
@@ -59,8 +59,8 @@ contains
 
    !> Open a file.
    subroutine source_open(self, path, error)
-      class(hdf5_source_t), intent(inout) :: self        !! The file
-      character(len=*), intent(in) :: path               !! Where it is
+      class(hdf5_source_t), intent(inout) :: self
+      character(len=*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error   !! Missing, unreadable, cut short
       integer :: status
 
@@ -80,7 +80,7 @@ contains
 
    !> Close the file, if it is open.
    subroutine source_close(self)
-      class(hdf5_source_t), intent(inout) :: self        !! The file
+      class(hdf5_source_t), intent(inout) :: self
       integer :: status
 
       if (self%id < 0) return
@@ -91,16 +91,16 @@ contains
 
    !> Allocate an error about something in the file.
    subroutine fail_at(self, name, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
-      character(len=*), intent(in) :: name               !! What in it
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
+      class(hdf5_source_t), intent(in) :: self
+      character(len=*), intent(in) :: name               !! Object in the file
+      type(error_t), allocatable, intent(out) :: error
 
       call fail(error, exit_file, "'"//self%path//"' is damaged: cannot read '"//name//"'")
    end subroutine fail_at
 
    !> True if there is an object of this name; the groups above it must be there.
    logical function source_has(self, name) result(there)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer :: status
 
@@ -108,9 +108,9 @@ contains
       if (status < 0) there = .false.
    end function source_has
 
-   !> What a data set is.
+   !> Description of a data set.
    subroutine source_info(self, name, info, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       type(data_info_t), intent(out) :: info             !! What it is
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
@@ -145,9 +145,9 @@ contains
       if (status < 0 .or. .not. info%is_data) call fail_at(self, name, error)
    end subroutine source_info
 
-   !> What is in a group, in alphabetical order.
+   !> List the members of a group in alphabetical order.
    subroutine source_members(self, group, members, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: group              !! From the root
       type(data_info_t), allocatable, intent(out) :: members(:) !! Data sets and groups
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
@@ -176,11 +176,11 @@ contains
 
    !> Read an attribute of any type.
    subroutine read_attribute(self, object, name, kind, address, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
       integer(hid_t), intent(in) :: kind                 !! Type in memory
-      type(c_ptr), intent(in) :: address                 !! Where to
+      type(c_ptr), intent(in) :: address                 !! Destination
       type(error_t), allocatable, intent(out) :: error   !! Missing or unreadable
       integer(hid_t) :: attribute
       integer :: ignored, status
@@ -201,9 +201,9 @@ contains
       if (.not. there) call fail_at(self, object//" attribute "//name, error)
    end subroutine read_attribute
 
-   !> Read an attribute that is a real number.
+   !> Read a real attribute.
    subroutine source_real(self, object, name, value, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
       real(wp), intent(out) :: value                     !! Its value
@@ -215,9 +215,9 @@ contains
       value = copy
    end subroutine source_real
 
-   !> Read an attribute that is a whole number.
+   !> Read an integer attribute.
    subroutine source_integer(self, object, name, value, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
       integer(int64), intent(out) :: value               !! Its value
@@ -229,14 +229,14 @@ contains
       value = copy
    end subroutine source_integer
 
-   !> Read rows of a data set of any type. The data set must have the rows asked for.
+   !> Read rows of a data set of any type. The data set must have the requested rows.
    subroutine read_any(self, name, before, extent, kind, address, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
-      integer(int64), intent(in) :: before               !! Rows before the first wanted
-      integer, intent(in) :: extent(:)                   !! Components (if any) and rows wanted
+      integer(int64), intent(in) :: before               !! Rows before the first requested
+      integer, intent(in) :: extent(:)                   !! Components (if any) and rows
       integer(hid_t), intent(in) :: kind                 !! Type in memory
-      type(c_ptr), intent(in) :: address                 !! Where to
+      type(c_ptr), intent(in) :: address                 !! Destination
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       integer(hid_t) :: data_set, memory, space
       integer(hsize_t) :: count(size(extent)), start(size(extent))
@@ -262,14 +262,14 @@ contains
       if (status < 0) call fail_at(self, name, error)
    end subroutine read_any
 
-   !> True if a data set has this form, so that reading cannot go astray.
+   !> Check the form of a data set, so that reading cannot overrun it.
    subroutine check_form(self, name, dimensions, components, last_row, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
-      integer, intent(in) :: dimensions                  !! 1: numbers, 2: vectors or tensors
+      integer, intent(in) :: dimensions                  !! 1: scalars, 2: vectors or tensors
       integer, intent(in) :: components                  !! Of a row
-      integer(int64), intent(in) :: last_row             !! Rows it must have at least
-      type(error_t), allocatable, intent(out) :: error   !! It has not
+      integer(int64), intent(in) :: last_row             !! Least number of rows
+      type(error_t), allocatable, intent(out) :: error   !! The form is another
       type(data_info_t) :: info
 
       call self%info(name, info, error)
@@ -278,11 +278,11 @@ contains
          info%rows < last_row) call fail_at(self, name, error)
    end subroutine check_form
 
-   !> Read real numbers.
+   !> Read reals.
    subroutine source_reals(self, name, before, values, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
-      integer(int64), intent(in) :: before               !! Rows before the first wanted
+      integer(int64), intent(in) :: before               !! Rows before the first requested
       real(wp), contiguous, target, intent(out) :: values(:) !! (row)
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       integer :: extent(1)
@@ -295,9 +295,9 @@ contains
 
    !> Read vectors or tensors.
    subroutine source_vectors(self, name, before, values, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
-      integer(int64), intent(in) :: before               !! Rows before the first wanted
+      integer(int64), intent(in) :: before               !! Rows before the first requested
       real(wp), contiguous, target, intent(out) :: values(:, :) !! (component, row)
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       integer :: extent(2)
@@ -309,11 +309,11 @@ contains
       call read_any(self, name, before, extent, h5t_native_double, c_loc(values), error)
    end subroutine source_vectors
 
-   !> Read whole numbers.
+   !> Read integers.
    subroutine source_integers(self, name, before, values, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
-      integer(int64), intent(in) :: before               !! Rows before the first wanted
+      integer(int64), intent(in) :: before               !! Rows before the first requested
       integer(int64), contiguous, target, intent(out) :: values(:) !! (row)
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       integer :: extent(1)
@@ -326,9 +326,9 @@ contains
 
    !> Read the bytes of a data set as a text.
    subroutine source_text(self, name, text, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
-      character(len=:), allocatable, intent(out), target :: text !! The text
+      character(len=:), allocatable, intent(out), target :: text
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       type(data_info_t) :: info
       integer :: extent(1)
@@ -342,9 +342,9 @@ contains
       call read_any(self, name, 0_int64, extent, h5t_std_u8le, c_loc(text(1:1)), error)
    end subroutine source_text
 
-   !> Numbers along each direction of a data set of one to three, the fastest first.
+   !> Extents of a data set of one to three dimensions, the fastest first.
    subroutine source_extents(self, name, extent, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer, allocatable, intent(out) :: extent(:)     !! (direction)
       type(error_t), allocatable, intent(out) :: error   !! No such data set, or of another form
@@ -371,24 +371,24 @@ contains
 
    !> Read layers of a data set, which count along its slowest direction.
    subroutine source_layers(self, name, before, extent, values, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
-      integer, intent(in) :: before                      !! Layers before the first wanted
-      integer, intent(in) :: extent(:)                   !! Wanted, as `extents` has them
-      real(wp), contiguous, target, intent(out) :: values(:) !! All of them, fastest first
+      integer, intent(in) :: before                      !! Layers before the first requested
+      integer, intent(in) :: extent(:)                   !! Requested extents, the fastest first
+      real(wp), contiguous, target, intent(out) :: values(:) !! Values, fastest direction first
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
 
       call read_any(self, name, int(before, int64), extent, h5t_native_double, c_loc(values), &
          error)
    end subroutine source_layers
 
-   !> Read an attribute of one number or several; none if there is no such attribute.
+   !> Read an attribute with one or more values; an empty list if there is no such attribute.
    subroutine source_list(self, object, name, values, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
-      real(wp), allocatable, intent(out) :: values(:)    !! Its numbers
-      type(error_t), allocatable, intent(out) :: error   !! It is there and cannot be read
+      real(wp), allocatable, intent(out) :: values(:)    !! Its values
+      type(error_t), allocatable, intent(out) :: error   !! It exists and cannot be read
       real(wp), allocatable, target :: copy(:)
       integer(hid_t) :: attribute, space
       integer(hsize_t) :: numbers
@@ -416,12 +416,12 @@ contains
       values = copy
    end subroutine source_list
 
-   !> Read the texts of a data set, all of one length, one behind the other.
+   !> Read the texts of a data set, all of one length, concatenated.
    subroutine source_names(self, name, length, names, error)
-      class(hdf5_source_t), intent(in) :: self           !! The file
+      class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer, intent(out) :: length                     !! Of a text
-      character(len=:), allocatable, intent(out), target :: names !! The texts
+      character(len=:), allocatable, intent(out), target :: names !! Concatenated
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       type(data_info_t) :: info
       integer(hid_t) :: data_set, kind

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Data sets of HDF5 files, written by all ranks together, each its own rows.
+!> Writes data sets of HDF5 files collectively; each rank writes its own rows.
 module io_hdf5_write
    use base_communicator, only: communicator_t
    use base_kinds, only: int32, int64, wp
@@ -21,18 +21,18 @@ module io_hdf5_write
       write_planes
 
    integer(int64), parameter, public :: chunk_rows = 65536 !! Rows that are compressed together
-   integer, parameter :: plain(0) = 0                    !! Extents of a row that is one number
+   integer, parameter :: plain(0) = 0                    !! Extents of a row that is a scalar
 
-   !> The rows of a data set and which of them this rank holds.
+   !> The rows of a data set and the ranges of rows of this rank.
    type :: rows_t
       integer(int64) :: total = 0                        !! Rows on all ranks
-      integer(int64), allocatable :: before(:)           !! (piece) Rows in the file before it
-      integer(int64), allocatable :: count(:)            !! (piece) Its rows, in the file's order
-      integer :: compress = 0                            !! gzip level, 0: contiguous, as it is
+      integer(int64), allocatable :: before(:)           !! (range) Rows before it in the file
+      integer(int64), allocatable :: count(:)            !! (range) Its rows, in file order
+      integer :: compress = 0                            !! gzip level, 0: contiguous, uncompressed
       integer(int64) :: chunk = chunk_rows               !! Rows that are compressed together
    end type rows_t
 
-   !> Write a data set: numbers (row) or vectors and tensors (component, row). Collective.
+   !> Write a data set: scalars (row) or vectors and tensors (component, row). Collective.
    interface write_data
       module procedure write_reals, write_vectors, write_singles, write_single_vectors
       module procedure write_integers, write_whole_vectors, write_shorts
@@ -45,9 +45,9 @@ module io_hdf5_write
 
 contains
 
-   !> Rows that rank 0 holds alone.
+   !> Rows that are all on rank 0.
    pure function rows_of_root(communicator, total) result(rows)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer, intent(in) :: total                       !! Rows
       type(rows_t) :: rows
 
@@ -58,9 +58,9 @@ contains
       if (communicator%rank == 0) rows%count = total
    end function rows_of_root
 
-   !> Rows shared out evenly.
+   !> Rows distributed evenly over the ranks.
    pure function even_rows(communicator, total) result(rows)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: total                !! Rows
       type(rows_t) :: rows
       integer(int64) :: least, rank, spare
@@ -75,12 +75,12 @@ contains
       if (rank < spare) rows%count = least + 1
    end function even_rows
 
-   !> Greatest length that a data set can have in a file, its heading included [byte].
+   !> Upper bound of the length of a data set in a file, with its header [byte].
    pure function data_bytes(rows, bytes_per_row) result(bytes)
       type(rows_t), intent(in) :: rows                   !! Rows and compression
       integer(int64), intent(in) :: bytes_per_row        !! Bytes of a row before compression
       integer(int64) :: bytes
-      ! Before it is written a chunk takes the space of its compressed zeros, which is lost.
+      ! a chunk first takes the space of compressed zeros, which is not reused
       integer(int64), parameter :: heading = 8192, chunk_heading = 1024, zeros_ratio = 200
       integer(int64) :: chunks, length
 
@@ -93,12 +93,12 @@ contains
 
    !> Write one data set of any type. Collective.
    subroutine write_any(file, name, rows, inner, kind, address)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
-      integer, intent(in) :: inner(:)                    !! Extents of a row; none: a plain number
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
+      integer, intent(in) :: inner(:)                    !! Extents of a row; empty: a scalar
       integer(hid_t), intent(in) :: kind                 !! Type in memory and file
-      type(c_ptr), intent(in) :: address                 !! The values
+      type(c_ptr), intent(in) :: address
       integer(hid_t) :: data_set, plan, space
       integer(hsize_t) :: extent(size(inner) + 1)
       integer :: ignored, status
@@ -110,20 +110,20 @@ contains
       call creation_plan(rows, extent, plan)
       call h5dcreate_f(file%id, name, kind, space, data_set, status, dcpl_id=plan)
       call h5pclose_f(plan, ignored)
-      call file%settle("write", name, status)
+      call file%share_status("write", name, status)
       if (file%works() .and. rows%total > 0) then
-         call write_pieces(file, data_set, space, rows, extent, kind, address, status)
-         call file%settle("write", name, status)
+         call write_ranges(file, data_set, space, rows, extent, kind, address, status)
+         call file%share_status("write", name, status)
       end if
       if (data_set >= 0) call h5dclose_f(data_set, ignored)
       call h5sclose_f(space, ignored)
    end subroutine write_any
 
-   !> How a data set is laid out. Nothing depends on the hour; space is taken at once, by all.
+   !> Make the creation property list of a data set: no time stamps, space allocated early.
    subroutine creation_plan(rows, extent, plan)
       type(rows_t), intent(in) :: rows                   !! Rows and compression
       integer(hsize_t), intent(in) :: extent(:)          !! Components (if any) and rows
-      integer(hid_t), intent(out) :: plan                !! The plan; the caller closes it
+      integer(hid_t), intent(out) :: plan                !! Property list; the caller closes it
       integer(hsize_t) :: chunk(size(extent))
       integer :: status
 
@@ -140,15 +140,15 @@ contains
    end subroutine creation_plan
 
    !> Write the rows of this rank. Collective.
-   subroutine write_pieces(file, data_set, space, rows, extent, kind, address, status)
-      class(hdf5_file_t), intent(in) :: file             !! The file
+   subroutine write_ranges(file, data_set, space, rows, extent, kind, address, status)
+      class(hdf5_file_t), intent(in) :: file
       integer(hid_t), intent(in) :: data_set             !! The open data set
-      integer(hid_t), intent(in) :: space                !! Its shape
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      integer(hid_t), intent(in) :: space                !! Its data space
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer(hsize_t), intent(in) :: extent(:)          !! Components (if any) and rows
       integer(hid_t), intent(in) :: kind                 !! Type in memory and file
-      type(c_ptr), intent(in) :: address                 !! The values
-      integer, intent(out) :: status                     !! Answer of the library
+      type(c_ptr), intent(in) :: address
+      integer, intent(out) :: status                     !! Status of the library
       integer(hid_t) :: memory, transfer_list
       integer(hsize_t) :: count(size(extent)), start(size(extent))
       integer :: ignored, operation, piece
@@ -175,13 +175,13 @@ contains
          xfer_prp=transfer_list)
       call h5pclose_f(transfer_list, ignored)
       call h5sclose_f(memory, ignored)
-   end subroutine write_pieces
+   end subroutine write_ranges
 
-   !> Write real numbers.
+   !> Write reals.
    subroutine write_reals(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       real(wp), contiguous, target, intent(in) :: values(:) !! (row)
       type(c_ptr) :: address
 
@@ -190,11 +190,11 @@ contains
       call write_any(file, name, rows, plain, h5t_ieee_f64le, address)
    end subroutine write_reals
 
-   !> Write vectors or tensors of real numbers.
+   !> Write vectors or tensors of reals.
    subroutine write_vectors(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       real(wp), contiguous, target, intent(in) :: values(:, :) !! (component, row)
       type(c_ptr) :: address
 
@@ -203,11 +203,11 @@ contains
       call write_any(file, name, rows, [size(values, 1)], h5t_ieee_f64le, address)
    end subroutine write_vectors
 
-   !> Write real numbers of single precision.
+   !> Write reals in single precision.
    subroutine write_singles(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       real(real32), contiguous, target, intent(in) :: values(:) !! (row)
       type(c_ptr) :: address
 
@@ -216,11 +216,11 @@ contains
       call write_any(file, name, rows, plain, h5t_ieee_f32le, address)
    end subroutine write_singles
 
-   !> Write vectors or tensors of single precision.
+   !> Write vectors or tensors in single precision.
    subroutine write_single_vectors(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       real(real32), contiguous, target, intent(in) :: values(:, :) !! (component, row)
       type(c_ptr) :: address
 
@@ -229,11 +229,11 @@ contains
       call write_any(file, name, rows, [size(values, 1)], h5t_ieee_f32le, address)
    end subroutine write_single_vectors
 
-   !> Write whole numbers.
+   !> Write integers.
    subroutine write_integers(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer(int64), contiguous, target, intent(in) :: values(:) !! (row)
       type(c_ptr) :: address
 
@@ -242,11 +242,11 @@ contains
       call write_any(file, name, rows, plain, h5t_std_i64le, address)
    end subroutine write_integers
 
-   !> Write vectors of whole numbers.
+   !> Write vectors of integers.
    subroutine write_whole_vectors(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer(int64), contiguous, target, intent(in) :: values(:, :) !! (component, row)
       type(c_ptr) :: address
 
@@ -255,11 +255,11 @@ contains
       call write_any(file, name, rows, [size(values, 1)], h5t_std_i64le, address)
    end subroutine write_whole_vectors
 
-   !> Write short whole numbers.
+   !> Write 32-bit integers.
    subroutine write_shorts(file, name, rows, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer(int32), contiguous, target, intent(in) :: values(:) !! (row)
       type(c_ptr) :: address
 
@@ -270,9 +270,9 @@ contains
 
    !> Write rows of several dimensions.
    subroutine write_real_planes(file, name, rows, inner, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer, intent(in) :: inner(:)                    !! Extents of a row, the fastest first
       real(wp), contiguous, target, intent(in) :: values(:, :) !! (all of a row, row)
       type(c_ptr) :: address
@@ -284,9 +284,9 @@ contains
 
    !> Write rows of several dimensions in single precision.
    subroutine write_single_planes(file, name, rows, inner, values)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       integer, intent(in) :: inner(:)                    !! Extents of a row, the fastest first
       real(real32), contiguous, target, intent(in) :: values(:, :) !! (all of a row, row)
       type(c_ptr) :: address
@@ -296,23 +296,23 @@ contains
       call write_any(file, name, rows, inner, h5t_ieee_f32le, address)
    end subroutine write_single_planes
 
-   !> Write bytes, given as letters. Collective.
+   !> Write bytes, given as characters. Collective.
    subroutine write_bytes(file, name, rows, letters)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which bytes are here
-      character(len=*), intent(in) :: letters            !! Those bytes
+      type(rows_t), intent(in) :: rows                   !! Bytes of this rank
+      character(len=*), intent(in) :: letters            !! Their values
       character(len=:), allocatable, target :: copy
 
       copy = letters//" "
       call write_any(file, name, rows, plain, h5t_std_u8le, c_loc(copy(1:1)))
    end subroutine write_bytes
 
-   !> Write a table of texts that all ranks know. Collective.
+   !> Write a table of texts, the same on all ranks. Collective.
    subroutine write_names(file, name, names)
-      class(hdf5_file_t), intent(inout) :: file          !! The file
+      class(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      character(len=*), intent(in) :: names(:)           !! The texts
+      character(len=*), intent(in) :: names(:)           !! The same on all ranks
       character(len=:), allocatable, target :: joined
       integer(hid_t) :: kind
       integer :: index, status

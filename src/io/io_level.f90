@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Shares the rows of a data set out evenly before they are compressed.
+!> Redistributes the rows of a data set evenly over the ranks before they are compressed.
 !!
-!! Where HDF5 puts compressed chunks depends on which ranks write to them, unless every rank writes
-!! one range of rows, in the order of the ranks; and a chunk that belongs to one rank is compressed
-!! without further messages.
+!! The positions of compressed chunks in an HDF5 file depend on the ranks that write to them, unless
+!! every rank writes one range of rows in the order of the ranks. Also, a chunk of one rank only is
+!! compressed without messages.
 module io_level
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
@@ -17,10 +17,10 @@ module io_level
 
 contains
 
-   !> Rows shared out by whole chunks; the same rows if they are not compressed.
+   !> Rows distributed by full chunks; unchanged if they are not compressed.
    pure function level_rows(communicator, rows) result(even)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      type(rows_t), intent(in) :: rows                   !! As the particles are
+      type(communicator_t), intent(in) :: communicator
+      type(rows_t), intent(in) :: rows                   !! Distribution of the particles
       type(rows_t) :: even
 
       if (rows%compress == 0 .or. communicator%size == 1) then
@@ -30,9 +30,9 @@ contains
       even = even_chunks(communicator, rows%total, rows%compress)
    end function level_rows
 
-   !> Rows shared out by whole chunks.
+   !> Rows distributed by full chunks.
    pure function even_chunks(communicator, total, compress) result(even)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: total                !! Rows on all ranks
       integer, intent(in) :: compress                    !! gzip level
       type(rows_t) :: even
@@ -44,9 +44,9 @@ contains
       even%count = first_row(communicator, total, communicator%rank + 1) - even%before
    end function even_chunks
 
-   !> Rows before those of a rank.
+   !> Number of rows before those of a rank.
    pure function first_row(communicator, total, rank) result(row)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: total                !! Rows on all ranks
       integer, intent(in) :: rank                        !! From 0 to the number of ranks
       integer(int64) :: row
@@ -56,9 +56,9 @@ contains
       row = min(total, chunk_rows*(chunks*rank/communicator%size))
    end function first_row
 
-   !> The rank that gets a row.
+   !> Rank that a row is sent to.
    pure integer function owner_of(communicator, total, row) result(rank)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: total                !! Rows on all ranks
       integer(int64), intent(in) :: row                  !! From 0
       integer :: above, middle
@@ -75,11 +75,11 @@ contains
       end do
    end function owner_of
 
-   !> Share out real numbers. Collective.
+   !> Redistribute reals. Collective.
    subroutine level_reals(communicator, rows, even, values)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(rows_t), intent(in) :: rows                   !! As the values are
-      type(rows_t), intent(in) :: even                   !! From `level_rows`
+      type(communicator_t), intent(inout) :: communicator
+      type(rows_t), intent(in) :: rows                   !! Present distribution
+      type(rows_t), intent(in) :: even                   !! New distribution, from `level_rows`
       real(wp), allocatable, intent(inout) :: values(:, :) !! (component, row)
       integer(int64), allocatable :: words(:, :)
       integer :: component, components, row
@@ -92,7 +92,7 @@ contains
             words(component, row) = transfer(values(component, row), 0_int64)
          end do
       end do
-      call level(communicator, rows, even, words)
+      call share_out(communicator, rows, even, words)
       deallocate (values)
       allocate (values(components, size(words, 2)))
       do row = 1, size(words, 2)
@@ -102,28 +102,28 @@ contains
       end do
    end subroutine level_reals
 
-   !> Share out whole numbers. Collective.
+   !> Redistribute integers. Collective.
    subroutine level_integers(communicator, rows, even, values)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(rows_t), intent(in) :: rows                   !! As the values are
-      type(rows_t), intent(in) :: even                   !! From `level_rows`
+      type(communicator_t), intent(inout) :: communicator
+      type(rows_t), intent(in) :: rows                   !! Present distribution
+      type(rows_t), intent(in) :: even                   !! New distribution, from `level_rows`
       integer(int64), allocatable, intent(inout) :: values(:) !! (row)
       integer(int64), allocatable :: words(:, :)
 
       if (rows%compress == 0 .or. communicator%size == 1) return
       allocate (words(1, size(values)))
       words(1, :) = values
-      call level(communicator, rows, even, words)
+      call share_out(communicator, rows, even, words)
       deallocate (values)
       allocate (values(size(words, 2)))
       values(:) = words(1, :)
    end subroutine level_integers
 
-   !> Share out words. Collective.
-   subroutine level(communicator, rows, even, words)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(rows_t), intent(in) :: rows                   !! As the words are
-      type(rows_t), intent(in) :: even                   !! As they shall be
+   !> Redistribute words. Collective.
+   subroutine share_out(communicator, rows, even, words)
+      type(communicator_t), intent(inout) :: communicator
+      type(rows_t), intent(in) :: rows                   !! Present distribution
+      type(rows_t), intent(in) :: even                   !! New distribution
       integer(int64), allocatable, intent(inout) :: words(:, :) !! (component, row)
       integer(int64), allocatable :: incoming(:), outgoing(:)
       integer, allocatable :: destination(:), length(:)
@@ -147,12 +147,12 @@ contains
             at = at + components
          end do
       end do
-   end subroutine level
+   end subroutine share_out
 
-   !> Cut the rows of this rank into messages, one for each piece and rank that gets some of it.
+   !> Pack the rows of this rank into messages, one for each range and receiving rank.
    subroutine pack_messages(communicator, rows, words, destination, length, outgoing)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      type(rows_t), intent(in) :: rows                   !! As the words are
+      type(communicator_t), intent(in) :: communicator
+      type(rows_t), intent(in) :: rows                   !! Present distribution
       integer(int64), contiguous, intent(in) :: words(:, :) !! (component, row)
       integer, allocatable, intent(out) :: destination(:) !! (message) Rank
       integer, allocatable, intent(out) :: length(:)     !! (message) Words
@@ -191,10 +191,10 @@ contains
       call shorten(length, messages)
    end subroutine pack_messages
 
-   !> Keep the beginning of an array.
+   !> Shorten an array to its first elements.
    pure subroutine shorten(array, count)
-      integer, allocatable, intent(inout) :: array(:)    !! The array
-      integer, intent(in) :: count                       !! What remains
+      integer, allocatable, intent(inout) :: array(:)
+      integer, intent(in) :: count                       !! Number of elements to keep
       integer, allocatable :: shorter(:)
 
       allocate (shorter(count))

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The few calls of the C library that files need. Constants and layouts are those of 64-bit Linux.
+!> Interfaces to functions of the C library for files. Constants and layouts are those of 64-bit
+!! Linux.
 ! allow(C071, C072): the texts of C have no length of their own
 module io_libc
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int32_t, &
@@ -19,7 +20,7 @@ module io_libc
          import :: c_char, c_int
          implicit none
          character(kind=c_char), intent(in) :: path(*)    !! Null terminated
-         integer(c_int), value :: mode                    !! 0: does it exist
+         integer(c_int), value :: mode                    !! 0: test for existence
          integer(c_int) :: status
       end function c_access
 
@@ -35,7 +36,7 @@ module io_libc
          import :: c_char, c_int, c_int32_t
          implicit none
          character(kind=c_char), intent(in) :: path(*)    !! Null terminated
-         integer(c_int), value :: flags                   !! How
+         integer(c_int), value :: flags                   !! Access mode
          integer(c_int32_t), value :: mode                !! Permissions
          integer(c_int) :: descriptor
       end function c_open
@@ -51,17 +52,17 @@ module io_libc
          import :: c_int, c_ptr, c_size_t
          implicit none
          integer(c_int), value :: descriptor              !! Open file
-         type(c_ptr), value :: buffer                     !! Where to
-         integer(c_size_t), value :: bytes                !! How many
+         type(c_ptr), value :: buffer                     !! Destination
+         integer(c_size_t), value :: bytes                !! Number of bytes
          integer(c_size_t) :: got
       end function c_read
 
-      function c_readlink(path, buffer, room) bind(c, name="readlink") result(length)
+      function c_readlink(path, buffer, capacity) bind(c, name="readlink") result(length)
          import :: c_char, c_ptr, c_size_t
          implicit none
          character(kind=c_char), intent(in) :: path(*)    !! Null terminated
-         type(c_ptr), value :: buffer                     !! Where to, without a null
-         integer(c_size_t), value :: room                 !! Its letters
+         type(c_ptr), value :: buffer                     !! Destination, not null terminated
+         integer(c_size_t), value :: capacity                 !! Characters
          integer(c_size_t) :: length
       end function c_readlink
 
@@ -69,7 +70,7 @@ module io_libc
          import :: c_char, c_ptr
          implicit none
          character(kind=c_char), intent(in) :: path(*)    !! Null terminated
-         type(c_ptr), value :: buffer                     !! Where to, with a null
+         type(c_ptr), value :: buffer                     !! Destination, null terminated
          type(c_ptr) :: found                             !! Null: there is no such file
       end function c_realpath
 
@@ -77,8 +78,8 @@ module io_libc
          import :: c_int, c_ptr, c_size_t
          implicit none
          integer(c_int), value :: descriptor              !! Open file
-         type(c_ptr), value :: buffer                     !! Where from
-         integer(c_size_t), value :: bytes                !! How many
+         type(c_ptr), value :: buffer                     !! Source
+         integer(c_size_t), value :: bytes                !! Number of bytes
          integer(c_size_t) :: got
       end function c_write
 
@@ -104,8 +105,8 @@ module io_libc
          implicit none
          integer(c_int), value :: descriptor              !! Open file
          integer(c_int), value :: mode                    !! 0: also set the length
-         integer(c_int64_t), value :: offset                  !! From here
-         integer(c_int64_t), value :: bytes                   !! So many
+         integer(c_int64_t), value :: offset                  !! Start
+         integer(c_int64_t), value :: bytes                   !! Length
          integer(c_int) :: status
       end function c_fallocate
 
@@ -164,7 +165,7 @@ module io_libc
       function c_strerror(number) bind(c, name="strerror") result(text)
          import :: c_int, c_ptr
          implicit none
-         integer(c_int), value :: number                  !! Number of a failure
+         integer(c_int), value :: number                  !! Error number
          type(c_ptr) :: text
       end function c_strerror
 
@@ -177,7 +178,7 @@ module io_libc
 
 contains
 
-   !> Number of the last failure of a call of the C library.
+   !> Error number of the last failed call of the C library.
    integer(c_int) function failure_number() result(number)
       integer(c_int), pointer :: here
 
@@ -185,7 +186,7 @@ contains
       number = here
    end function failure_number
 
-   !> Forget the last failure.
+   !> Reset the error number.
    subroutine clear_failure()
       integer(c_int), pointer :: here
 
@@ -193,7 +194,7 @@ contains
       here = 0
    end subroutine clear_failure
 
-   !> The last failure in words.
+   !> Message of the last failure.
    function failure_text() result(text)
       character(len=:), allocatable :: text
       character(kind=c_char), pointer :: letters(:)
@@ -203,9 +204,9 @@ contains
       text = text_until_null(letters)
    end function failure_text
 
-   !> Letters up to the null as a text.
+   !> Text of characters up to the null.
    pure function text_until_null(letters) result(text)
-      character(kind=c_char), intent(in) :: letters(:)    !! Holds a null
+      character(kind=c_char), intent(in) :: letters(:)    !! Null terminated
       character(len=:), allocatable :: text
       integer :: length
 
@@ -221,7 +222,7 @@ contains
       character(len=*), intent(in) :: folder              !! Folder
       character(len=*), intent(in) :: prefix              !! What names begin with
       character(len=*), intent(in) :: suffix              !! What they end with
-      character(len=longest_name), allocatable, intent(out) :: names(:) !! Filled with blanks
+      character(len=longest_name), allocatable, intent(out) :: names(:) !! Padded with blanks
       logical, intent(out) :: readable                    !! The folder could be read
       character(len=longest_name), allocatable :: found(:), larger(:)
       character(len=:), allocatable :: name
@@ -255,7 +256,7 @@ contains
    !> Next name of a folder, empty at the end.
    subroutine next_entry(stream, name)
       type(c_ptr), intent(in) :: stream                   !! Open folder
-      character(len=:), allocatable, intent(out) :: name  !! A name
+      character(len=:), allocatable, intent(out) :: name  !! Empty at the end
       character(kind=c_char), pointer :: record(:)
       type(c_ptr) :: entry
 
@@ -269,7 +270,7 @@ contains
    !> Insert a name in alphabetical order.
    pure subroutine insert(names, count, name)
       character(len=*), intent(inout) :: names(:)         !! Sorted names
-      integer, intent(inout) :: count                     !! How many
+      integer, intent(inout) :: count                     !! Number of bytes
       character(len=*), intent(in) :: name                !! A further one
       integer :: place
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Fields of particles as means over many: weighted by mass what belongs to mass, by volume what
-!! belongs to volume; masses and volumes themselves are added.
+!> Means of particle fields in cells and bins: intensive fields are weighted by mass or by volume;
+!! masses and volumes are summed.
 module io_means
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: int64, wp
@@ -12,35 +12,35 @@ module io_means
 
    public :: choose_means, fill_mean, mean_t, profile_names
 
-   integer, parameter, public :: added = 0               !! No mean but a sum
+   integer, parameter, public :: added = 0               !! Sum instead of a mean
    integer, parameter, public :: by_mass = 1             !! Weight of a particle: its mass
    integer, parameter, public :: by_volume = 2           !! Weight of a particle: its volume
-   integer, parameter, public :: highest = 3             !! No mean but the greatest height
-   integer, parameter, public :: along_axis = 4          !! By mass, only what goes along the axis
-   !> What only a profile can hold: where its matter ends above, its velocity along the axis.
+   integer, parameter, public :: highest = 3             !! Greatest height instead of a mean
+   integer, parameter, public :: along_axis = 4 !! Weighted by mass, component along the axis
+   !> Fields of profiles only: upper end of the material, mean velocity along the axis.
    character(len=field_name_length), parameter :: profile_names(2) = &
       [character(len=field_name_length) :: "surface_height", "depth_mean_velocity"]
-   !> What only a grid can hold: volume of matter over that of the cell.
+   !> Field of grids only: volume of material over that of the cell.
    character(len=*), parameter, public :: volume_fraction = "volume_fraction"
-   !> Means that "default" asks for, as far as there are.
+   !> Fields of "default", if particles have them.
    character(len=field_name_length), parameter :: usual(5) = [character(len=field_name_length) :: &
       "density", "velocity", "stress", "temperature", "failed"]
 
    !> One field that is averaged.
    type :: mean_t
-      type(column_t) :: column                           !! The field
+      type(column_t) :: column
       integer :: weight = by_mass                        !! One of the constants above
    end type mean_t
 
 contains
 
-   !> What is averaged. An unknown field, or one that has no mean, is an error.
+   !> Choose the fields to average. An unknown field, or one without a mean, is an error.
    subroutine choose_means(stores, fields, of_grid, means, error)
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      type(store_t), intent(inout) :: stores(:)          !! Not changed
       character(len=*), intent(in) :: fields(:)          !! Names, or "default"
-      logical, intent(in) :: of_grid                     !! Of cells; else in a profile
-      type(mean_t), allocatable, intent(out) :: means(:) !! In the order asked for
-      type(error_t), allocatable, intent(out) :: error   !! A name does not work
+      logical, intent(in) :: of_grid                     !! In cells; else in bins of a profile
+      type(mean_t), allocatable, intent(out) :: means(:) !! In the order of the request
+      type(error_t), allocatable, intent(out) :: error   !! A field has no mean
       integer :: n, m
 
       allocate (means(0))
@@ -63,9 +63,9 @@ contains
       end do
    end subroutine choose_means
 
-   !> Add the names that only a profile has to a message that lists all others.
+   !> Add the names that only a profile has to a message that lists the others.
    pure subroutine add_names(message)
-      character(len=:), allocatable, intent(inout) :: message !! What is wrong
+      character(len=:), allocatable, intent(inout) :: message !! Message
       integer :: n
 
       if (index(message, "is unknown") == 0) return
@@ -77,11 +77,11 @@ contains
 
    !> Add a field unless it is there.
    subroutine add_mean(stores, name, if_carried, means, error)
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      character(len=*), intent(in) :: name               !! The field
-      logical, intent(in) :: if_carried                  !! Without it no harm is done
-      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
-      type(error_t), allocatable, intent(out) :: error   !! It does not work
+      type(store_t), intent(inout) :: stores(:)          !! Not changed
+      character(len=*), intent(in) :: name
+      logical, intent(in) :: if_carried                  !! Skip it if no particle has it
+      type(mean_t), allocatable, intent(inout) :: means(:)
+      type(error_t), allocatable, intent(out) :: error   !! It has no mean
       type(column_t), allocatable :: columns(:)
       type(mean_t) :: mean
 
@@ -110,7 +110,7 @@ contains
 
    !> Add the volume fraction.
    subroutine add_fraction(means)
-      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
+      type(mean_t), allocatable, intent(inout) :: means(:)
       type(mean_t) :: mean
 
       mean%column%name = volume_fraction
@@ -118,10 +118,10 @@ contains
       call append(means, mean)
    end subroutine add_fraction
 
-   !> Add what only a profile can hold.
+   !> Add a field of profiles only.
    subroutine add_of_profile(name, means)
       character(len=*), intent(in) :: name               !! One of `profile_names`
-      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
+      type(mean_t), allocatable, intent(inout) :: means(:)
       type(mean_t) :: mean
 
       mean%column%name = name
@@ -132,8 +132,8 @@ contains
 
    !> Add to the list unless it is there.
    subroutine append(means, mean)
-      type(mean_t), allocatable, intent(inout) :: means(:) !! The list
-      type(mean_t), intent(in) :: mean                   !! A further one
+      type(mean_t), allocatable, intent(inout) :: means(:)
+      type(mean_t), intent(in) :: mean
       type(mean_t), allocatable :: longer(:)
       integer :: n
 
@@ -146,11 +146,11 @@ contains
       call move_alloc(longer, means)
    end subroutine append
 
-   !> Values of a field for all particles of an output, store after store.
+   !> Fill the values of a field for all particles of an output, store after store.
    subroutine fill_mean(stores, picks, column, values)
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
-      type(column_t), intent(in) :: column               !! What is wanted
+      type(store_t), intent(inout) :: stores(:)          !! Not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
+      type(column_t), intent(in) :: column
       real(wp), allocatable, intent(out) :: values(:, :) !! (component, row)
       integer(int64), allocatable :: integers(:)
       integer :: rows, store

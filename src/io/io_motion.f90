@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Tables of velocities or accelerations: lines of a time and three components, with commas or
-!! blanks between.
+!> Reads tables of velocities or accelerations: lines of a time and three components, separated by
+!! commas or blanks.
 module io_motion
    use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
@@ -11,9 +11,9 @@ module io_motion
 
    public :: meaning_t, read_motion
 
-   !> What a table holds.
+   !> Contents of a table, for messages.
    type :: meaning_t
-      character(len=36) :: fault                         !! Beginning of messages on a file
+      character(len=36) :: fault                         !! Start of a message on a file
       character(len=16) :: columns                       !! Such as t, vx, vy, vz
    end type meaning_t
 
@@ -22,26 +22,26 @@ module io_motion
    type(meaning_t), parameter, public :: of_gravity = &
       meaning_t("cannot read the accelerations of", "t, gx, gy, gz") !! Of gravity_table
    integer, parameter :: columns = 4                     !! Time and three components
-   integer, parameter :: shown = 40                      !! Letters of a wrong line in a message
+   integer, parameter :: shown = 40                      !! Characters of a wrong line in a message
 
 contains
 
-   !> Take a table from the content of a file. Lines that begin with # and empty ones are skipped,
-   !! and so is a first line of words.
+   !> Parse a table. Empty lines, lines that begin with # and a first line of words are
+   !! skipped.
    subroutine read_motion(text, path, meaning, time, velocity, error)
-      character(len=*), intent(in) :: text               !! All of the file
-      character(len=*), intent(in) :: path               !! Its name, for messages
-      type(meaning_t), intent(in) :: meaning             !! What the table holds, for messages
+      character(len=*), intent(in) :: text               !! Content of the file
+      character(len=*), intent(in) :: path               !! For messages
+      type(meaning_t), intent(in) :: meaning             !! For messages
       real(wp), allocatable, intent(out) :: time(:)      !! As written
       real(wp), allocatable, intent(out) :: velocity(:, :) !! (3, entry) As written
       type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
       character(len=:), allocatable :: line
-      real(wp), allocatable :: room(:, :)
+      real(wp), allocatable :: entries_read(:, :)
       real(wp) :: values(columns)
       logical :: sound
       integer :: first, last, row, entries
 
-      allocate (room(columns, 1 + count([(text(first:first) == new_line("a"), &
+      allocate (entries_read(columns, 1 + count([(text(first:first) == new_line("a"), &
          first=1, len(text))])))
       first = 1
       row = 0
@@ -55,40 +55,40 @@ contains
          call read_line(line, values, sound)
          if (.not. sound .and. entries == 0 .and. is_title(line)) cycle
          if (.not. sound) then
-            call complain(error, path, meaning, "line "//number(row)// &
+            call fail_reading(error, path, meaning, "line "//number(row)// &
                ": expected four numbers "//trim(meaning%columns)//", not '"// &
                shortened(trim(adjustl(line)), shown)//"'")
             return
          end if
-         if (entries > 0) sound = values(1) > room(1, max(entries, 1))
+         if (entries > 0) sound = values(1) > entries_read(1, max(entries, 1))
          if (.not. sound) then
-            call complain(error, path, meaning, "line "//number(row)// &
+            call fail_reading(error, path, meaning, "line "//number(row)// &
                ": times must ascend; t = "//number(values(1))//" follows "// &
-               number(room(1, entries)))
+               number(entries_read(1, entries)))
             return
          end if
          entries = entries + 1
-         room(:, entries) = values
+         entries_read(:, entries) = values
       end do
-      if (entries == 0) call complain(error, path, meaning, &
+      if (entries == 0) call fail_reading(error, path, meaning, &
          "it holds no line of four numbers "//trim(meaning%columns))
-      time = room(1, :entries)
-      velocity = room(2:, :entries)
+      time = entries_read(1, :entries)
+      velocity = entries_read(2:, :entries)
    end subroutine read_motion
 
-   !> Make the message.
-   subroutine complain(error, path, meaning, what)
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
-      character(len=*), intent(in) :: path               !! The file
-      type(meaning_t), intent(in) :: meaning             !! What the table holds
+   !> Make the error message on a file.
+   subroutine fail_reading(error, path, meaning, what)
+      type(error_t), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: path
+      type(meaning_t), intent(in) :: meaning             !! Contents of the table
       character(len=*), intent(in) :: what               !! What is wrong
 
       call fail(error, exit_file, trim(meaning%fault)//" '"//path//"': "//what)
-   end subroutine complain
+   end subroutine fail_reading
 
-   !> A line with blanks for commas and control characters, so that words are between blanks.
+   !> A line with blanks instead of commas and control characters.
    pure function plain(line) result(clean)
-      character(len=*), intent(in) :: line               !! Any
+      character(len=*), intent(in) :: line               !! Any line
       character(len=len(line)) :: clean
       integer :: n
 
@@ -97,11 +97,11 @@ contains
       end do
    end function plain
 
-   !> Four finite numbers, neither less nor more.
+   !> Read exactly four finite numbers.
    subroutine read_line(line, values, sound)
       character(len=*), intent(in) :: line               !! With blanks between the words
-      real(wp), intent(out) :: values(columns)           !! The numbers
-      logical, intent(out) :: sound                      !! Are they there?
+      real(wp), intent(out) :: values(columns)
+      logical, intent(out) :: sound                      !! Are there four finite numbers?
       type(text_t), allocatable :: words(:)
       integer :: k
 
@@ -115,7 +115,7 @@ contains
       end do
    end subroutine read_line
 
-   !> Whether a line holds names of columns: its first word begins with a letter.
+   !> True if a line has column names: its first word begins with a letter.
    pure logical function is_title(line) result(title)
       character(len=*), intent(in) :: line               !! Not empty
       character(len=1) :: first

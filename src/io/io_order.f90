@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The order of particles in files: store after store, tile after tile along the curve, so that it
-!! depends neither on ranks nor on where in the arrays a particle happens to be.
+!> The order of particles in files: by store, then by tile along the Hilbert curve, so that it
+!! depends
+!! neither on ranks nor on the positions of particles in the arrays.
 module io_order
    use base_communicator, only: communicator_t
    use base_kinds, only: int64
@@ -13,10 +14,10 @@ module io_order
 
 contains
 
-   !> Places in the arrays of the particles of a store, tile after tile.
+   !> Indices of the particles of a store, tile after tile.
    pure subroutine tile_order(store, order)
-      type(store_t), intent(in) :: store                 !! The particles
-      integer, allocatable, intent(out) :: order(:)      !! Their places
+      type(store_t), intent(in) :: store
+      integer, allocatable, intent(out) :: order(:)      !! Indices
       integer :: filled, particle, tile
 
       allocate (order(store%particles()))
@@ -30,9 +31,9 @@ contains
       end do
    end subroutine tile_order
 
-   !> Rows of a file for some particles of each store, one piece a store. Collective.
+   !> Rows of a file for selected particles of each store, one range a store. Collective.
    function store_rows(communicator, counts, compress) result(rows)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: counts(:)            !! (store) Particles of this rank
       integer, intent(in) :: compress                    !! gzip level
       type(rows_t) :: rows

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Which particles an output takes: those of some bodies, in a region, near a plane, or every so
-!! many. The choice goes by what a particle is and where it is, so that it does not depend on ranks.
+!> Selects the particles of an output: by body, region, distance from a plane, or every n-th. The
+!! selection uses identity, state and position only, so that it does not depend on ranks.
 module io_pick
    use base_kinds, only: int64, wp
    use io_order, only: tile_order
@@ -11,28 +11,28 @@ module io_pick
 
    public :: pick_rule_t
 
-   !> What is asked of a particle. Without a word all are taken.
+   !> Criteria of a selection; by default all particles are selected.
    type :: pick_rule_t
-      integer :: stride = 1                              !! Only every so many identities
-      integer(int64), allocatable :: bodies(:)           !! Only these, if allocated
-      type(shape_holder_t), allocatable :: region        !! Only what lies in it, if allocated
-      integer :: axis = 0                                !! Normal of a plane, 0 = there is none
-      real(wp) :: lower = 0.0_wp                         !! Begin of what counts as on it [m]
-      real(wp) :: upper = 0.0_wp                         !! End of it, itself outside [m]
-      logical :: intact = .false.                        !! Only what has not failed
+      integer :: stride = 1                              !! Every n-th particle, by identity
+      integer(int64), allocatable :: bodies(:)           !! These bodies only, if allocated
+      type(shape_holder_t), allocatable :: region        !! Inside this region only, if allocated
+      integer :: axis = 0                                !! Normal of a plane, 0 = no plane
+      real(wp) :: lower = 0.0_wp                         !! Lower bound of the layer around it [m]
+      real(wp) :: upper = 0.0_wp                         !! Upper bound of the layer, exclusive [m]
+      logical :: intact = .false.                        !! Only particles that have not failed
    contains
-      procedure :: pick => rule_pick                     !! Places of the particles it takes
-      procedure, private :: takes => rule_takes          !! Is a particle taken?
-      procedure, private :: takes_all => rule_takes_all  !! Is nothing asked?
+      procedure :: pick => rule_pick                     !! Indices of the selected particles
+      procedure, private :: takes => rule_takes          !! Is a particle selected?
+      procedure, private :: takes_all => rule_takes_all  !! Are all particles selected?
    end type pick_rule_t
 
 contains
 
-   !> Places of the particles of a store that are taken, tile after tile.
+   !> Indices of the selected particles of a store, tile after tile.
    pure subroutine rule_pick(self, store, order)
-      class(pick_rule_t), intent(in) :: self             !! What is wanted
-      type(store_t), intent(in) :: store                 !! The particles
-      integer, allocatable, intent(out) :: order(:)      !! Their places
+      class(pick_rule_t), intent(in) :: self
+      type(store_t), intent(in) :: store
+      integer, allocatable, intent(out) :: order(:)      !! Indices
       integer, allocatable :: shorter(:)
       integer :: kept, row
 
@@ -49,19 +49,19 @@ contains
       call move_alloc(shorter, order)
    end subroutine rule_pick
 
-   !> True if nothing is asked.
+   !> True if there is no criterion.
    pure logical function rule_takes_all(self) result(all_of_them)
-      class(pick_rule_t), intent(in) :: self             !! What is wanted
+      class(pick_rule_t), intent(in) :: self
 
       all_of_them = self%stride <= 1 .and. .not. allocated(self%bodies) .and. self%axis == 0 &
          .and. .not. allocated(self%region) .and. .not. self%intact
    end function rule_takes_all
 
-   !> True if a particle is taken.
+   !> True if a particle is selected.
    pure logical function rule_takes(self, store, p) result(taken)
-      class(pick_rule_t), intent(in) :: self             !! What is wanted
-      type(store_t), intent(in) :: store                 !! The particles
-      integer, intent(in) :: p                           !! Which one
+      class(pick_rule_t), intent(in) :: self
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp) :: position(3)
 
       taken = mod(store%identity(p), int(max(self%stride, 1), int64)) == 0_int64

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Lists of points: texts with a line a point (CSV), or snapshots of particles of another run.
+!> Reads lists of points: CSV texts with a line a point, or snapshots of particles of another run.
 module io_points
    use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
@@ -12,44 +12,43 @@ module io_points
 
    public :: data_group, factor_of, point_list_t, read_point_text, read_snapshot
 
-   character(len=*), parameter :: root = "/VTKHDF"       !! Where snapshots have their particles
-   character(len=*), parameter :: data_group = root//"/PointData" !! And their fields
+   character(len=*), parameter :: root = "/VTKHDF"       !! Group of the particles in a snapshot
+   character(len=*), parameter :: data_group = root//"/PointData" !! Group of their fields
    character(len=8), parameter :: columns(8) = [character(len=8) :: "x", "y", "z", "volume", "vx", &
       "vy", "vz", "material"]
-   integer, parameter :: shown = 40                      !! Letters of a wrong line in a message
+   integer, parameter :: shown = 40                      !! Characters of a wrong line in a message
 
-   !> What a list says of its points; numbers of a text as they stand there, of a snapshot in SI.
+   !> Points of a list. Values of a text are in the units of the text, values of a snapshot in SI.
    type :: point_list_t
       real(wp), allocatable :: position(:, :)            !! (3, row)
-      real(wp), allocatable :: volume(:)                 !! (row) If it is there
-      real(wp), allocatable :: velocity(:, :)            !! (3, row) If it is there; of texts only
+      real(wp), allocatable :: volume(:)                 !! (row) If given
+      real(wp), allocatable :: velocity(:, :)            !! (3, row) If given; of texts only
       integer, allocatable :: line(:)                    !! (row) Line of a text
-      integer(int64), allocatable :: material(:)         !! (row) Place among the names, if there
+      integer(int64), allocatable :: material(:)         !! (row) Index of the name, if given
       type(text_t), allocatable :: material_names(:)     !! Names of materials
-      integer(int64), allocatable :: body(:)             !! (row) Place among the names, if there
+      integer(int64), allocatable :: body(:)             !! (row) Index of the name, if given
       type(text_t), allocatable :: body_names(:)         !! Names of bodies
-      type(text_t), allocatable :: fields(:)             !! Of a snapshot: what else it has
-      real(wp) :: lag = 0.0_wp                           !! Of its velocities behind places [s]
-      real(wp) :: dt_next = 0.0_wp                       !! Step that its run took next, or 0 [s]
+      type(text_t), allocatable :: fields(:)             !! Other fields of a snapshot
+      real(wp) :: lag = 0.0_wp                           !! Lag of velocities behind positions [s]
+      real(wp) :: dt_next = 0.0_wp                       !! Next time step of its run, or 0 [s]
    end type point_list_t
 
 contains
 
-   !> Make the message.
-   subroutine complain(error, path, what)
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
-      character(len=*), intent(in) :: path               !! The file
+   !> Make the error message on a file.
+   subroutine fail_reading(error, path, what)
+      type(error_t), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: what               !! What is wrong
 
       call fail(error, exit_file, "cannot read the points of '"//path//"': "//what)
-   end subroutine complain
+   end subroutine fail_reading
 
-   !> Take the points from the content of a text. Empty lines and those that begin with # say
-   !! nothing.
+   !> Parse the points of a text. Empty lines and lines that begin with # are skipped.
    subroutine read_point_text(text, path, list, error)
-      character(len=*), intent(in) :: text               !! All of the file
-      character(len=*), intent(in) :: path               !! Its name, for messages
-      type(point_list_t), intent(out) :: list            !! The points
+      character(len=*), intent(in) :: text               !! Content of the file
+      character(len=*), intent(in) :: path               !! For messages
+      type(point_list_t), intent(out) :: list
       type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
       type(text_t), allocatable :: words(:)
       integer, allocatable :: column(:)
@@ -69,23 +68,23 @@ contains
          call cells_of(line, words)
          if (.not. allocated(column)) then
             call read_heading(words, column, fault)
-            if (fault == "") call make_room(text, column, list)
+            if (fault == "") call allocate_rows(text, column, list)
          else
             row = row + 1
             call read_row(words, column, row, list, fault)
             if (fault == "") list%line(row) = lines
          end if
          if (fault /= "") then
-            call complain(error, path, "line "//number(lines)//": "//fault)
+            call fail_reading(error, path, "line "//number(lines)//": "//fault)
             return
          end if
       end do
       if (row == 0) then
-         call complain(error, path, "it holds no point; it begins with a line such as "// &
-            "x,y,z,volume, and each line below is a point")
+         call fail_reading(error, path, "it has no points; its first line must be such as "// &
+            "x,y,z,volume, and each further line a point")
          return
       end if
-      call cut(list, row)
+      call trim_rows(list, row)
    end subroutine read_point_text
 
    !> A line without tabs and carriage returns.
@@ -99,10 +98,10 @@ contains
       end do
    end function plain
 
-   !> Texts between commas.
+   !> Split a line at its commas.
    pure subroutine cells_of(line, words)
       character(len=*), intent(in) :: line               !! A line
-      type(text_t), allocatable, intent(out) :: words(:) !! Without blanks around them
+      type(text_t), allocatable, intent(out) :: words(:) !! Without leading and trailing blanks
       integer :: n, first, last
 
       allocate (words(1 + count([(line(n:n) == ",", n=1, len(line))])))
@@ -114,10 +113,10 @@ contains
       end do
    end subroutine cells_of
 
-   !> Columns by the names in the first line.
+   !> Find the columns by the names in the first line.
    subroutine read_heading(words, column, fault)
       type(text_t), intent(in) :: words(:)               !! Names
-      integer, allocatable, intent(out) :: column(:)     !! (name) Place of its column, 0: none
+      integer, allocatable, intent(out) :: column(:)     !! (name) Number of its column, 0: none
       character(len=:), allocatable, intent(out) :: fault !! What is wrong, or empty
       type(text_t) :: known(size(columns))
       character(len=:), allocatable :: near
@@ -151,11 +150,11 @@ contains
       end if
    end subroutine read_heading
 
-   !> Room for as many points as there are lines.
-   subroutine make_room(text, column, list)
-      character(len=*), intent(in) :: text               !! All of the file
-      integer, intent(in) :: column(:)                   !! (name) Place of its column, 0: none
-      type(point_list_t), intent(inout) :: list          !! Gets arrays
+   !> Allocate a row for each line of the text.
+   subroutine allocate_rows(text, column, list)
+      character(len=*), intent(in) :: text               !! Content of the file
+      integer, intent(in) :: column(:)                   !! (name) Number of its column, 0: none
+      type(point_list_t), intent(inout) :: list
       integer :: rows, n
 
       rows = 1
@@ -166,14 +165,14 @@ contains
       if (column(4) > 0) allocate (list%volume(rows))
       if (column(5) > 0) allocate (list%velocity(3, rows))
       if (column(8) > 0) allocate (list%material(rows))
-   end subroutine make_room
+   end subroutine allocate_rows
 
-   !> One point.
+   !> Parse one point.
    subroutine read_row(words, column, row, list, fault)
       type(text_t), intent(in) :: words(:)               !! Of its line
-      integer, intent(in) :: column(:)                   !! (name) Place of its column, 0: none
-      integer, intent(in) :: row                         !! Which point
-      type(point_list_t), intent(inout) :: list          !! Gets it
+      integer, intent(in) :: column(:)                   !! (name) Number of its column, 0: none
+      integer, intent(in) :: row
+      type(point_list_t), intent(inout) :: list
       character(len=:), allocatable, intent(out) :: fault !! What is wrong, or empty
       real(wp) :: values(7)
       integer :: k
@@ -202,14 +201,14 @@ contains
          list%volume(row) = values(4)
          if (.not. values(4) > 0.0_wp) fault = "the volume of a point must be above 0"
       end if
-      if (column(8) > 0) call name_material(words(column(8))%text, row, list)
+      if (column(8) > 0) call number_material(words(column(8))%text, row, list)
    end subroutine read_row
 
-   !> Give the material of a point a number.
-   subroutine name_material(name, row, list)
+   !> Set the material number of a point by its name.
+   subroutine number_material(name, row, list)
       character(len=*), intent(in) :: name               !! Of the material
-      integer, intent(in) :: row                         !! Which point
-      type(point_list_t), intent(inout) :: list          !! Gets it
+      integer, intent(in) :: row
+      type(point_list_t), intent(inout) :: list
       integer :: n
 
       do n = 1, size(list%material_names)
@@ -217,25 +216,25 @@ contains
       end do
       if (n > size(list%material_names)) list%material_names = [list%material_names, text_t(name)]
       list%material(row) = n
-   end subroutine name_material
+   end subroutine number_material
 
-   !> Drop the room that was not needed.
-   subroutine cut(list, rows)
-      type(point_list_t), intent(inout) :: list          !! The points
-      integer, intent(in) :: rows                        !! How many
+   !> Shorten the arrays to the rows that were read.
+   subroutine trim_rows(list, rows)
+      type(point_list_t), intent(inout) :: list
+      integer, intent(in) :: rows                        !! Number of points
 
       list%position = list%position(:, :rows)
       list%line = list%line(:rows)
       if (allocated(list%volume)) list%volume = list%volume(:rows)
       if (allocated(list%velocity)) list%velocity = list%velocity(:, :rows)
       if (allocated(list%material)) list%material = list%material(:rows)
-   end subroutine cut
+   end subroutine trim_rows
 
-   !> Take the points from a snapshot; its other fields are named and read where they are needed.
+   !> Read the points of a snapshot; its other fields are listed and read where they are needed.
    subroutine read_snapshot(source, list, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
-      type(point_list_t), intent(out) :: list            !! The points
-      type(error_t), allocatable, intent(out) :: error   !! It is no snapshot, or damaged
+      type(point_list_t), intent(out) :: list
+      type(error_t), allocatable, intent(out) :: error   !! Not a snapshot, or damaged
       type(data_info_t), allocatable :: members(:)
       type(data_info_t) :: info
       integer :: n
@@ -245,7 +244,7 @@ contains
       if (whole) whole = source%has(root//"/Points")
       if (whole) whole = source%has(data_group)
       if (.not. whole) then
-         call complain(error, source%path, "it is no snapshot of particles")
+         call fail_reading(error, source%path, "it is not a snapshot of particles")
          return
       end if
       call source%info(root//"/Points", info, error)
@@ -279,22 +278,22 @@ contains
       call check_snapshot(source%path, list, error)
    end subroutine read_snapshot
 
-   !> How far velocities stand behind places, and the step that was to come. Snapshots that do not
-   !! say it are those of leapfrog steps of equal length.
+   !> Read the lag of velocities behind positions and the next time step. Snapshots without these
+   !! are those of leapfrog steps of constant length.
    subroutine read_clock(source, list)
       type(hdf5_source_t), intent(in) :: source          !! The open file
-      type(point_list_t), intent(inout) :: list          !! Gets both
+      type(point_list_t), intent(inout) :: list
 
       if (.not. source%has("/provenance")) return
-      list%lag = said("velocity_lag", 0.5_wp*said("dt", 0.0_wp))
-      list%dt_next = said("dt_next", 0.0_wp)
+      list%lag = provenance_value("velocity_lag", 0.5_wp*provenance_value("dt", 0.0_wp))
+      list%dt_next = provenance_value("dt_next", 0.0_wp)
 
    contains
 
-      !> An attribute, if it is there and makes sense.
-      real(wp) function said(name, without) result(time)
+      !> Value of an attribute, if it exists and is valid.
+      real(wp) function provenance_value(name, without) result(time)
          character(len=*), intent(in) :: name            !! Of the attribute
-         real(wp), intent(in) :: without                 !! If it is not there [s]
+         real(wp), intent(in) :: without                 !! Default value [s]
          type(error_t), allocatable :: error
          real(wp), allocatable :: values(:)
 
@@ -303,29 +302,29 @@ contains
          if (allocated(error)) return
          if (size(values) /= 1) return
          if (values(1) >= 0.0_wp .and. ieee_is_finite(values(1))) time = values(1)
-      end function said
+      end function provenance_value
    end subroutine read_clock
 
-   !> Refuse points that are none.
+   !> Reject points with invalid values.
    subroutine check_snapshot(path, list, error)
-      character(len=*), intent(in) :: path               !! The file
-      type(point_list_t), intent(in) :: list             !! Its points
-      type(error_t), allocatable, intent(out) :: error   !! A number is none
+      character(len=*), intent(in) :: path
+      type(point_list_t), intent(in) :: list
+      type(error_t), allocatable, intent(out) :: error   !! A value is invalid
       integer :: n
 
       do n = 1, size(list%position, 2)
          if (.not. all(ieee_is_finite(list%position(:, n)))) then
-            call complain(error, path, "row "//number(n)//": the position is not a number")
+            call fail_reading(error, path, "row "//number(n)//": the position is not a number")
             return
          end if
          if (.not. allocated(list%volume)) cycle
          if (list%volume(n) > 0.0_wp .and. ieee_is_finite(list%volume(n))) cycle
-         call complain(error, path, "row "//number(n)//": the volume must be above 0")
+         call fail_reading(error, path, "row "//number(n)//": the volume must be above 0")
          return
       end do
    end subroutine check_snapshot
 
-   !> Factor that makes SI of the numbers of a data set.
+   !> Factor that converts a data set to SI.
    real(wp) function factor_of(source, name) result(factor)
       type(hdf5_source_t), intent(in) :: source          !! The open file
       character(len=*), intent(in) :: name               !! From the root
@@ -338,7 +337,7 @@ contains
       factor = values(1)
    end function factor_of
 
-   !> Read vectors and bring them to SI.
+   !> Read vectors and convert them to SI.
    subroutine read_vectors(source, name, values, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
       character(len=*), intent(in) :: name               !! From the root
@@ -349,7 +348,7 @@ contains
       values = factor_of(source, name)*values
    end subroutine read_vectors
 
-   !> Read numbers and bring them to SI.
+   !> Read scalars and convert them to SI.
    subroutine read_numbers(source, name, values, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
       character(len=*), intent(in) :: name               !! From the root
@@ -364,7 +363,7 @@ contains
    subroutine read_names(source, name, names, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
       character(len=*), intent(in) :: name               !! From the root
-      type(text_t), allocatable, intent(out) :: names(:) !! Without blanks behind them
+      type(text_t), allocatable, intent(out) :: names(:) !! Without trailing blanks
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       character(len=:), allocatable :: texts, one
       integer :: n, length

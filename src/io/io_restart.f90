@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Going on from a checkpoint, on any number of ranks.
+!> Reads checkpoints to restart a run on any number of ranks.
 module io_restart
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -21,39 +21,42 @@ module io_restart
 
    public :: checkpoint_find, checkpoint_read, checkpoint_text
 
-   !> Reads the fields of one store. A failure is kept; the ranks stay together until the end.
+   !> Reads the fields of one store. A failure is stored and raised at the end, so that all ranks
+   !! make
+   !! the same collective calls.
    type, extends(field_worker_t) :: reader_t
-      type(communicator_t) :: communicator                !! The ranks
+      type(communicator_t) :: communicator
       type(hdf5_source_t) :: source                       !! The open file
       character(len=:), allocatable :: store              !! Name of the material
       integer(int64) :: total = 0                         !! Particles on all ranks
       integer(int64) :: before = 0                        !! Rows of lower ranks
       integer :: count = 0                                !! Rows of this rank
-      integer(int64), allocatable :: owners(:)            !! Rows as owners of their values
-      type(error_t), allocatable :: problem               !! First thing that failed here
+      integer(int64), allocatable :: owners(:)            !! Row numbers, the owners in hashes
+      type(error_t), allocatable :: problem               !! First failure on this rank
    contains
-      procedure :: scalar => reader_scalar                !! Read a field of numbers
-      procedure :: vector => reader_vector                !! Read a field of vectors or tensors
-      procedure :: whole => reader_whole                  !! Read a field of whole numbers
-      procedure :: look => reader_look                    !! Is the field there, in full
+      procedure :: scalar => reader_scalar                !! Read a scalar field
+      procedure :: vector => reader_vector                !! Read a vector or tensor field
+      procedure :: whole => reader_whole                  !! Read an integer field
+      procedure :: check_field => reader_check_field                    !! Is the field complete?
       procedure :: verify => reader_verify                !! Compare the hash
    end type reader_t
 
 contains
 
-   !> Read the newest checkpoint of a case that is whole. Collective.
+   !> Read the newest undamaged checkpoint of a case. Collective.
    !!
-   !! One of another deck ends the search: an older file may be of this deck, but newer results
-   !! would be lost if the run went on from it.
+   !! A checkpoint of another deck ends the search: a restart from an older one would overwrite
+   !! newer
+   !! results.
    subroutine checkpoint_find(communicator, place, stores, state, path, notes, error, changes)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(checkpoint_place_t), intent(in) :: place       !! Folder, case and keys of this run
-      type(store_t), intent(inout) :: stores(:)           !! With the fields wanted, filled
+      type(store_t), intent(inout) :: stores(:) !! With the requested fields allocated; filled
       type(state_t), intent(inout) :: state               !! Filled
-      character(len=:), allocatable, intent(out) :: path  !! Which one it was
-      character(len=:), allocatable, intent(out) :: notes !! Why newer ones were passed over
-      type(error_t), allocatable, intent(out) :: error    !! There is none
-      type(changes_t), intent(out), optional :: changes   !! What differs from those in the file
+      character(len=:), allocatable, intent(out) :: path  !! The checkpoint that was read
+      character(len=:), allocatable, intent(out) :: notes !! Why newer ones were skipped
+      type(error_t), allocatable, intent(out) :: error    !! No checkpoint can be used
+      type(changes_t), intent(out), optional :: changes   !! Differences from the deck in the file
       character(len=longest_path), allocatable :: paths(:)
       integer :: index
 
@@ -87,16 +90,16 @@ contains
 
    !> Read a checkpoint. Collective.
    !!
-   !! The fields of the stores must be allocated, of any size, as the run wants them. Every rank
-   !! gets an even share of each store in one tile, whatever tile the particles belong to.
+   !! The fields that the run needs must be allocated, with any size. Every rank
+   !! gets an even part of each store as one range, whatever tiles the particles belong to.
    subroutine checkpoint_read(communicator, path, stores, state, error, echo, changes)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
-      character(len=*), intent(in) :: path                !! The file
-      type(store_t), intent(inout) :: stores(:)           !! With the fields wanted, filled
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: path
+      type(store_t), intent(inout) :: stores(:) !! With the requested fields allocated; filled
       type(state_t), intent(inout) :: state               !! Filled
       type(error_t), allocatable, intent(out) :: error    !! Damaged, or of another deck
       character(len=*), intent(in), optional :: echo      !! All keys of this run, to compare
-      type(changes_t), intent(out), optional :: changes   !! What differs from those in the file
+      type(changes_t), intent(out), optional :: changes   !! Differences from the deck in the file
       type(reader_t) :: reader
       integer :: index
 
@@ -120,11 +123,11 @@ contains
       call reader%source%close()
    end subroutine checkpoint_read
 
-   !> Text of the deck ("/deck") or echo ("/deck_echo") in a checkpoint.
+   !> Read the text of the deck ("/deck") or the echo ("/deck_echo") of a checkpoint.
    subroutine checkpoint_text(path, name, text, error)
-      character(len=*), intent(in) :: path                !! The file
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: name                !! From the root
-      character(len=:), allocatable, intent(out) :: text  !! The text
+      character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error    !! Cannot be read
       type(hdf5_source_t) :: source
 
@@ -138,7 +141,7 @@ contains
    subroutine read_text(source, name, text, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
       character(len=*), intent(in) :: name                !! From the root
-      character(len=:), allocatable, intent(out) :: text  !! The text
+      character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error    !! Cannot be read, or damaged
       integer(int64) :: check
 
@@ -149,12 +152,12 @@ contains
       if (hash_text(text) /= check) call fail_check(source%path, name, error)
    end subroutine read_text
 
-   !> Compare the keys of this run with those of the one that wrote the file.
+   !> Compare the keys of this run with those of the run that wrote the file.
    subroutine check_deck(source, echo, changes, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
       character(len=*), intent(in) :: echo                !! All keys of this run
-      type(changes_t), intent(out) :: changes             !! What differs
-      type(error_t), allocatable, intent(out) :: error    !! Keys differ that may not change
+      type(changes_t), intent(out) :: changes             !! Differences
+      type(error_t), allocatable, intent(out) :: error    !! Keys that may not change differ
       character(len=:), allocatable :: old
 
       call read_text(source, "/deck_echo", old, error)
@@ -166,11 +169,11 @@ contains
          "folder (--outdir) or with --overwrite")
    end subroutine check_deck
 
-   !> Allocate an error about bits that have changed.
+   !> Make the error on a wrong hash.
    subroutine fail_check(path, name, error)
-      character(len=*), intent(in) :: path                !! The file
-      character(len=*), intent(in) :: name                !! What in it
-      type(error_t), allocatable, intent(out) :: error    !! Allocated on return
+      character(len=*), intent(in) :: path
+      character(len=*), intent(in) :: name                !! Object in the file
+      type(error_t), allocatable, intent(out) :: error
 
       call fail(error, exit_file, "'"//path//"' is damaged: the check of '"//name//"' is wrong")
    end subroutine fail_check
@@ -195,7 +198,7 @@ contains
       if (check /= head_check(state)) call fail_check(source%path, "step and time", error)
    end subroutine read_head
 
-   !> Read the small numbers.
+   !> Read the scalar data.
    subroutine read_state(source, state, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
       type(state_t), intent(inout) :: state               !! Entries are set
@@ -212,7 +215,7 @@ contains
       end do
    end subroutine read_state
 
-   !> Read one entry of the small numbers.
+   !> Read one entry of the scalar data.
    subroutine read_entry(source, member, state, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
       type(data_info_t), intent(in) :: member             !! Its data set
@@ -248,10 +251,10 @@ contains
       if (check /= found) call fail_check(source%path, name, error)
    end subroutine read_entry
 
-   !> See that the file has the materials of the run and no others.
+   !> Check that the file has exactly the materials of the run.
    subroutine check_materials(source, stores, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
-      type(store_t), intent(in) :: stores(:)              !! The materials
+      type(store_t), intent(in) :: stores(:)
       type(error_t), allocatable, intent(out) :: error    !! Another set of materials
       type(data_info_t), allocatable :: groups(:)
       character(len=:), allocatable :: names
@@ -274,8 +277,8 @@ contains
 
    !> Read the particles of one store. Collective.
    subroutine read_store(reader, store)
-      type(reader_t), intent(inout) :: reader             !! The worker
-      type(store_t), intent(inout) :: store               !! With the fields wanted, filled
+      type(reader_t), intent(inout) :: reader
+      type(store_t), intent(inout) :: store !! With the requested fields allocated; filled
       type(data_info_t) :: identity
       type(error_t), allocatable :: error
       type(rows_t) :: rows
@@ -294,27 +297,27 @@ contains
          reader%owners(row) = reader%before + row
       end do
       call store%walk(reader)
-      call set_only(store%first, 1)
-      call set_only(store%count, reader%count)
-      call set_only(store%room, reader%count)
+      call set_single(store%first, 1)
+      call set_single(store%count, reader%count)
+      call set_single(store%capacity, reader%count)
       store%used = reader%count
       if (allocated(store%cell_start)) deallocate (store%cell_start)
    end subroutine read_store
 
-   !> Make an array hold one number.
-   pure subroutine set_only(array, number)
-      integer, allocatable, intent(inout) :: array(:)     !! The array
-      integer, intent(in) :: number                       !! What it holds
+   !> Replace an array by one with a single element.
+   pure subroutine set_single(array, number)
+      integer, allocatable, intent(inout) :: array(:)
+      integer, intent(in) :: number                      
 
       if (allocated(array)) deallocate (array)
       allocate (array(1))
       array = number
-   end subroutine set_only
+   end subroutine set_single
 
-   !> See that a field is there for all particles.
-   logical function reader_look(self, name) result(there)
-      class(reader_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
+   !> Check that the file has a field for all particles.
+   logical function reader_check_field(self, name) result(there)
+      class(reader_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
       type(data_info_t) :: info
       type(error_t), allocatable :: error
       character(len=:), allocatable :: group
@@ -331,14 +334,14 @@ contains
       end if
       there = .not. allocated(error)
       if (.not. there .and. .not. allocated(self%problem)) call move_alloc(error, self%problem)
-   end function reader_look
+   end function reader_check_field
 
    !> Compare the hash of a field over all ranks. Collective.
    subroutine reader_verify(self, name, check, error)
-      class(reader_t), intent(inout) :: self              !! The worker
+      class(reader_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Data set, from the root
       integer(int64), intent(in) :: check                 !! Hash of the rows of this rank
-      type(error_t), allocatable, intent(inout) :: error  !! What failed in reading
+      type(error_t), allocatable, intent(inout) :: error  !! Failure in reading
       integer(int64) :: found(1), wanted
 
       found = check
@@ -353,11 +356,11 @@ contains
          call move_alloc(error, self%problem)
    end subroutine reader_verify
 
-   !> Read a field of numbers. Collective.
+   !> Read a scalar field. Collective.
    subroutine reader_scalar(self, name, unit, values)
-      class(reader_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(reader_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:)   !! (particle), filled
       type(error_t), allocatable :: error
       integer(int64) :: check
@@ -368,7 +371,7 @@ contains
       allocate (values(self%count))
       values = 0.0_wp
       check = 0
-      if (self%look(name)) then
+      if (self%check_field(name)) then
          call self%source%read(path, self%before, values, error)
          if (.not. allocated(error)) &
             check = hash_reals(field_key(self%store, name, 1), self%owners, values)
@@ -376,11 +379,11 @@ contains
       call self%verify(path, check, error)
    end subroutine reader_scalar
 
-   !> Read a field of vectors or tensors. Collective.
+   !> Read a vector or tensor field. Collective.
    subroutine reader_vector(self, name, unit, values)
-      class(reader_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(reader_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component), filled
       type(error_t), allocatable :: error
       real(wp), allocatable :: rows(:, :)
@@ -394,7 +397,7 @@ contains
       allocate (values(self%count, components), rows(components, self%count))
       values = 0.0_wp
       check = 0
-      if (self%look(name)) then
+      if (self%check_field(name)) then
          call self%source%read(path, self%before, rows, error)
          if (.not. allocated(error)) then
             do component = 1, components
@@ -407,11 +410,11 @@ contains
       call self%verify(path, check, error)
    end subroutine reader_vector
 
-   !> Read a field of whole numbers. Collective.
+   !> Read an integer field. Collective.
    subroutine reader_whole(self, name, unit, values)
-      class(reader_t), intent(inout) :: self              !! The worker
-      character(len=*), intent(in) :: name                !! Name in files
-      character(len=*), intent(in) :: unit                !! SI unit
+      class(reader_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle), filled
       type(error_t), allocatable :: error
       integer(int64) :: check
@@ -422,7 +425,7 @@ contains
       allocate (values(self%count))
       values = 0
       check = 0
-      if (self%look(name)) then
+      if (self%check_field(name)) then
          call self%source%read(path, self%before, values, error)
          if (.not. allocated(error)) &
             check = hash_integers(field_key(self%store, name, 1), self%owners, values)

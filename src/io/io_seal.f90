@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A seal at the end of a file: a title and a hash of all bytes before it.
+!> Writes and verifies the seal of a file: a title and a hash of all preceding bytes at its end.
 !!
-!! The hashes inside of a checkpoint guard its numbers, but not what the HDF5 library needs to find
-!! them; with damage there it may fail in any way, and has been seen to kill the program. So no byte
-!! of a sealed file is given to the library before all have been compared. HDF5 does not look at
-!! what stands behind its own end of the file.
+!! The hashes inside a checkpoint protect its data, but not the metadata of HDF5, which can crash
+!! the
+!! program when damaged. So the seal of a file is verified before the library opens it. HDF5 ignores
+!! bytes after its own end of file.
 module io_seal
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -20,17 +20,17 @@ module io_seal
 
    character(len=*), parameter, public :: checkpoint_schema = "scree-checkpoint-2"
 
-   integer, parameter :: digits = 16                     !! Of the hash
+   integer, parameter :: digits = 16                     !! Digits of the hash
    integer, parameter, public :: seal_bytes = 48         !! Title, blanks, digits, end of line
    integer, parameter :: block_words = 131072            !! Words that are read together
    integer, parameter :: word_bytes = 8
-   character(len=*), parameter :: maker = "scree-"       !! All titles begin with it
+   character(len=*), parameter :: title_prefix = "scree-"       !! Of all titles
 
 contains
 
    !> Append the seal to a file. Collective.
    subroutine write_seal(communicator, path, title, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path               !! The file, complete and closed
       character(len=*), intent(in) :: title              !! Kind and version of the file
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read or written
@@ -51,16 +51,16 @@ contains
 
    !> Compare a file with its seal. Collective.
    subroutine check_seal(communicator, path, title, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      character(len=*), intent(in) :: path               !! The file
-      character(len=*), intent(in) :: title              !! Kind and version that are understood
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: path
+      character(len=*), intent(in) :: title              !! Kind and version that can be read
       type(error_t), allocatable, intent(out) :: error   !! Missing, another kind, or damaged
       character(len=seal_bytes) :: seal
       integer(int64) :: hash
 
       call read_seal(path, seal, error)
       if (.not. allocated(error)) then
-         if (seal(:len(maker)) /= maker .or. seal(seal_bytes:) /= new_line("a")) then
+         if (seal(:len(title_prefix)) /= title_prefix .or. seal(seal_bytes:) /= new_line("a")) then
             call fail(error, exit_file, "'"//path// &
                "' is cut short, or no checkpoint of this program")
          else if (seal(:seal_bytes - digits - 1) /= title) then
@@ -78,7 +78,7 @@ contains
 
    !> Read the seal of a file.
    subroutine read_seal(path, seal, error)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       character(len=seal_bytes), intent(out) :: seal     !! Its last bytes
       type(error_t), allocatable, intent(out) :: error   !! Missing or unreadable
       integer(int64) :: bytes
@@ -99,18 +99,18 @@ contains
       if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"'")
    end subroutine read_seal
 
-   !> Hash of the first bytes of a file; the ranks share the work. Collective.
+   !> Hash the first bytes of a file, in parallel. Collective.
    subroutine hash_file(communicator, path, bytes, hash, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      character(len=*), intent(in) :: path               !! The file
-      integer(int64), intent(in) :: bytes                !! How many count
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: path
+      integer(int64), intent(in) :: bytes                !! Number of bytes
       integer(int64), intent(out) :: hash                !! The same on all ranks
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
-      integer(int64), allocatable :: places(:), words(:)
+      integer(int64), allocatable :: word_number(:), words(:)
       integer(int64) :: block, first, last, sum(1)
       integer :: filled, n, status, unit
 
-      allocate (places(block_words), words(block_words))
+      allocate (word_number(block_words), words(block_words))
       sum = 0
       open (newunit=unit, file=path, access="stream", action="read", status="old", iostat=status)
       block = communicator%rank
@@ -120,9 +120,9 @@ contains
          filled = int((last - first + word_bytes - 1)/word_bytes)
          call read_words(unit, first, last, words(:filled), status)
          do n = 1, filled
-            places(n) = first/word_bytes + n
+            word_number(n) = first/word_bytes + n
          end do
-         sum = add_hash(sum, hash_integers(0_int64, places(:filled), words(:filled)))
+         sum = add_hash(sum, hash_integers(0_int64, word_number(:filled), words(:filled)))
          block = block + communicator%size
       end do
       if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"'")
@@ -132,7 +132,7 @@ contains
       call agree(communicator, error)
    end subroutine hash_file
 
-   !> Read bytes of a file as words; a last word that is not full ends in zeros.
+   !> Read bytes of a file as words; the last one is padded with zeros.
    subroutine read_words(unit, first, last, words, status)
       integer, intent(in) :: unit                        !! The open file
       integer(int64), intent(in) :: first                !! Bytes before the first

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The small part of a checkpoint: step, time, and whatever numbers the run keeps by name.
+!> State of a run besides its particles, for checkpoints: step, time, and named values.
 module io_state
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
@@ -8,34 +8,34 @@ module io_state
 
    public :: entry_t, state_t
 
-   !> Numbers with a name, either real or whole.
+   !> Named values, either real or integer.
    type :: entry_t
       character(len=:), allocatable :: name               !! Unique
       real(wp), allocatable :: reals(:)                   !! Allocated if real
-      integer(int64), allocatable :: integers(:)            !! Allocated if whole
+      integer(int64), allocatable :: integers(:)            !! Allocated if integer
    end type entry_t
 
-   !> State of a run beside its particles. The same on all ranks.
+   !> State of a run besides its particles. The same on all ranks.
    type :: state_t
       integer(int64) :: step = 0                          !! Steps done
       real(wp) :: time = 0.0_wp                           !! Simulated time [s]
       real(wp) :: dt_next = 0.0_wp                        !! Length of the next step [s]
-      type(entry_t), allocatable :: entries(:)            !! In the order of their first mention
+      type(entry_t), allocatable :: entries(:)            !! In the order of insertion
    contains
-      procedure :: place => state_place                   !! Where an entry is, 0 if there is none
-      procedure :: has => state_has                       !! Is there an entry of this name
-      procedure, private :: set_reals, set_integers, get_reals, get_integers, make_room
-      !> Keep numbers under a name.
+      procedure :: place => state_place                   !! Index of an entry, 0 if there is none
+      procedure :: has => state_has                       !! Is there an entry of this name?
+      procedure, private :: set_reals, set_integers, get_reals, get_integers, find_or_add
+      !> Store values under a name.
       generic :: set => set_reals, set_integers
-      !> Look numbers up.
+      !> Get the values of a name.
       generic :: get => get_reals, get_integers
    end type state_t
 
 contains
 
-   !> Where an entry is, 0 if there is none.
+   !> Index of an entry, 0 if there is none.
    pure integer function state_place(self, name) result(place)
-      class(state_t), intent(in) :: self                  !! The state
+      class(state_t), intent(in) :: self
       character(len=*), intent(in) :: name                !! Name of an entry
       integer :: index
 
@@ -46,19 +46,19 @@ contains
       end do
    end function state_place
 
-   !> Is there an entry of this name.
+   !> True if there is an entry of this name.
    pure logical function state_has(self, name) result(has)
-      class(state_t), intent(in) :: self                  !! The state
+      class(state_t), intent(in) :: self
       character(len=*), intent(in) :: name                !! Name of an entry
 
       has = self%place(name) > 0
    end function state_has
 
-   !> An empty entry of a name, new or old.
-   subroutine make_room(self, name, place)
-      class(state_t), intent(inout) :: self               !! The state
+   !> Empty the entry of a name, and add it if it is new.
+   subroutine find_or_add(self, name, place)
+      class(state_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
-      integer, intent(out) :: place                       !! Where it is
+      integer, intent(out) :: place                       !! Its index
       type(entry_t), allocatable :: larger(:)
       integer :: index
 
@@ -77,37 +77,37 @@ contains
       self%entries(place)%name = name
       if (allocated(self%entries(place)%reals)) deallocate (self%entries(place)%reals)
       if (allocated(self%entries(place)%integers)) deallocate (self%entries(place)%integers)
-   end subroutine make_room
+   end subroutine find_or_add
 
-   !> Keep real numbers under a name.
+   !> Store reals under a name.
    subroutine set_reals(self, name, values)
-      class(state_t), intent(inout) :: self               !! The state
+      class(state_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
-      real(wp), intent(in) :: values(:)                   !! What is kept
+      real(wp), intent(in) :: values(:)                   !! Values
       integer :: place
 
-      call self%make_room(name, place)
+      call self%find_or_add(name, place)
       allocate (self%entries(place)%reals(size(values)))
       self%entries(place)%reals(:) = values
    end subroutine set_reals
 
-   !> Keep whole numbers under a name.
+   !> Store integers under a name.
    subroutine set_integers(self, name, values)
-      class(state_t), intent(inout) :: self               !! The state
+      class(state_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
-      integer(int64), intent(in) :: values(:)             !! What is kept
+      integer(int64), intent(in) :: values(:)             !! Values
       integer :: place
 
-      call self%make_room(name, place)
+      call self%find_or_add(name, place)
       allocate (self%entries(place)%integers(size(values)))
       self%entries(place)%integers(:) = values
    end subroutine set_integers
 
-   !> Look real numbers up.
+   !> Get the reals of a name.
    subroutine get_reals(self, name, values, error)
-      class(state_t), intent(in) :: self                  !! The state
+      class(state_t), intent(in) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
-      real(wp), allocatable, intent(out) :: values(:)     !! What was kept
+      real(wp), allocatable, intent(out) :: values(:)     !! Values
       type(error_t), allocatable, intent(out) :: error    !! There is no such entry
       integer :: place
 
@@ -118,14 +118,14 @@ contains
             return
          end if
       end if
-      call fail(error, exit_file, "the checkpoint holds no real numbers '"//name//"'")
+      call fail(error, exit_file, "the checkpoint has no real values '"//name//"'")
    end subroutine get_reals
 
-   !> Look whole numbers up.
+   !> Get the integers of a name.
    subroutine get_integers(self, name, values, error)
-      class(state_t), intent(in) :: self                  !! The state
+      class(state_t), intent(in) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
-      integer(int64), allocatable, intent(out) :: values(:) !! What was kept
+      integer(int64), allocatable, intent(out) :: values(:) !! Values
       type(error_t), allocatable, intent(out) :: error    !! There is no such entry
       integer :: place
 
@@ -136,6 +136,6 @@ contains
             return
          end if
       end if
-      call fail(error, exit_file, "the checkpoint holds no whole numbers '"//name//"'")
+      call fail(error, exit_file, "the checkpoint has no integers '"//name//"'")
    end subroutine get_integers
 end module io_state

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Facets from STL files, binary or text: the corners of triangles, in any unit of length.
+!> Reads facets from STL files, binary or text: the corners of triangles, in any unit of length.
 module io_stl
    use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
@@ -13,20 +13,20 @@ module io_stl
    public :: read_stl
 
    integer, parameter :: heading = 84                    !! Bytes before the first facet
-   integer, parameter :: facet_bytes = 50                !! Normal, three corners, two bytes more
-   integer, parameter :: shown = 40                      !! Letters of a wrong line in a message
+   integer, parameter :: facet_bytes = 50                !! Normal, three corners, two further bytes
+   integer, parameter :: shown = 40                      !! Characters of a wrong line in a message
 
 contains
 
-   !> Take the facets from the content of a file.
+   !> Read the facets of a file.
    subroutine read_stl(text, path, corner, error)
-      character(len=*), intent(in) :: text               !! All of the file
-      character(len=*), intent(in) :: path               !! Its name, for messages
+      character(len=*), intent(in) :: text               !! Content of the file
+      character(len=*), intent(in) :: path               !! For messages
       real(wp), allocatable, intent(out) :: corner(:, :, :) !! (3, corner, facet)
-      type(error_t), allocatable, intent(out) :: error   !! It cannot be understood
+      type(error_t), allocatable, intent(out) :: error   !! Not a valid STL file
       integer(int64) :: count
 
-      ! files of either kind may begin with the word solid; only the length of a binary one fits
+      ! files of either kind may begin with the word solid, but only a binary file has this length
       count = -1
       if (len(text) >= heading) count = whole_at(text, heading - 4)
       if (heading + facet_bytes*count == len(text, kind=int64)) then
@@ -35,26 +35,26 @@ contains
          index(text, "facet") > 0) then
          call read_text(text, path, corner, error)
       else if (len(text) >= heading) then
-         call complain(error, path, "it says that it holds "//number(count)// &
-            " facets, but has room for "//number((len(text) - heading)/facet_bytes)// &
-            "; it is cut short, or no STL file")
+         call fail_reading(error, path, "its header gives "//number(count)// &
+            " facets, but it has "//number((len(text) - heading)/facet_bytes)// &
+            "; it is cut short, or not an STL file")
       else
-         call complain(error, path, "it is too short for an STL file")
+         call fail_reading(error, path, "it is too short for an STL file")
       end if
       if (allocated(error)) return
-      if (size(corner, 3) == 0) call complain(error, path, "it holds no facet")
+      if (size(corner, 3) == 0) call fail_reading(error, path, "it has no facets")
    end subroutine read_stl
 
-   !> Make the message.
-   subroutine complain(error, path, what)
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
-      character(len=*), intent(in) :: path               !! The file
+   !> Make the error message on a file.
+   subroutine fail_reading(error, path, what)
+      type(error_t), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: what               !! What is wrong
 
       call fail(error, exit_file, "cannot read the facets of '"//path//"': "//what)
-   end subroutine complain
+   end subroutine fail_reading
 
-   !> Four bytes as a whole number without a sign, the lowest first.
+   !> Four bytes as an unsigned integer, little-endian.
    pure integer(int64) function whole_at(text, before) result(whole)
       character(len=*), intent(in) :: text               !! Bytes
       integer, intent(in) :: before                      !! Bytes before the first
@@ -68,11 +68,11 @@ contains
 
    !> Facets of a binary file.
    subroutine read_binary(text, path, count, corner, error)
-      character(len=*), intent(in) :: text               !! All of the file
-      character(len=*), intent(in) :: path               !! Its name, for messages
+      character(len=*), intent(in) :: text               !! Content of the file
+      character(len=*), intent(in) :: path               !! For messages
       integer, intent(in) :: count                       !! Facets
       real(wp), allocatable, intent(out) :: corner(:, :, :) !! (3, corner, facet)
-      type(error_t), allocatable, intent(out) :: error   !! A number is none
+      type(error_t), allocatable, intent(out) :: error   !! A coordinate is not finite
       real(real32) :: value
       integer :: facet, k, n, before
 
@@ -80,12 +80,12 @@ contains
       do facet = 1, count
          do n = 1, 3
             do k = 1, 3
-               ! the normal comes first and is not needed: the order of the corners tells it
+               ! the normal comes first and is not used: it follows from the order of the corners
                before = heading + facet_bytes*(facet - 1) + 12*n + 4*(k - 1)
                value = transfer(text(before + 1:before + 4), value)
                if (.not. ieee_is_finite(value)) then
-                  call complain(error, path, "facet "//number(facet)// &
-                     " has a corner that is not a number")
+                  call fail_reading(error, path, "facet "//number(facet)// &
+                     " has a corner that is not finite")
                   return
                end if
                corner(k, n, facet) = real(value, wp)
@@ -94,20 +94,20 @@ contains
       end do
    end subroutine read_binary
 
-   !> Facets of a text: lines with `vertex` and three numbers, three of them a facet.
+   !> Facets of a text: three lines with `vertex` and three numbers for each facet.
    subroutine read_text(text, path, corner, error)
-      character(len=*), intent(in) :: text               !! All of the file
-      character(len=*), intent(in) :: path               !! Its name, for messages
+      character(len=*), intent(in) :: text               !! Content of the file
+      character(len=*), intent(in) :: path               !! For messages
       real(wp), allocatable, intent(out) :: corner(:, :, :) !! (3, corner, facet)
       type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
       type(text_t), allocatable :: words(:)
       character(len=:), allocatable :: line
-      real(wp), allocatable :: room(:, :, :)
+      real(wp), allocatable :: corners_read(:, :, :)
       real(wp) :: values(3)
       integer :: first, last, row, corners, facets, k
       logical :: sound(3)
 
-      allocate (room(3, 3, facets_of(text)))
+      allocate (corners_read(3, 3, facets_of(text)))
       first = 1
       row = 0
       facets = 0
@@ -127,7 +127,7 @@ contains
             end do
             if (.not. all(sound)) exit
             corners = corners + 1
-            room(:, corners, facets) = values
+            corners_read(:, corners, facets) = values
          case ("facet")
             if (corners /= 3) exit
             facets = facets + 1
@@ -140,15 +140,15 @@ contains
          line = ""
       end do
       if (len(line) > 0) then
-         call complain(error, path, "line "//number(row)//": expected a facet with three "// &
+         call fail_reading(error, path, "line "//number(row)//": expected a facet with three "// &
             "vertices of three numbers, not '"//shortened(trim(adjustl(plain(line))), shown)//"'")
       else if (corners /= 3 .or. index(text, "endsolid") == 0) then
-         call complain(error, path, "it ends within a solid, in line "//number(row)// &
+         call fail_reading(error, path, "it ends within a solid, in line "//number(row)// &
             "; it is cut short")
       end if
       if (allocated(error)) return
       allocate (corner(3, 3, facets))
-      corner(:, :, :) = room(:, :, :facets)
+      corner(:, :, :) = corners_read(:, :, :facets)
    end subroutine read_text
 
    !> A line without tabs and carriage returns.
@@ -162,9 +162,9 @@ contains
       end do
    end function plain
 
-   !> How often a text speaks of a facet, in its lines and in names: as many it may hold.
+   !> Occurrences of the word facet in a text: an upper bound of the number of facets.
    pure integer function facets_of(text) result(facets)
-      character(len=*), intent(in) :: text               !! All of the file
+      character(len=*), intent(in) :: text               !! Content of the file
       integer :: found, from
 
       facets = 0

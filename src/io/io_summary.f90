@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A writer of JSON, for the summary of a run.
+!> Writes JSON, for the summary of a run.
 module io_summary
    use base_error, only: error_t
    use base_kinds, only: int32, int64, wp
@@ -11,15 +11,15 @@ module io_summary
 
    public :: json_t
 
-   !> An object that grows member by member. Objects may stand in objects.
+   !> An object to which members are added. Objects may be nested.
    type :: json_t
       character(len=:), allocatable, private :: body     !! Members so far
       integer, private :: depth = 1                      !! Objects that are open
       logical, private :: first = .true.                 !! No member yet in the open object
    contains
-      procedure :: begin => json_begin                   !! Begin an object as a member
+      procedure :: begin => json_begin                   !! Begin a nested object
       procedure :: end => json_end                       !! End that object
-      procedure :: text => json_text                     !! All of it
+      procedure :: text => json_text                     !! Text of the object
       procedure :: write => json_write                   !! Write it to a file
       procedure, private :: add_text, add_real, add_integer, add_short, add_logical, add_reals, &
          add_texts, add_raw
@@ -57,7 +57,7 @@ contains
       line = line//""""
    end function quoted
 
-   !> A number, or null for what JSON has no number for.
+   !> A number, or null if it is not finite.
    function number_text(number) result(text)
       real(wp), intent(in) :: number                     !! Any number
       character(len=:), allocatable :: text
@@ -66,9 +66,9 @@ contains
       if (ieee_is_finite(number)) text = real_text(number)
    end function number_text
 
-   !> Add a member whose value is JSON already.
+   !> Add a member whose value is JSON text.
    subroutine add_raw(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       character(len=*), intent(in) :: value              !! Its value
 
@@ -78,9 +78,9 @@ contains
       self%first = .false.
    end subroutine add_raw
 
-   !> Begin an object as a member.
+   !> Begin a nested object.
    subroutine json_begin(self, name)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
 
       call self%add_raw(name, "{")
@@ -90,7 +90,7 @@ contains
 
    !> End the object that was begun last.
    subroutine json_end(self)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
 
       if (self%depth == 1) return
       self%depth = self%depth - 1
@@ -99,9 +99,9 @@ contains
       self%first = .false.
    end subroutine json_end
 
-   !> All of it; objects that are still open are closed.
+   !> Text of the object; open nested objects are closed.
    pure function json_text(self) result(text)
-      class(json_t), intent(in) :: self                  !! The object
+      class(json_t), intent(in) :: self
       character(len=:), allocatable :: text
       integer :: depth
 
@@ -113,9 +113,9 @@ contains
       text = text//new_line("a")
    end function json_text
 
-   !> Write it to a file.
+   !> Write the object to a file.
    subroutine json_write(self, path, error)
-      class(json_t), intent(in) :: self                  !! The object
+      class(json_t), intent(in) :: self
       character(len=*), intent(in) :: path               !! Where
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
 
@@ -124,34 +124,34 @@ contains
 
    !> Add a text.
    subroutine add_text(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       character(len=*), intent(in) :: value              !! Its value
 
       call self%add_raw(name, quoted(value))
    end subroutine add_text
 
-   !> Add a real number.
+   !> Add a real.
    subroutine add_real(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       real(wp), intent(in) :: value                      !! Its value
 
       call self%add_raw(name, number_text(value))
    end subroutine add_real
 
-   !> Add a whole number.
+   !> Add an integer.
    subroutine add_integer(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       integer(int64), intent(in) :: value                !! Its value
 
       call self%add_raw(name, integer_text(value))
    end subroutine add_integer
 
-   !> Add a short whole number.
+   !> Add a 32-bit integer.
    subroutine add_short(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       integer(int32), intent(in) :: value                !! Its value
 
@@ -160,7 +160,7 @@ contains
 
    !> Add a condition.
    subroutine add_logical(self, name, value)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       logical, intent(in) :: value                       !! Its value
 
@@ -171,9 +171,9 @@ contains
       end if
    end subroutine add_logical
 
-   !> Add an array of real numbers.
+   !> Add an array of reals.
    subroutine add_reals(self, name, values)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       real(wp), intent(in) :: values(:)                  !! Its value
       character(len=:), allocatable :: line
@@ -187,9 +187,9 @@ contains
       call self%add_raw(name, line//"]")
    end subroutine add_reals
 
-   !> Add an array of texts, without blanks at their ends.
+   !> Add an array of texts, without trailing blanks.
    subroutine add_texts(self, name, values)
-      class(json_t), intent(inout) :: self               !! The object
+      class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
       character(len=*), intent(in) :: values(:)          !! Its value
       character(len=:), allocatable :: line

@@ -10,7 +10,7 @@ module io_text
 
 contains
 
-   !> A real number in as few digits as it needs to come back to the last bit.
+   !> A real with the fewest digits that give the same bits when read back.
    function real_text(number) result(text)
       real(wp), intent(in) :: number                     !! Any number
       character(len=:), allocatable :: text
@@ -34,7 +34,7 @@ contains
       text = without_zeros(trim(adjustl(line)))
    end function real_text
 
-   !> A number in exponent form without zeros at the end of its digits.
+   !> A number in exponent form without trailing zeros.
    pure function without_zeros(line) result(text)
       character(len=*), intent(in) :: line               !! As 1.2500E+003
       character(len=:), allocatable :: text
@@ -48,7 +48,7 @@ contains
       text = line(:last)//line(exponent:)
    end function without_zeros
 
-   !> A whole number.
+   !> An integer.
    pure function integer_text(number) result(text)
       integer(int64), intent(in) :: number               !! Any number
       character(len=:), allocatable :: text

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Voxels from files: a data set of HDF5, or MetaImage, which is a text of a few lines and bytes.
+!> Reads voxels from files: a data set of HDF5, or MetaImage, which is a text header with raw bytes.
 !!
-!! Only where a voxel has the wanted value is kept, a bit a voxel. HDF5 is read in pieces of layers.
+!! The result is a mask of the voxels with the selected value, one bit a voxel. HDF5 data sets are
+!! read in batches of layers.
 module io_voxels
    use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
@@ -17,9 +18,9 @@ module io_voxels
 
    public :: read_voxels, voxel_file_t
 
-   integer(int64), parameter :: piece = 16777216_int64   !! Read at once, if a layer has no more
-   integer, parameter :: shown = 40                      !! Letters of a wrong line in a message
-   integer, parameter :: most_seen = 8                   !! Values that a message names
+   integer(int64), parameter :: batch = 16777216_int64   !! Voxels read at once, at least a layer
+   integer, parameter :: shown = 40                      !! Characters of a wrong line in a message
+   integer, parameter :: most_seen = 8                   !! Values listed in a message
 
    !> Types of voxels of MetaImage and their bytes.
    character(len=10), parameter :: types(10) = [character(len=10) :: "MET_CHAR", "MET_UCHAR", &
@@ -27,32 +28,32 @@ module io_voxels
       "MET_DOUBLE"]
    integer, parameter :: type_bytes(10) = [1, 1, 2, 2, 4, 4, 4, 4, 4, 8]
 
-   !> What a file of voxels holds, lengths in its own unit.
+   !> Contents of a file of voxels, lengths in the unit of the file.
    type :: voxel_file_t
       integer :: extent(3) = 1                           !! Voxels along x, y and z
       integer :: dimensions = 3                          !! 2: along x and z; 1: along x
       real(wp) :: edge(3) = 1.0_wp                       !! Edges of a voxel
       real(wp) :: corner(3) = 0.0_wp                     !! Lower corner of the first one
-      character(len=:), allocatable :: mask              !! Which voxels have the value
+      character(len=:), allocatable :: mask              !! Voxels with the selected value
    end type voxel_file_t
 
-   !> Marks voxels, and remembers values for the case that none has the wanted one.
+   !> Marks voxels, and lists other values for the message that no voxel has the selected one.
    type :: marker_t
-      integer :: value = 1                               !! The wanted one
-      integer(int64) :: marked = 0                       !! Voxels that have it
-      integer(int64) :: seen(most_seen) = 0              !! Others
-      integer :: others = 0                              !! How many others
+      integer :: value = 1                               !! Selected value
+      integer(int64) :: marked = 0                       !! Voxels with this value
+      integer(int64) :: seen(most_seen) = 0              !! Other values
+      integer :: others = 0                              !! Number of other values
    end type marker_t
 
-   !> What the text of a MetaImage says.
+   !> Header of a MetaImage.
    type :: image_t
-      integer :: kind = 0                                !! Place in the list of types
-      integer(int64) :: skip = -1                        !! Bytes before the voxels, -1: to the end
-      logical :: high_first = .false.                    !! Order of the bytes of a number
+      integer :: kind = 0                                !! Index in the list of types
+      integer(int64) :: skip = -1 !! Bytes before the voxels, -1: they end the file
+      logical :: high_first = .false.                    !! Big-endian?
       character(len=:), allocatable :: data              !! File of the bytes, or LOCAL
-      integer(int64) :: data_start = 0                   !! Where the text ends
+      integer(int64) :: data_start = 0                   !! Length of the header
       logical :: sized = .false.                         !! Are the extents known?
-      real(wp), allocatable :: middle(:)                 !! Of the first voxel, if it is known
+      real(wp), allocatable :: middle(:)                 !! Middle of the first voxel, if known
    end type image_t
 
 contains
@@ -61,7 +62,7 @@ contains
    subroutine read_voxels(path, dataset, value, voxels, error)
       character(len=*), intent(in) :: path               !! The file; .mhd and .mha are MetaImage
       character(len=*), intent(in) :: dataset            !! Name of the data set in HDF5
-      integer, intent(in) :: value                       !! Of the voxels wanted
+      integer, intent(in) :: value                       !! Selected value
       type(voxel_file_t), intent(out) :: voxels          !! What the file holds
       type(error_t), allocatable, intent(out) :: error   !! It is broken, or lacks the value
       type(marker_t) :: marker
@@ -76,27 +77,27 @@ contains
       end if
       if (allocated(error)) return
       if (.not. all(ieee_is_finite(voxels%edge)) .or. .not. all(ieee_is_finite(voxels%corner))) then
-         call complain(error, path, "its spacing or origin is not a number")
+         call fail_reading(error, path, "its spacing or origin is not a number")
       else if (.not. all(voxels%edge > 0.0_wp)) then
-         call complain(error, path, "the edges of a voxel must be above 0")
+         call fail_reading(error, path, "the edges of a voxel must be above 0")
       else if (marker%marked == 0) then
-         call complain(error, path, "no voxel has the value "//number(value)//"; there are "// &
+         call fail_reading(error, path, "no voxel has the value "//number(value)//"; there are "// &
             values_text(marker))
       end if
    end subroutine read_voxels
 
-   !> Make the message.
-   subroutine complain(error, path, what)
-      type(error_t), allocatable, intent(out) :: error   !! Allocated on return
-      character(len=*), intent(in) :: path               !! The file
+   !> Make the error message on a file.
+   subroutine fail_reading(error, path, what)
+      type(error_t), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: what               !! What is wrong
 
       call fail(error, exit_file, "cannot read the voxels of '"//path//"': "//what)
-   end subroutine complain
+   end subroutine fail_reading
 
-   !> Values that were seen.
+   !> List of the other values, for a message.
    function values_text(marker) result(text)
-      type(marker_t), intent(in) :: marker               !! Saw them
+      type(marker_t), intent(in) :: marker
       character(len=:), allocatable :: text
       type(text_t) :: words(most_seen)
       integer :: n
@@ -106,10 +107,10 @@ contains
       end do
       text = join(words(:marker%others), ", ")
       if (marker%others == most_seen) text = text//", ..."
-      if (marker%others == 0) text = "none but what is not a number"
+      if (marker%others == 0) text = "only values that are not finite"
    end function values_text
 
-   !> Edges and corner from numbers of a file: one for all directions, one a direction of the data,
+   !> Expand values of a file to x, y, z: one for all directions, one a direction of the data,
    !! or three.
    subroutine spread_numbers(given, dimensions, values, fits)
       real(wp), intent(in) :: given(:)                   !! As in the file
@@ -151,13 +152,13 @@ contains
       voxels%mask(:) = repeat(achar(0), len(voxels%mask))
    end subroutine make_mask
 
-   !> Look at one voxel. Real numbers count as the whole number that they are nearest to.
-   pure subroutine look(marker, value, voxel, mask)
-      type(marker_t), intent(inout) :: marker            !! Counts
+   !> Mark a voxel if it has the selected value. Reals are rounded to the nearest integer.
+   pure subroutine test_voxel(marker, value, voxel, mask)
+      type(marker_t), intent(inout) :: marker
       real(wp), intent(in) :: value                      !! Of the voxel
-      integer(int64), intent(in) :: voxel                !! Which, from 0
+      integer(int64), intent(in) :: voxel                !! Number of the voxel, from 0
       character(len=:), allocatable, intent(inout) :: mask !! Of all voxels
-      real(wp), parameter :: most = 9.0e18_wp            ! whole numbers end there
+      real(wp), parameter :: most = 9.0e18_wp            ! integers end there
 
       if (.not. ieee_is_finite(value)) return
       if (abs(value - real(marker%value, wp)) < 0.5_wp) then
@@ -168,14 +169,14 @@ contains
          marker%others = marker%others + 1
          marker%seen(marker%others) = nint(value, int64)
       end if
-   end subroutine look
+   end subroutine test_voxel
 
    !> Voxels of a data set.
    subroutine read_hdf5(path, dataset, marker, voxels, error)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: dataset            !! Name of the data set
-      type(marker_t), intent(inout) :: marker            !! What is wanted
-      type(voxel_file_t), intent(inout) :: voxels        !! Gets all
+      type(marker_t), intent(inout) :: marker
+      type(voxel_file_t), intent(inout) :: voxels
       type(error_t), allocatable, intent(out) :: error   !! It cannot be read
       type(hdf5_source_t) :: source
       integer, allocatable :: extent(:)
@@ -193,9 +194,9 @@ contains
          call spread_numbers(edge, size(extent), voxels%edge, fit(1))
          call spread_numbers(corner, size(extent), voxels%corner, fit(2))
          if (product(int(extent, int64)) == 0) then
-            call complain(error, path, "it holds no voxel")
+            call fail_reading(error, path, "it holds no voxel")
          else if (.not. all(fit)) then
-            call complain(error, path, "the attributes spacing and origin of '"//dataset// &
+            call fail_reading(error, path, "the attributes spacing and origin of '"//dataset// &
                "' must have one number or one a direction")
          else
             call make_mask(voxels)
@@ -205,12 +206,12 @@ contains
       call source%close()
    end subroutine read_hdf5
 
-   !> Read a data set, some layers at a time.
+   !> Read a data set in batches of layers.
    subroutine read_layers(source, dataset, extent, marker, mask, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
       character(len=*), intent(in) :: dataset            !! Name of the data set
       integer, intent(in) :: extent(:)                   !! Its extents, the fastest first
-      type(marker_t), intent(inout) :: marker            !! What is wanted
+      type(marker_t), intent(inout) :: marker
       character(len=:), allocatable, intent(inout) :: mask !! Of all voxels
       type(error_t), allocatable, intent(out) :: error   !! It cannot be read
       real(wp), allocatable :: values(:)
@@ -219,15 +220,15 @@ contains
 
       layers = extent(size(extent))
       layer = product(int(extent, int64))/layers
-      do before = 0, layers - 1, int(max(piece/layer, 1_int64))
+      do before = 0, layers - 1, int(max(batch/layer, 1_int64))
          wanted = extent
-         wanted(size(extent)) = min(int(max(piece/layer, 1_int64)), layers - before)
+         wanted(size(extent)) = min(int(max(batch/layer, 1_int64)), layers - before)
          if (allocated(values)) deallocate (values)
          allocate (values(product(wanted)))
          call source%layers(dataset, before, wanted, values, error)
          if (allocated(error)) return
          do n = 1, size(values)
-            call look(marker, values(n), layer*before + n - 1, mask)
+            call test_voxel(marker, values(n), layer*before + n - 1, mask)
          end do
       end do
    end subroutine read_layers
@@ -235,8 +236,8 @@ contains
    !> Voxels of a MetaImage.
    subroutine read_image(path, marker, voxels, error)
       character(len=*), intent(in) :: path               !! The file with the text
-      type(marker_t), intent(inout) :: marker            !! What is wanted
-      type(voxel_file_t), intent(inout) :: voxels        !! Gets all
+      type(marker_t), intent(inout) :: marker
+      type(voxel_file_t), intent(inout) :: voxels
       type(error_t), allocatable, intent(out) :: error   !! It cannot be read
       character(len=:), allocatable :: text
       type(image_t) :: image
@@ -257,22 +258,24 @@ contains
       if (image%skip >= 0) start = start + image%skip
       if (image%skip < 0) start = max(start, len(text, kind=int64) - bytes)
       if (len(text, kind=int64) - start < bytes) then
-         call complain(error, path, "its voxels need "//number(bytes)//" bytes, but there are "// &
+         call fail_reading(error, path, &
+            "its voxels need "//number(bytes)//" bytes, but there are "// &
             number(max(len(text, kind=int64) - start, 0_int64))//"; it is cut short")
          return
       end if
       call make_mask(voxels)
       do voxel = 0, product(int(voxels%extent, int64)) - 1
-         call look(marker, value_at(text, start + voxel*type_bytes(image%kind), image), voxel, &
+         call test_voxel(marker, value_at(text, start + voxel*type_bytes(image%kind), image), &
+            voxel, &
             voxels%mask)
       end do
    end subroutine read_image
 
-   !> Take the text of a MetaImage apart.
+   !> Parse the header of a MetaImage.
    subroutine read_header(text, path, image, voxels, error)
-      character(len=*), intent(in) :: text               !! The file
-      character(len=*), intent(in) :: path               !! Its name, for messages
-      type(image_t), intent(inout) :: image              !! How the bytes lie
+      character(len=*), intent(in) :: text
+      character(len=*), intent(in) :: path               !! For messages
+      type(image_t), intent(inout) :: image
       type(voxel_file_t), intent(inout) :: voxels        !! Extents, edges, corner
       type(error_t), allocatable, intent(out) :: error   !! A line is wrong, or one is missing
       integer, parameter :: longest = 4095               ! letters of a line
@@ -296,25 +299,24 @@ contains
       end do
       image%data_start = first - 1
       if (.not. fits) then
-         call complain(error, path, "line "//number(row)//": cannot use '"// &
+         call fail_reading(error, path, "line "//number(row)//": cannot use '"// &
             shortened(trim(line), shown)//"'; raw voxels of one number, not turned, are read")
       else if (image%kind == 0 .or. .not. image%sized .or. image%data == "") then
-         call complain(error, path, "it lacks one of NDims, DimSize, ElementType, "// &
+         call fail_reading(error, path, "it lacks one of NDims, DimSize, ElementType, "// &
             "ElementDataFile; is it a MetaImage?")
       end if
       if (allocated(error)) return
       call spread_numbers(image%middle, voxels%dimensions, voxels%corner, fits)
-      ! places in the text are middles of voxels
+      ! positions in the header are middles of voxels
       if (size(image%middle) > 0) voxels%corner = voxels%corner - 0.5_wp*voxels%edge
    end subroutine read_header
 
-   !> One line of the text of a MetaImage. Lines about patients, colours and devices say nothing of
-   !! shape and are passed over.
+   !> Parse one line of the header. Lines that do not describe the shape are skipped.
    subroutine read_line(line, image, voxels, fits)
-      character(len=*), intent(in) :: line               !! The line
-      type(image_t), intent(inout) :: image              !! How the bytes lie
+      character(len=*), intent(in) :: line
+      type(image_t), intent(inout) :: image
       type(voxel_file_t), intent(inout) :: voxels        !! Extents, edges
-      logical, intent(out) :: fits                       !! It can be followed
+      logical, intent(out) :: fits                       !! Is the line supported?
       character(len=:), allocatable :: value
       real(wp), allocatable :: values(:)
       integer :: equals
@@ -365,10 +367,10 @@ contains
       end select
    end subroutine read_line
 
-   !> The numbers of a line; none if it holds something else.
+   !> The numbers of a line; an empty list if it has anything else.
    subroutine numbers_of(text, values)
       character(len=*), intent(in) :: text               !! Numbers with blanks between them
-      real(wp), allocatable, intent(out) :: values(:)    !! The numbers
+      real(wp), allocatable, intent(out) :: values(:)
       type(text_t), allocatable :: words(:)
       integer :: n
       logical :: sound
@@ -386,7 +388,7 @@ contains
       end do
    end subroutine numbers_of
 
-   !> The matrix of a MetaImage that is not turned, row by row.
+   !> Identity matrix by rows: the orientation of a MetaImage that is not rotated.
    pure function identity(dimensions) result(matrix)
       integer, intent(in) :: dimensions                  !! Of the data
       real(wp) :: matrix(dimensions**2)
@@ -406,11 +408,11 @@ contains
       end do
    end function plain
 
-   !> One number of the bytes.
+   !> Convert bytes to a number.
    pure real(wp) function value_at(text, before, image) result(value)
       character(len=*), intent(in) :: text               !! Bytes
       integer(int64), intent(in) :: before               !! Bytes before the number
-      type(image_t), intent(in) :: image                 !! How they lie
+      type(image_t), intent(in) :: image
       character(len=8) :: letters
       integer :: bytes, n
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Bodies to be made of particles, and where their particles come from if not from the lattice.
+!> Bodies to be filled with particles, on the lattice or at given positions.
 module particle_body
    use base_kinds, only: int64, wp
    use base_text, only: text_t
@@ -10,10 +10,10 @@ module particle_body
 
    public :: belongs, body_t, cell_of, given_t, site_position, tile_sites
 
-   !> Particles whose places are given rather than those of the lattice. Threads may ask side by
-   !! side, and the answer must not depend on who asks.
+   !> Particles at given positions instead of lattice sites. Threads call these procedures
+   !! concurrently, so the result must depend on the arguments alone.
    type, abstract :: given_t
-      logical :: clipped = .true.                     !! Do those outside the region of the body go?
+      logical :: clipped = .true. !! Are those outside the body's region dropped?
    contains
       procedure(numbers_i), deferred :: numbers       !! Numbers that its particles may have
       procedure(collect_i), deferred :: collect       !! The particles of a tile
@@ -23,58 +23,61 @@ module particle_body
       pure function numbers_i(self, grid) result(numbers)
          import :: given_t, grid_t, int64
          implicit none
-         class(given_t), intent(in) :: self           !! The particles
-         type(grid_t), intent(in) :: grid             !! The grid
+         class(given_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid
          integer(int64) :: numbers(3)                 !! Their product is the greatest number
       end function numbers_i
 
       pure subroutine collect_i(self, grid, coordinate, position, volume, number)
          import :: given_t, grid_t, int64, wp
          implicit none
-         class(given_t), intent(in) :: self           !! The particles
-         type(grid_t), intent(in) :: grid             !! The grid
+         class(given_t), intent(in) :: self
+         type(grid_t), intent(in) :: grid
          integer, intent(in) :: coordinate(3)         !! Tile, counted from 0
          real(wp), allocatable, intent(out) :: position(:, :) !! (3, particle) [m]
-         real(wp), allocatable, intent(out) :: volume(:) !! (particle) Or a share of the body's [m3]
+         real(wp), allocatable, intent(out) :: volume(:) !! (particle) Or a relative weight [m3]
          integer(int64), allocatable, intent(out) :: number(:) !! (particle) From 1, each once
       end subroutine collect_i
    end interface
 
-   !> A body to be made of particles.
-   type :: body_t
-      character(len=:), allocatable :: name           !! For messages and files
-      type(shape_holder_t) :: shape                   !! Where it is
-      class(given_t), allocatable :: given            !! Its particles, if not those of the lattice
-      integer :: store = 1                            !! Index of its material
-      integer :: per_cell(3) = 2                      !! Particles along each edge of a cell
-      !> Do sites at the surface hold what is inside?
-      logical :: cut = .false.
-      logical :: jitter = .false.                     !! Are particles moved aside by chance?
+   !> State of the particles of a body at the start.
+   type :: initial_state_t
       real(wp) :: density = 0.0_wp                    !! [kg/m3]
       real(wp) :: velocity(3) = 0.0_wp                !! [m/s]
       real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
       !> (3) Formulas of velocities that are added, if there are any
       type(text_t), allocatable :: formula(:)
       real(wp) :: temperature = 293.0_wp              !! [K]
-      real(wp) :: energy = 0.0_wp                     !! Internal, per mass, at the start [J/kg]
-      integer :: region = 0                           !! Number of its region
-      logical :: keeps_stress = .false.               !! Is its stress that of a file?
-      !> Stress across gravity over that along it, from its weight; below 0 without stress [1]
+      real(wp) :: energy = 0.0_wp                     !! Internal, per mass [J/kg]
+      logical :: keeps_stress = .false.               !! Is its stress read from a file?
+      !> Ratio of lateral to vertical stress under its weight; below 0: no initial stress [1]
       real(wp) :: lateral = -1.0_wp
+   end type initial_state_t
+
+   !> A body to be filled with particles.
+   type, extends(initial_state_t) :: body_t
+      character(len=:), allocatable :: name           !! For messages and files
+      type(shape_holder_t) :: shape                   !! Region that it fills
+      class(given_t), allocatable :: given            !! Its particles, if not on the lattice
+      integer :: store = 1                            !! Index of its material
+      integer :: per_cell(3) = 2                      !! Particles along each edge of a cell
+      logical :: cut = .false.                        !! Are sites at the surface cut by it?
+      logical :: jitter = .false.                     !! Are particles displaced at random?
+      integer :: region = 0                           !! Number of its region
       real(wp) :: share = 1.0_wp                      !! Factor of the volumes of given particles
-      integer(int64) :: first_identity = 1            !! Identity of the first site of the box
+      integer(int64) :: first_identity = 1            !! Identity of the first site of the domain
    contains
-      procedure :: sites => body_sites                !! Sites of the whole box
-      procedure :: on_lattice => body_on_lattice      !! Do its particles stand for lattice sites?
+      procedure :: sites => body_sites                !! Sites of the whole domain
+      procedure :: on_lattice => body_on_lattice      !! Are its particles on lattice sites?
    end type body_t
 
 contains
 
-   !> Lattice sites of the whole box, along each direction; of given particles the numbers that they
-   !! may have.
+   !> Lattice sites of the whole domain along each direction; for given particles, the numbers that
+   !! they may have.
    pure function body_sites(self, grid) result(sites)
-      class(body_t), intent(in) :: self               !! The body
-      type(grid_t), intent(in) :: grid                !! The grid
+      class(body_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer(int64) :: sites(3)
 
       sites = 1
@@ -85,17 +88,17 @@ contains
       end if
    end function body_sites
 
-   !> True if each particle stands for a site of the lattice.
+   !> True if each particle is on a site of the lattice.
    pure logical function body_on_lattice(self) result(yes)
-      class(body_t), intent(in) :: self               !! The body
+      class(body_t), intent(in) :: self
 
       yes = .not. allocated(self%given)
    end function body_on_lattice
 
    !> Lattice sites of one tile along each direction.
    pure function tile_sites(grid, body, coordinate) result(sites)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: body                !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer :: sites(3)
 
@@ -103,11 +106,11 @@ contains
       where (grid%active) sites = grid%tile_extent(coordinate)*body%per_cell
    end function tile_sites
 
-   !> Position of a lattice site [m]. In missing directions it is the middle of the box, on the axis
-   !! plane 0 in axisymmetry.
+   !> Position of a lattice site [m]. In missing directions it is the middle of the domain; in
+   !! axisymmetry it is 0.
    pure function site_position(grid, body, coordinate, site) result(position)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: body                !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer, intent(in) :: site(3)                  !! Site in the tile, counted from 0
       real(wp) :: position(3)
@@ -117,9 +120,9 @@ contains
          + (real(site, wp) + 0.5_wp)/real(body%per_cell, wp))
    end function site_position
 
-   !> Cell of the box that a place lies in, counted from 0; places beyond a face belong to its cell.
+   !> Cell of a position, counted from 0; positions outside the domain belong to the nearest cell.
    pure function cell_of(grid, position) result(cell)
-      type(grid_t), intent(in) :: grid                !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: position(3)             !! [m]
       integer :: cell(3)
 
@@ -128,10 +131,10 @@ contains
          *(1.0_wp/grid%spacing), real(grid%cells, wp)), -1.0_wp)), grid%cells - 1), 0)
    end function cell_of
 
-   !> True if a place belongs to a body and to no later one.
+   !> True if a position belongs to a body and to no later one.
    pure logical function belongs(bodies, body, position) result(inside)
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       real(wp), intent(in) :: position(3)             !! [m]
       integer :: later
       logical :: clipped

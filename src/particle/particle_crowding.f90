@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Do particles claim more volume than there is, and does their pressure follow that of the nodes?
+!> Measures of crowding and of pressure noise: the volume that particles claim beyond that of the
+!! nodes, and the difference of their pressures from nodal means.
 !!
-!! Both are found from sums over the nodes of a tile that no other tile shares, with the linear
-!! functions of the grid whatever the method: a sample of the box that is the same for any ranks and
-!! needs no exchange.
+!! Both come from sums over the nodes of a tile that no other tile shares, with linear shape
+!! functions whatever the method: a sample that is the same for any number of ranks and needs no
+!! exchange.
 module particle_crowding
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit
@@ -15,9 +16,9 @@ module particle_crowding
 
 contains
 
-   !> Nodes of a tile whose cells all lie in it or beyond the box.
+   !> Nodes of a tile whose cells all lie in it or outside the domain.
    pure function nodes_alone(grid, coordinate) result(alone)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       logical :: alone(grid%tile_nodes)
       integer :: node, k, place(3), extent(3)
@@ -36,13 +37,13 @@ contains
       end do
    end function nodes_alone
 
-   !> Add volume, and volume times pressure, of the particles of a tile to its nodes. Failed ones
-   !! count with at most the volume that their mass has at rest: what is open in them is void.
+   !> Add volume, and volume times pressure, of the particles of a tile to its nodes. A failed
+   !! particle counts with at most the volume of its mass at rest: the rest of it is void.
    pure subroutine add_to_nodes(grid, coordinate, store, tile, density, loose, patch)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
       real(wp), intent(in) :: density                !! Of their material at rest [kg/m3]
       logical, intent(in) :: loose                   !! Does the material open as if it had failed?
       real(wp), intent(inout) :: patch(:, :)         !! (2, node) [m3], [m3 Pa]
@@ -60,10 +61,10 @@ contains
       end do
    end subroutine add_to_nodes
 
-   !> Volume that a particle takes from the space there is [m3].
+   !> Volume that a particle occupies [m3].
    pure real(wp) function claimed_volume(store, p, density, loose) result(volume)
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
       logical, intent(in) :: loose                   !! Does the material open as if it had failed?
       logical :: open
@@ -74,15 +75,15 @@ contains
       if (open) volume = min(volume, store%state%mass(p)/density)
    end function claimed_volume
 
-   !> Volume that particles claim around some nodes, and how much of it there is. Equation (L.8) of
+   !> Volume that particles claim at nodes, and how much of it the nodes have. Equation (L.8) of
    !! doc/theory/ledger.md.
    pure subroutine measure_claims(grid, coordinate, alone, patch, claimed, occupied)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
       real(wp), intent(in) :: patch(:, :)            !! (2, node) As above, of all materials
       real(wp), intent(out) :: claimed               !! Sum of the volumes of particles [m3]
-      real(wp), intent(out) :: occupied              !! The same without what nodes do not have [m3]
+      real(wp), intent(out) :: occupied              !! The same, at most the nodes' volumes [m3]
       real(wp) :: around(size(alone))
       integer :: node
 
@@ -96,23 +97,23 @@ contains
       end do
    end subroutine measure_claims
 
-   !> Squares of the pressures of particles, and of their differences from the means of the nodes,
-   !! times volume; their kinetic energy; the particle that differs most. Only where all nodes of
-   !! a cell hold all particles, and without those that have failed. Equation (L.9).
-   pure subroutine measure_noise(grid, coordinate, alone, store, tile, patch, sums, who)
-      type(grid_t), intent(in) :: grid               !! The grid
+   !> Squares of the pressures of particles and of their differences from nodal means, weighted by
+   !! volume; their kinetic energy; the particle that differs most. Only cells whose nodes are all
+   !! complete count, and particles that have not failed. Equation (L.9).
+   pure subroutine measure_noise(grid, coordinate, alone, store, tile, patch, sums, worst)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
       real(wp), intent(in) :: patch(:, :)            !! (2, node) As above, of this store
       !> Volume; times p2; times difference2; kinetic energy; greatest difference so far [Pa]
       real(wp), intent(inout) :: sums(5)
-      integer, intent(out) :: who                    !! Whose it is, 0 = of none of these
+      integer, intent(out) :: worst                  !! Particle with this difference, 0 = none
       real(wp) :: weight(8), mean, pressure
       integer :: node(8), lane, lanes_used, p
 
-      who = 0
+      worst = 0
       lanes_used = 2**grid%dimensions
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
          if (allocated(store%state%failed)) then
@@ -133,25 +134,25 @@ contains
             + store%velocity(p, 2)**2 + store%velocity(p, 3)**2)
          if (.not. abs(pressure - mean) > sums(5)) cycle
          sums(5) = abs(pressure - mean)
-         who = p
+         worst = p
       end do
    end subroutine measure_noise
 
    !> Pressure of a particle, with its viscous part [Pa].
    pure real(wp) function pressure_of(store, p) result(pressure)
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
 
       pressure = -(store%state%stress(p, 1) + store%state%stress(p, 2) &
          + store%state%stress(p, 3))/3.0_wp
    end function pressure_of
 
-   !> Nodes of the cell of a particle and their linear functions there.
+   !> Nodes of the cell of a particle and their linear shape functions there.
    pure subroutine find_nodes(grid, coordinate, store, p, node, weight)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one, it lies in the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       integer, intent(out) :: node(8)                !! (lane) Nodes of the tile
       real(wp), intent(out) :: weight(8)             !! (lane) Sum 1
       real(wp) :: corner(3), place

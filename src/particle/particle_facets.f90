@@ -1,12 +1,14 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Solids whose surface is given by triangles.
 !!
-!! A point lies inside if the surface winds around it: the crossings of a line from the point along
-!! z are counted with their signs. All questions of sides are asked of whole numbers, to which the
-!! corners are rounded, with more than 64 bits where they need them, and a line through an edge or a
-!! corner is moved aside by less than any number, so each facet is crossed or not and no crossing is
-!! lost or counted twice: H. Edelsbrunner and E. P. Mücke, ACM Trans. Graph. 9 (1990) 66. A grid
-!! over x and y finds the facets over a point.
+!! A point is inside if the winding number of the surface around it is not 0: the signed crossings
+!! of
+!! a ray from the point along z are counted. Corners are rounded to an integer lattice and all side
+!! tests are exact, with more than 64 bits where needed. A ray through an edge or a corner is
+!! shifted
+!! by an infinitesimal, so no crossing is lost or counted twice (simulation of simplicity,
+!! H. Edelsbrunner and E. P. Mücke, ACM Trans. Graph. 9 (1990) 66). A grid over x and y finds the
+!! facets above a point.
 module particle_facets
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
@@ -17,33 +19,33 @@ module particle_facets
 
    public :: facets_t, set_facets
 
-   integer, parameter :: most_columns = 512              !! Of the grid, along x and along y
+   integer, parameter :: most_columns = 512              !! Of the grid along x or y
    integer(int64), parameter :: ticks = 2_int64**28      !! Of the lattice, along the longest edge
 
    !> A solid.
    type, extends(shape_t) :: facets_t
-      real(wp), allocatable :: corner(:, :, :)           !! (3, corner, facet) As they were read [m]
-      integer(int64), allocatable, private :: lattice(:, :, :) !! (3, corner, facet) Rounded
+      real(wp), allocatable :: corner(:, :, :)           !! (3, corner, facet) As read [m]
+      integer(int64), allocatable, private :: lattice(:, :, :) !! (3, corner, facet) Rounded corners
       real(wp), private :: lower(3) = 0.0_wp             !! Lower corner of the lattice [m]
       real(wp), private :: upper(3) = -1.0_wp            !! Upper corner of the facets [m]
-      real(wp), private :: step = 1.0_wp                 !! Of the lattice [m]
+      real(wp), private :: step = 1.0_wp                 !! Lattice constant [m]
       integer, private :: columns(2) = 1                 !! Of the grid, along x and y
       integer, allocatable, private :: first(:)          !! (column) First entry of its list
       integer, allocatable, private :: list(:)           !! Facets over each column
    contains
-      procedure :: contains => facets_contains           !! Whether a point belongs to it
+      procedure :: contains => facets_contains           !! Is a point inside?
       procedure :: bounds => facets_bounds               !! A box around it
       procedure :: transform => facets_transform         !! Scale, turn and move
       procedure :: volume => facets_volume               !! Volume that the facets enclose
-      procedure :: faults => facets_faults               !! What is wrong with the surface
+      procedure :: faults => facets_faults               !! Defects of the surface
       procedure, private :: prepare => facets_prepare    !! Lattice and grid
    end type facets_t
 
 contains
 
-   !> Make a solid of the corners of its facets, counterclockwise as seen from outside.
+   !> Make a solid from the corners of its facets, counterclockwise as seen from outside.
    pure subroutine set_facets(shape, corner)
-      type(facets_t), intent(out) :: shape               !! The solid
+      type(facets_t), intent(out) :: shape
       real(wp), intent(in) :: corner(:, :, :)            !! (3, corner, facet) [m]
 
       allocate (shape%corner(3, 3, size(corner, 3)))
@@ -51,7 +53,7 @@ contains
       call shape%prepare()
    end subroutine set_facets
 
-   !> Round the corners to the lattice and note which facets lie over which columns of the grid.
+   !> Round the corners to the lattice and list the facets of each column of the grid.
    pure subroutine facets_prepare(self)
       class(facets_t), intent(inout) :: self             !! Corners are set
       integer, allocatable :: filled(:)
@@ -97,11 +99,11 @@ contains
       end do
    end subroutine facets_prepare
 
-   !> Column of a place on the lattice along x or y, from 0.
+   !> Column of a lattice coordinate along x or y, from 0.
    pure integer function column_of(self, direction, place) result(column)
-      class(facets_t), intent(in) :: self                !! The solid
+      class(facets_t), intent(in) :: self
       integer, intent(in) :: direction                   !! 1 or 2
-      integer(int64), intent(in) :: place                !! On the lattice
+      integer(int64), intent(in) :: place                !! Lattice coordinate
 
       column = int(min(max(place*self%columns(direction)/(ticks + 1), 0_int64), &
          int(self%columns(direction) - 1, int64)))
@@ -109,7 +111,7 @@ contains
 
    !> Whether a point belongs to the solid.
    pure recursive logical function facets_contains(self, x) result(inside)
-      class(facets_t), intent(in) :: self                !! The solid
+      class(facets_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                       !! Point [m]
       integer(int64) :: point(3)
       integer :: column, entry, winding
@@ -125,10 +127,10 @@ contains
       inside = winding /= 0
    end function facets_contains
 
-   !> Sign with which a line from a point upwards leaves through a facet, 0 if it does not cross it.
+   !> Sign of the crossing of a facet by the ray upwards from a point, 0 without a crossing.
    pure integer function crossing(corner, point) result(sign_of_it)
       integer(int64), intent(in) :: corner(3, 3)         !! (3, corner) On the lattice
-      integer(int64), intent(in) :: point(3)             !! Where the line begins
+      integer(int64), intent(in) :: point(3)             !! Origin of the ray
       integer :: side(3), k
 
       sign_of_it = 0
@@ -141,11 +143,11 @@ contains
    end function crossing
 
    !> Side of an edge, seen from above, on which a point lies: 1 left, -1 right. A point on the edge
-   !! counts as moved by a little along x and by much less along y.
+   !! counts as shifted by an infinitesimal along x and by one of higher order along y.
    pure integer function side_of(from, to, point) result(side)
-      integer(int64), intent(in) :: from(2)              !! Begin of the edge
-      integer(int64), intent(in) :: to(2)                !! Its end
-      integer(int64), intent(in) :: point(2)             !! The point
+      integer(int64), intent(in) :: from(2)              !! Start of the edge
+      integer(int64), intent(in) :: to(2)                !! End of the edge
+      integer(int64), intent(in) :: point(2)
       integer(int64) :: edge(2), turn
 
       edge = to - from
@@ -156,12 +158,13 @@ contains
       if (turn == 0) side = 0
    end function side_of
 
-   !> Does a facet lie above a point that it covers? One through the point itself does not, so that
-   !! solids are closed below and open above. The products have up to 87 bits and are formed in two
+   !> True if a facet lies above a point that it covers. A facet through the point does not, so that
+   !! solids are closed below and open above. The products have up to 87 bits and are computed in
+   !! two
    !! parts.
    pure logical function above(corner, point, side) result(higher)
       integer(int64), intent(in) :: corner(3, 3)         !! (3, corner) On the lattice
-      integer(int64), intent(in) :: point(3)             !! The point
+      integer(int64), intent(in) :: point(3)
       integer, intent(in) :: side                        !! 1 if the facet is counterclockwise
       integer, parameter :: split = 25
       integer(int64), parameter :: half = 2_int64**split
@@ -190,7 +193,7 @@ contains
 
    !> A box around the solid.
    pure recursive subroutine facets_bounds(self, lo, hi)
-      class(facets_t), intent(in) :: self                !! The solid
+      class(facets_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
 
       lo = self%lower
@@ -199,7 +202,7 @@ contains
 
    !> Scale, turn and move the solid.
    pure recursive subroutine facets_transform(self, scale, rotation, translate)
-      class(facets_t), intent(inout) :: self             !! The solid
+      class(facets_t), intent(inout) :: self
       real(wp), intent(in) :: scale                      !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)               !! Displacement [m]
@@ -215,7 +218,7 @@ contains
 
    !> Volume that the facets enclose, negative if they face inwards [m3].
    pure real(wp) function facets_volume(self) result(volume)
-      class(facets_t), intent(in) :: self                !! The solid
+      class(facets_t), intent(in) :: self
       real(wp) :: a(3), b(3), c(3)
       integer :: facet
 
@@ -229,20 +232,20 @@ contains
       end do
    end function facets_volume
 
-   !> What is wrong with the surface: edges of one facet alone, edges whose two facets face
-   !! different ways, edges of more than two facets, and facets without an area.
+   !> Defects of the surface: edges with one facet, edges whose two facets have opposite
+   !! orientations, edges with more than two facets, and facets without an area.
    pure subroutine facets_faults(self, open_edges, turned_edges, crowded_edges, flat)
-      class(facets_t), intent(in) :: self                !! The solid
-      integer, intent(out) :: open_edges                 !! A closed surface has none
-      integer, intent(out) :: turned_edges               !! One facet is turned inside out
-      integer, intent(out) :: crowded_edges              !! Solids that touch, or facets twice
-      integer, intent(out) :: flat                       !! Facets with two corners in one place
-      integer(int64), parameter :: room = 2_int64**31
+      class(facets_t), intent(in) :: self
+      integer, intent(out) :: open_edges                 !! Edges with one facet
+      integer, intent(out) :: turned_edges               !! Edges between opposite orientations
+      integer, intent(out) :: crowded_edges              !! Solids that touch, or duplicate facets
+      integer, intent(out) :: flat                       !! Facets with two equal corners
+      integer(int64), parameter :: base = 2_int64**31
       integer(int64), allocatable :: key(:)
       integer, allocatable :: vertex(:, :), order(:), way(:)
       integer :: facet, k, edges, first, last
 
-      call name_corners(self%lattice, vertex)
+      call number_corners(self%lattice, vertex)
       allocate (key(size(vertex)), way(size(vertex)))
       edges = 0
       flat = 0
@@ -255,7 +258,7 @@ contains
          do k = 1, 3
             associate (from => vertex(k, facet), to => vertex(1 + mod(k, 3), facet))
                edges = edges + 1
-               key(edges) = min(from, to)*room + max(from, to)
+               key(edges) = min(from, to)*base + max(from, to)
                way(edges) = merge(1, -1, from < to)
             end associate
          end do
@@ -282,8 +285,8 @@ contains
       end do
    end subroutine facets_faults
 
-   !> Give corners that fall on one place of the lattice one number.
-   pure subroutine name_corners(place, vertex)
+   !> Number the corners; corners at the same lattice position have the same number.
+   pure subroutine number_corners(place, vertex)
       integer(int64), intent(in) :: place(:, :, :)       !! (3, corner, facet)
       integer, allocatable, intent(out) :: vertex(:, :)  !! (corner, facet) From 1
       type(key_table_t) :: columns, corners
@@ -310,5 +313,5 @@ contains
             vertex(k, facet) = number
          end do
       end do
-   end subroutine name_corners
+   end subroutine number_corners
 end module particle_facets

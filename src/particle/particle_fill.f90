@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Fills bodies with particles on a lattice that divides the cells of the grid.
+!> Fills bodies with particles, on a lattice that divides the cells of the grid or as given.
 !!
-!! A site of the lattice has one number in the whole box; with the body it gives the particle its
-!! identity, so neither identity nor position depends on ranks. Where bodies overlap the later one
-!! wins.
+!! The identity of a particle is the number of its site in the whole domain, offset by the body; so
+!! neither identity nor position depends on ranks. Where bodies overlap, the later one has priority.
 module particle_fill
    use base_communicator, only: communicator_t
    use base_constants, only: pi
@@ -21,11 +20,11 @@ module particle_fill
 
 contains
 
-   !> Count the particles of each tile that some body reaches, and those of each body.
+   !> Count the particles of each body and of each tile that a body overlaps.
    subroutine survey_bodies(communicator, grid, bodies, key, particles, body_count)
-      type(communicator_t), intent(in) :: communicator !! Ranks that share the work
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      type(communicator_t), intent(in) :: communicator
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
       integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
       integer(int64), allocatable, intent(out) :: particles(:) !! Their particles
       integer(int64), intent(out) :: body_count(:)    !! (body) Particles of each body
@@ -55,10 +54,10 @@ contains
       particles = pack(particles, particles > 0)
    end subroutine survey_bodies
 
-   !> Tiles in the boxes around the bodies, each once, in the order of the curve.
+   !> Find the tiles in the bounding boxes of the bodies, each once, along the Hilbert curve.
    subroutine candidate_tiles(grid, bodies, key)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
       integer(int64), allocatable, intent(out) :: key(:) !! Ascending
       integer(int64), allocatable :: found(:)
       integer, allocatable :: order(:)
@@ -99,7 +98,7 @@ contains
 
    contains
 
-      !> Tile of a corner, held inside the box.
+      !> Tile of a corner, clipped to the domain.
       pure function tile_of(corner) result(coordinate)
          real(wp), intent(in) :: corner(3)            !! [m]
          integer :: coordinate(3)
@@ -112,11 +111,11 @@ contains
       end function tile_of
    end subroutine candidate_tiles
 
-   !> Particles that a body has in a tile.
+   !> Count the particles that a body has in a tile.
    pure integer(int64) function count_sites(grid, bodies, body, coordinate) result(number)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer :: sites(3), x, y, z
       real(wp) :: low(3), high(3), edge(3), position(3), share
@@ -133,7 +132,7 @@ contains
       do z = 0, sites(3) - 1
          do y = 0, sites(2) - 1
             do x = 0, sites(1) - 1
-               call look_at_site(grid, bodies, body, site_position(grid, bodies(body), &
+               call measure_site(grid, bodies, body, site_position(grid, bodies(body), &
                   coordinate, [x, y, z]), share, position)
                if (share > 0.0_wp) number = number + 1
             end do
@@ -141,11 +140,11 @@ contains
       end do
    end function count_sites
 
-   !> Given particles that a body has in a tile.
+   !> Count the given particles that a body has in a tile.
    pure integer(int64) function count_given(grid, bodies, body, coordinate) result(particles)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       real(wp), allocatable :: position(:, :), volume(:)
       integer(int64), allocatable :: number(:)
@@ -158,16 +157,15 @@ contains
       end do
    end function count_given
 
-   !> Share of a lattice site that belongs to a body and the centre of that share [m]. A lattice
-   !! that
-   !! is not cut has whole sites, those with their middles inside.
-   pure subroutine look_at_site(grid, bodies, body, middle, share, position)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+   !> Fraction of a lattice site that belongs to a body, and the centre of that part. Without
+   !! cutting, a site belongs to the body if its middle does.
+   pure subroutine measure_site(grid, bodies, body, middle, share, position)
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       real(wp), intent(in) :: middle(3)               !! Of the site [m]
       real(wp), intent(out) :: share                  !! 0 to 1
-      real(wp), intent(out) :: position(3)            !! Of the particle, if there is a share [m]
+      real(wp), intent(out) :: position(3) !! Of the particle, if the fraction is above 0 [m]
       integer :: x, y, z, corners
       logical :: inside
 
@@ -186,17 +184,17 @@ contains
       end do
       if ((inside .and. corners == 8) .or. (.not. inside .and. corners == 0)) return
       call cut_site(grid, bodies, body, middle, share, position)
-   end subroutine look_at_site
+   end subroutine measure_site
 
-   !> Share and its centre by samples. What is less than a fiftieth of a site is dropped: so light a
-   !! particle would be thrown about by its neighbours.
+   !> Fraction of a site and its centre by sampling. Fractions below 1/50 are dropped, because a
+   !! particle of so small a mass would be accelerated without bound by adjacent ones.
    pure subroutine cut_site(grid, bodies, body, middle, share, position)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       real(wp), intent(in) :: middle(3)               !! Of the site [m]
       real(wp), intent(out) :: share                  !! 0 to 1
-      real(wp), intent(inout) :: position(3)          !! Of the particle, if there is a share [m]
+      real(wp), intent(inout) :: position(3) !! Of the particle, if the fraction is above 0 [m]
       integer, parameter :: samples(3) = [64, 12, 6]  ! along an edge, by dimensions
       real(wp), parameter :: least = 0.02_wp
       real(wp) :: place(3), edge(3), weight, whole, part, moment(3)
@@ -224,55 +222,56 @@ contains
       if (share > 0.0_wp .and. share < 1.0_wp) position = middle + moment/part
    end subroutine cut_site
 
-   !> Edges of a lattice site [m]; none along a missing direction.
+   !> Edges of a lattice site [m]; 0 along a missing direction.
    pure function site_edge(grid, body) result(edge)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: body                !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       real(wp) :: edge(3)
 
       edge = merge(grid%spacing/real(body%per_cell, wp), 0.0_wp, grid%active)
    end function site_edge
 
-   !> Make the particles of the tiles of this rank. The tiles of the stores exist and are empty; the
-   !! particles are not yet in order.
+   !> Make the particles of the tiles of this rank. The store has empty tiles; its particles are not
+   !! sorted yet.
    subroutine fill_bodies(grid, bodies, coordinates, index, store)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
       integer, contiguous, intent(in) :: coordinates(:, :) !! (3, tile) Tiles of this rank
-      integer, intent(in) :: index                    !! Which store is meant
-      type(store_t), intent(inout) :: store           !! Gets particles
-      integer, allocatable :: wish(:)
+      integer, intent(in) :: index                    !! Index of the store
+      type(store_t), intent(inout) :: store
+      integer, allocatable :: new_count(:)
       integer :: tile, body
 
-      allocate (wish(size(store%count)))
-      wish = 0
-      do tile = 1, size(wish)
+      allocate (new_count(size(store%count)))
+      new_count = 0
+      do tile = 1, size(new_count)
          do body = 1, size(bodies)
             if (bodies(body)%store /= index) cycle
-            wish(tile) = wish(tile) + int(count_sites(grid, bodies, body, coordinates(:, tile)))
+            new_count(tile) = new_count(tile) + int(count_sites(grid, bodies, body, &
+               coordinates(:, tile)))
          end do
       end do
-      call store%layout(wish)
-      !$omp parallel do default(none) shared(grid, bodies, coordinates, index, store, wish) &
+      call store%layout(new_count)
+      !$omp parallel do default(none) shared(grid, bodies, coordinates, index, store, new_count) &
       !$omp private(tile, body) schedule(dynamic, 16)
-      do tile = 1, size(wish)
+      do tile = 1, size(new_count)
          do body = 1, size(bodies)
             if (bodies(body)%store == index) &
                call fill_tile(grid, bodies, body, coordinates(:, tile), tile, store)
          end do
-         store%restless(tile) = .true.
+         store%unsorted(tile) = .true.
       end do
       !$omp end parallel do
    end subroutine fill_bodies
 
    !> Make the particles of one body in one tile.
    subroutine fill_tile(grid, bodies, body, coordinate, tile, store)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer, intent(in) :: tile                     !! Its index
-      type(store_t), intent(inout) :: store           !! Gets particles
+      type(store_t), intent(inout) :: store
       integer :: sites(3), x, y, z, cell(3)
       integer(int64) :: number(3), all_sites(3), identity
       real(wp) :: middle(3), position(3), share
@@ -288,20 +287,18 @@ contains
             do y = 0, sites(2) - 1
                do x = 0, sites(1) - 1
                   middle = site_position(grid, it, coordinate, [x, y, z])
-                  call look_at_site(grid, bodies, body, middle, share, position)
+                  call measure_site(grid, bodies, body, middle, share, position)
                   if (.not. share > 0.0_wp) cycle
-                  number = [x, y, z]
-                  cell = 0
-                  where (grid%active)
-                     number = number + int(coordinate*grid%width, int64)*it%per_cell
-                     cell = [x, y, z]/it%per_cell
-                  end where
+                  number = [x, y, z] + merge(int(coordinate*grid%width, int64)*it%per_cell, &
+                     0_int64, grid%active)
+                  cell = merge([x, y, z]/it%per_cell, 0, grid%active)
                   identity = it%first_identity + number(1) + all_sites(1)*(number(2) &
                      + all_sites(2)*number(3))
-                  if (it%jitter) position = position + chance(identity)*site_edge(grid, it)
-                  call add_particle(bodies, body, tile, identity, home_of(grid, cell), position, &
+                  if (it%jitter) position = position + random_shift(identity)*site_edge(grid, it)
+                  call add_particle(bodies, body, tile, identity, cell_number(grid, cell), &
+                     position, &
                      share*site_volume(grid, it, middle), store)
-                  call size_particle(0.5_wp*site_edge(grid, it), &
+                  call set_size(0.5_wp*site_edge(grid, it), &
                      store%first(tile) + store%count(tile) - 1, store)
                end do
             end do
@@ -309,14 +306,14 @@ contains
       end associate
    end subroutine fill_tile
 
-   !> Make the given particles of one body in one tile. They are cubes of their volume.
+   !> Make the given particles of one body in one tile, as cubes of their volume.
    subroutine fill_given(grid, bodies, body, coordinate, tile, store)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer, intent(in) :: tile                     !! Its index
-      type(store_t), intent(inout) :: store           !! Gets particles
+      type(store_t), intent(inout) :: store
       real(wp), allocatable :: position(:, :), volume(:)
       integer(int64), allocatable :: number(:)
       real(wp) :: depth, half(3)
@@ -327,26 +324,26 @@ contains
          do n = 1, size(number)
             if (.not. belongs(bodies, body, position(:, n))) cycle
             call add_particle(bodies, body, tile, it%first_identity + number(n) - 1, &
-               home_of(grid, cell_of(grid, position(:, n)) - coordinate*grid%width), &
+               cell_number(grid, cell_of(grid, position(:, n)) - coordinate*grid%width), &
                position(:, n), it%share*volume(n), store)
             depth = merge(2.0_wp*pi*position(1, n), grid%depth, grid%axisymmetric)
             half = merge(0.5_wp*(it%share*volume(n)/depth)**(1.0_wp/real(grid%dimensions, wp)), &
                0.0_wp, grid%active)
-            call size_particle(half, store%first(tile) + store%count(tile) - 1, store)
+            call set_size(half, store%first(tile) + store%count(tile) - 1, store)
          end do
       end associate
    end subroutine fill_given
 
    !> Append a particle to those of a tile.
    subroutine add_particle(bodies, body, tile, identity, home, position, volume, store)
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
-      integer, intent(in) :: tile                     !! Index of the tile
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
+      integer, intent(in) :: tile
       integer(int64), intent(in) :: identity          !! Of the particle
       integer, intent(in) :: home                     !! Its cell in the tile, from 0
       real(wp), intent(in) :: position(3)             !! [m]
       real(wp), intent(in) :: volume                  !! [m3]
-      type(store_t), intent(inout) :: store           !! Gets the particle
+      type(store_t), intent(inout) :: store
       integer :: p
 
       p = store%first(tile) + store%count(tile)
@@ -360,17 +357,17 @@ contains
       store%state%mass(p) = bodies(body)%density*volume
    end subroutine add_particle
 
-   !> Number of a cell of a tile.
-   pure integer function home_of(grid, cell) result(home)
-      type(grid_t), intent(in) :: grid                !! The grid
+   !> Number of a cell in its tile, from 0.
+   pure integer function cell_number(grid, cell) result(home)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell(3)                  !! In the tile, counted from 0
 
       home = cell(1) + grid%width(1)*(cell(2) + grid%width(2)*cell(3))
-   end function home_of
+   end function cell_number
 
-   !> How far a particle is moved from the middle of its site, in edges of it: up to a quarter to
-   !! either side. It depends on its identity alone.
-   pure function chance(identity) result(shift)
+   !> Random displacement of a particle from the middle of its site, in edges of the site, up to a
+   !! quarter to either side. It depends on the identity alone.
+   pure function random_shift(identity) result(shift)
       integer(int64), intent(in) :: identity          !! Of the particle
       real(wp) :: shift(3)
       integer(int64), parameter :: seed = 12345_int64
@@ -379,14 +376,15 @@ contains
       do k = 1, 3
          shift(k) = 0.5_wp*random_uniform(seed, identity, int(k, int64)) - 0.25_wp
       end do
-   end function chance
+   end function random_shift
 
-   !> Size and linear velocity field of a particle at the start, as far as it carries them. Along a
-   !! missing direction it has no size.
-   pure subroutine size_particle(half, p, store)
+   !> Set the initial size and velocity gradient of a particle, as far as the store has them. Along
+   !! a
+   !! missing direction its size is 0.
+   pure subroutine set_size(half, p, store)
       real(wp), intent(in) :: half(3)                 !! Half its edges [m]
-      integer, intent(in) :: p                        !! Which particle
-      type(store_t), intent(inout) :: store           !! Gets its fields
+      integer, intent(in) :: p
+      type(store_t), intent(inout) :: store
       integer :: k
 
       if (allocated(store%extent)) store%extent(p, :) = half
@@ -400,12 +398,12 @@ contains
       if (allocated(store%spin)) store%spin(p, :) = 0.0_wp
       if (allocated(store%ahead)) store%ahead(p, :) = 0.0_wp
       if (allocated(store%bond)) store%bond(p) = 1.0_wp
-   end subroutine size_particle
+   end subroutine set_size
 
-   !> Volume of a lattice site [m3]; that of the ring in axisymmetry.
+   !> Volume of a lattice site [m3]; in axisymmetry, of the ring.
    pure real(wp) function site_volume(grid, body, position) result(volume)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: body                !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       real(wp), intent(in) :: position(3)             !! [m]
       integer :: direction
 

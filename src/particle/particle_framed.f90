@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Shapes with coordinates of their own, which are scaled, turned and moved as a whole.
+!> Shapes in a local frame, which is scaled, rotated and translated as a whole.
 !!
-!! A shape of this kind answers for a point in its own coordinates alone. Two of them that share a
-!! frame and a face share no point, wherever the frame lies.
+!! Points are tested in local coordinates only. So two adjacent shapes in the same frame have no
+!! common point, wherever the frame is.
 module particle_framed
    use base_kinds, only: wp
    use particle_shape, only: shape_t, transform_point
@@ -16,30 +16,30 @@ module particle_framed
 
    !> A shape in a frame.
    type, abstract, extends(shape_t) :: framed_t
-      real(wp), private :: factor = 1.0_wp               !! Of its own lengths [1]
-      real(wp), private :: origin(3) = 0.0_wp            !! Of its own coordinates [m]
-      real(wp), private :: frame(3, 3) = straight        !! Columns are its own directions [1]
+      real(wp), private :: factor = 1.0_wp               !! Scale of local lengths [1]
+      real(wp), private :: origin(3) = 0.0_wp            !! Origin of local coordinates [m]
+      real(wp), private :: frame(3, 3) = straight        !! Columns are the local directions [1]
    contains
-      procedure :: contains => framed_contains           !! Whether a point belongs to it
-      procedure :: bounds => framed_bounds               !! A box around it
-      procedure :: transform => framed_transform         !! Scale, turn and move
-      procedure :: growth => framed_growth               !! Factor of its own lengths
-      procedure(holds_i), deferred :: holds              !! Whether a place of its own belongs to it
-      procedure(own_bounds_i), deferred :: own_bounds    !! A box around it, in own coordinates
+      procedure :: contains => framed_contains           !! Is a point inside?
+      procedure :: bounds => framed_bounds               !! A bounding box
+      procedure :: transform => framed_transform         !! Scale, rotate and translate
+      procedure :: growth => framed_growth               !! Scale of local lengths
+      procedure(holds_i), deferred :: holds              !! Is a point in local coordinates inside?
+      procedure(own_bounds_i), deferred :: own_bounds    !! A bounding box in local coordinates
    end type framed_t
 
    abstract interface
       pure logical function holds_i(self, own) result(inside)
          import :: framed_t, wp
          implicit none
-         class(framed_t), intent(in) :: self             !! The shape
-         real(wp), intent(in) :: own(3)                  !! Place in its own coordinates [m]
+         class(framed_t), intent(in) :: self
+         real(wp), intent(in) :: own(3)                  !! Local coordinates [m]
       end function holds_i
 
       pure subroutine own_bounds_i(self, lo, hi)
          import :: framed_t, wp
          implicit none
-         class(framed_t), intent(in) :: self             !! The shape
+         class(framed_t), intent(in) :: self
          real(wp), intent(out) :: lo(3), hi(3)           !! Corners [m]; lo > hi if it is empty
       end subroutine own_bounds_i
    end interface
@@ -48,7 +48,7 @@ contains
 
    !> Whether a point belongs to the shape.
    pure recursive logical function framed_contains(self, x) result(inside)
-      class(framed_t), intent(in) :: self                !! The shape
+      class(framed_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                       !! Point [m]
       real(wp) :: offset(3), own(3)
       integer :: k
@@ -60,9 +60,9 @@ contains
       inside = self%holds(own)
    end function framed_contains
 
-   !> A box around the shape, exact if its directions are those of the coordinates.
+   !> A bounding box, the smallest if the frame is aligned with the coordinates.
    pure recursive subroutine framed_bounds(self, lo, hi)
-      class(framed_t), intent(in) :: self                !! The shape
+      class(framed_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
       real(wp) :: own_lo(3), own_hi(3), corner(3)
       integer :: number, k
@@ -85,9 +85,9 @@ contains
       end do
    end subroutine framed_bounds
 
-   !> Scale, turn and move the frame.
+   !> Scale, rotate and translate the frame.
    pure recursive subroutine framed_transform(self, scale, rotation, translate)
-      class(framed_t), intent(inout) :: self             !! The shape
+      class(framed_t), intent(inout) :: self
       real(wp), intent(in) :: scale                      !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal, applied after the factor [1]
       real(wp), intent(in) :: translate(3)               !! Displacement, applied last [m]
@@ -100,9 +100,9 @@ contains
       self%factor = scale*self%factor
    end subroutine framed_transform
 
-   !> Factor of its own lengths.
+   !> Scale of local lengths.
    pure real(wp) function framed_growth(self) result(factor)
-      class(framed_t), intent(in) :: self                !! The shape
+      class(framed_t), intent(in) :: self
 
       factor = self%factor
    end function framed_growth

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Moves particles that left their tiles to the tiles, and ranks, where they belong.
+!> Moves particles that left their tiles to their new tiles and ranks.
 module particle_migrate
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
@@ -19,51 +19,51 @@ module particle_migrate
 
    integer, parameter :: heading = 3                 !! Words before a row: store, key, cell
 
-   !> Particles on their way to the tiles of this rank, all of one store.
+   !> Particles of one store that arrive at tiles of this rank.
    type :: newcomers_t
       integer(int64), allocatable :: key(:)           !! (row) Tile on the curve
       integer, allocatable :: cell(:)                 !! (row) Cell in the tile, from 0
       integer(int64), allocatable :: rows(:, :)       !! (word, row) Fields
       integer, allocatable :: row(:)                  !! Rows grouped by tile
-      integer, allocatable :: before(:)               !! (tile + 1) Rows of the tiles before
+      integer, allocatable :: before(:)               !! (tile + 1) Rows of lower tiles
    end type newcomers_t
 
 contains
 
-   !> Bring every particle that left its tile to its new one, make tiles where there were none,
-   !! drop empty ones, and put the particles of each tile in order. Particles that left the box
-   !! are forgotten: whoever wants to book them does so before.
+   !> Move every particle that left its tile to its new one, create tiles in empty space, remove
+   !! empty tiles, and sort the particles of each tile. Particles that left the domain are removed;
+   !! the balance must have recorded them before.
    subroutine migrate(communicator, grid, boundary, tiles, stores)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(communicator_t), intent(inout) :: communicator
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       type(tiles_t), intent(inout) :: tiles          !! The tiles of this rank
-      type(store_t), intent(inout) :: stores(:)      !! The particles
+      type(store_t), intent(inout) :: stores(:)
       type(newcomers_t), allocatable :: newcomers(:)
       integer(int64), allocatable :: messages(:, :), arrived(:)
       integer :: index
 
       allocate (newcomers(size(stores)))
-      call collect(communicator, grid, boundary, tiles, stores, newcomers, messages)
+      call collect_leavers(communicator, grid, boundary, tiles, stores, newcomers, messages)
       if (communicator%size > 1) then
-         call send(communicator, tiles, messages, arrived)
-         call receive(stores, arrived, size(messages, 1), newcomers)
+         call send_rows(communicator, tiles, messages, arrived)
+         call receive_rows(stores, arrived, size(messages, 1), newcomers)
       end if
-      call renew_tiles(grid, tiles, stores, newcomers)
+      call update_tiles(grid, tiles, stores, newcomers)
       do index = 1, size(stores)
          call group_by_tile(tiles, newcomers(index))
-         call settle_store(stores(index), newcomers(index))
+         call sort_tiles(stores(index), newcomers(index))
       end do
    end subroutine migrate
 
-   !> Take the particles that left their tiles: those that stay on the rank become newcomers, the
+   !> Extract the particles that left their tiles: those that stay on the rank become newcomers, the
    !! others messages.
-   subroutine collect(communicator, grid, boundary, tiles, stores, newcomers, messages)
-      type(communicator_t), intent(in) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
-      type(tiles_t), intent(in) :: tiles             !! The tiles
-      type(store_t), intent(inout) :: stores(:)      !! The particles
+   subroutine collect_leavers(communicator, grid, boundary, tiles, stores, newcomers, messages)
+      type(communicator_t), intent(in) :: communicator
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
+      type(tiles_t), intent(in) :: tiles
+      type(store_t), intent(inout) :: stores(:)
       type(newcomers_t), intent(inout) :: newcomers(:) !! (store) Particles that stay on the rank
       integer(int64), allocatable, intent(out) :: messages(:, :) !! (word, row) The others
       integer(int64), allocatable :: more(:, :)
@@ -111,27 +111,27 @@ contains
             deallocate (here)
          end associate
       end do
-   end subroutine collect
+   end subroutine collect_leavers
 
-   !> Tiles and cells of the particles that left theirs.
+   !> Find the tiles and cells of the particles that left theirs.
    subroutine find_destinations(grid, boundary, position, particle, come)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) [m]
       integer, intent(in) :: particle(:)             !! (row) Indices
-      type(newcomers_t), intent(inout) :: come       !! Gets keys and cells
+      type(newcomers_t), intent(inout) :: come
       integer :: row
 
       !$omp parallel do default(none) shared(grid, boundary, position, particle, come) &
       !$omp private(row) schedule(static) if(size(particle) > many)
       do row = 1, size(particle)
-         call destination(grid, boundary, [position(particle(row), 1), &
+         call find_destination(grid, boundary, [position(particle(row), 1), &
             position(particle(row), 2), position(particle(row), 3)], come%key(row), come%cell(row))
       end do
       !$omp end parallel do
    end subroutine find_destinations
 
-   !> Columns of an array that a mask chooses.
+   !> Columns of an array that a mask selects.
    pure function pack_columns(rows, mask) result(chosen)
       integer(int64), intent(in) :: rows(:, :)       !! (word, row)
       logical, intent(in) :: mask(:)                 !! (row)
@@ -147,9 +147,9 @@ contains
       end do
    end function pack_columns
 
-   !> Particles that left their tiles but not the box.
+   !> List the particles that left their tiles but not the domain.
    pure subroutine list_leavers(store, particle)
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, allocatable, intent(out) :: particle(:) !! Indices
       integer :: tile, p, number
 
@@ -166,10 +166,10 @@ contains
       particle = particle(:number)
    end subroutine list_leavers
 
-   !> Tile and cell of a position.
-   pure subroutine destination(grid, boundary, position, key, cell)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+   !> Find tile and cell of a position.
+   pure subroutine find_destination(grid, boundary, position, key, cell)
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       real(wp), intent(in) :: position(3)            !! [m]
       integer(int64), intent(out) :: key             !! Tile on the curve
       integer, intent(out) :: cell                   !! Cell in the tile, from 0
@@ -179,14 +179,15 @@ contains
       call find_place(grid, boundary, position, owner, cells, lost)
       key = hilbert_key(owner, grid%dimensions)
       cell = cells(1) + grid%width(1)*(cells(2) + grid%width(2)*cells(3))
-   end subroutine destination
+   end subroutine find_destination
 
    !> Send rows to the owners of their tiles.
-   subroutine send(communicator, tiles, messages, arrived)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(tiles_t), intent(in) :: tiles             !! Who owns what
+   subroutine send_rows(communicator, tiles, messages, arrived)
+      type(communicator_t), intent(inout) :: communicator
+      type(tiles_t), intent(in) :: tiles
       integer(int64), intent(in) :: messages(:, :)   !! (word, row)
-      integer(int64), allocatable, intent(out) :: arrived(:) !! Rows for this rank, one by one
+      !> Rows for this rank, one after another
+      integer(int64), allocatable, intent(out) :: arrived(:)
       integer, allocatable :: owner(:), ranks(:), length(:)
       integer(int64), allocatable :: outgoing(:)
       integer :: row, rank, at
@@ -207,11 +208,11 @@ contains
          end do
       end do
       call communicator%exchange(ranks, length, outgoing, arrived)
-   end subroutine send
+   end subroutine send_rows
 
    !> Add the rows that arrived to the newcomers of their stores.
-   subroutine receive(stores, arrived, words, newcomers)
-      type(store_t), intent(inout) :: stores(:)      !! The particles
+   subroutine receive_rows(stores, arrived, words, newcomers)
+      type(store_t), intent(inout) :: stores(:)
       integer(int64), intent(in) :: arrived(:)       !! Rows, one after another
       integer, intent(in) :: words                   !! Words of a row
       type(newcomers_t), intent(inout) :: newcomers(:) !! (store)
@@ -246,13 +247,13 @@ contains
             call move_alloc(cell, come%cell)
          end associate
       end do
-   end subroutine receive
+   end subroutine receive_rows
 
-   !> Make tiles for newcomers in empty space and drop tiles that nobody is left in.
-   subroutine renew_tiles(grid, tiles, stores, newcomers)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(tiles_t), intent(inout) :: tiles          !! The tiles
-      type(store_t), intent(inout) :: stores(:)      !! The particles
+   !> Create tiles for newcomers in empty space and remove empty tiles.
+   subroutine update_tiles(grid, tiles, stores, newcomers)
+      type(grid_t), intent(in) :: grid
+      type(tiles_t), intent(inout) :: tiles
+      type(store_t), intent(inout) :: stores(:)
       type(newcomers_t), intent(in) :: newcomers(:)  !! (store)
       integer(int64), allocatable :: key(:), ghost(:)
       integer, allocatable :: old(:)
@@ -281,12 +282,12 @@ contains
             end if
          end do
       end do
-      ! particles that were just read lie in a range that is no tile
+      ! particles that were just read are in one range, which is no tile
       if (number == 0 .and. all(kept) .and. size(stores(1)%count) == tiles%own) return
       ghost = tiles%key(tiles%own + 1:tiles%all)
       call merge_keys(pack(tiles%key(:tiles%own), kept), pack([(tile, tile=1, tiles%own)], kept), &
          key(:number), old)
-      call tiles%set(grid, renewed(tiles%key, key(:number), old), &
+      call tiles%set(grid, merged_keys(tiles%key, key(:number), old), &
          ghost_without(ghost, key(:number)))
       do index = 1, size(stores)
          call stores(index)%remap(old_index(old), grid%tile_cells)
@@ -294,21 +295,21 @@ contains
 
    contains
 
-      !> Former tile, or 0 for a new one.
-      pure function old_index(marks) result(former)
-         integer, intent(in) :: marks(:)             !! Former tile > 0 or new key < 0
-         integer :: former(size(marks))
+      !> Old tile, or 0 for a new one.
+      pure function old_index(marks) result(old_tile)
+         integer, intent(in) :: marks(:)             !! Old tile > 0 or new key < 0
+         integer :: old_tile(size(marks))
 
-         former = max(marks, 0)
+         old_tile = max(marks, 0)
       end function old_index
-   end subroutine renew_tiles
+   end subroutine update_tiles
 
-   !> Merge kept tiles and new keys into one ascending list: former index, or minus the new key's.
+   !> Merge kept tiles and new keys into one ascending list: old index, or minus the new key's.
    pure subroutine merge_keys(kept_key, kept_tile, new_key, mark)
       integer(int64), intent(in) :: kept_key(:)      !! Ascending
       integer, intent(in) :: kept_tile(:)            !! Their indices
       integer(int64), intent(in) :: new_key(:)       !! In any order, with repetitions
-      integer, allocatable, intent(out) :: mark(:)   !! (tile) > 0 former tile, < 0 place in new_key
+      integer, allocatable, intent(out) :: mark(:)   !! (tile) > 0 old tile, < 0 index in new_key
       integer :: order(size(new_key)), i, j, n
       integer(int64) :: before
 
@@ -337,10 +338,10 @@ contains
    end subroutine merge_keys
 
    !> Keys in the merged order.
-   pure function renewed(key, new_key, mark) result(merged)
-      integer(int64), intent(in) :: key(:)           !! Former tiles
-      integer(int64), intent(in) :: new_key(:)       !! New ones
-      integer, intent(in) :: mark(:)                 !! (tile) > 0 former tile, < 0 place in new_key
+   pure function merged_keys(key, new_key, mark) result(merged)
+      integer(int64), intent(in) :: key(:)           !! Old tiles
+      integer(int64), intent(in) :: new_key(:)       !! New tiles
+      integer, intent(in) :: mark(:)                 !! (tile) > 0 old tile, < 0 index in new_key
       integer(int64) :: merged(size(mark))
       integer :: tile
 
@@ -351,12 +352,12 @@ contains
             merged(tile) = new_key(-mark(tile))
          end if
       end do
-   end function renewed
+   end function merged_keys
 
-   !> Ghosts that did not become tiles of this rank.
+   !> Ghost tiles that did not become tiles of this rank.
    pure function ghost_without(ghost, key) result(rest)
-      integer(int64), intent(in) :: ghost(:)         !! Ghosts
-      integer(int64), intent(in) :: key(:)           !! New own tiles
+      integer(int64), intent(in) :: ghost(:)         !! Keys of ghost tiles
+      integer(int64), intent(in) :: key(:)           !! Keys of new tiles
       integer(int64), allocatable :: rest(:)
       integer :: tile
       logical :: keep(size(ghost))
@@ -369,8 +370,8 @@ contains
 
    !> Group the rows of newcomers by tile.
    pure subroutine group_by_tile(tiles, come)
-      type(tiles_t), intent(in) :: tiles             !! The tiles
-      type(newcomers_t), intent(inout) :: come       !! Newcomers of one store
+      type(tiles_t), intent(in) :: tiles
+      type(newcomers_t), intent(inout) :: come
       integer, allocatable :: tile(:), cursor(:)
       integer :: row
 
@@ -390,34 +391,34 @@ contains
       end do
    end subroutine group_by_tile
 
-   !> Bring the particles of all tiles of a store into order.
-   subroutine settle_store(store, come)
-      type(store_t), intent(inout) :: store          !! The particles
-      type(newcomers_t), target, intent(in) :: come  !! Newcomers
-      type(tile_sorter_t) :: settler
-      integer, allocatable :: wish(:), now(:)
+   !> Sort the particles of all tiles of a store.
+   subroutine sort_tiles(store, come)
+      type(store_t), intent(inout) :: store
+      type(newcomers_t), target, intent(in) :: come
+      type(tile_sorter_t) :: sorter
+      integer, allocatable :: new_count(:), now(:)
       integer :: tile
 
-      allocate (wish(size(store%count)), now(size(store%count)))
-      do tile = 1, size(wish)
-         wish(tile) = store%count(tile) - store%leaving(tile) + come%before(tile + 1) &
+      allocate (new_count(size(store%count)), now(size(store%count)))
+      do tile = 1, size(new_count)
+         new_count(tile) = store%count(tile) - store%leaving(tile) + come%before(tile + 1) &
             - come%before(tile)
       end do
-      if (.not. store%fits(wish)) then
-         call sort_store(store, wish, come%rows, come%before, come%row, come%cell)
+      if (.not. store%fits(new_count)) then
+         call sort_store(store, new_count, come%rows, come%before, come%row, come%cell)
          return
       end if
-      call store%reserve(wish, now)
-      !$omp parallel default(none) shared(store, come, wish, now) private(tile, settler)
-      settler%rows => come%rows
+      call store%reserve(new_count, now)
+      !$omp parallel default(none) shared(store, come, new_count, now) private(tile, sorter)
+      sorter%rows => come%rows
       !$omp do schedule(dynamic, 4)
-      do tile = 1, size(wish)
-         if (.not. store%restless(tile) .and. come%before(tile + 1) == come%before(tile) .and. &
+      do tile = 1, size(new_count)
+         if (.not. store%unsorted(tile) .and. come%before(tile + 1) == come%before(tile) .and. &
             store%first(tile) == now(tile)) cycle
-         call sort_tile(store, settler, tile, now(tile), &
+         call sort_tile(store, sorter, tile, now(tile), &
             come%row(come%before(tile) + 1:come%before(tile + 1)), come%cell)
       end do
       !$omp end do
       !$omp end parallel
-   end subroutine settle_store
+   end subroutine sort_tiles
 end module particle_migrate

@@ -1,11 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Distances between particles that were neighbours on the lattice of their body at the start.
+!> Distances between particles that were adjacent on the lattice of their body at the start.
 !!
-!! An identity is the number of a lattice site, so the neighbours of a particle are known by their
-!! identities and found again wherever they are. No field is carried and no step costs more for it.
-!! Bodies of one material and lattice that lie side by side count as one, unless they have contact.
-!! Pairs are looked for within a tile, so that nothing depends on ranks. Where particles carry their
-!! edges (CPDI, splitting) these stand in for the distances.
+!! An identity is the number of a lattice site, so the neighbours of a particle are found by their
+!! identities, without any field and without cost in a step. Adjacent bodies of one material on one
+!! lattice count as one, unless they have contact. Pairs are searched within a tile, so that nothing
+!! depends on ranks. Where particles have edges (CPDI, splitting) these are used instead.
 module particle_neighbours
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
@@ -15,10 +14,10 @@ module particle_neighbours
 
    public :: lattice_t, neighbour_table_t, shortest_longest
 
-   !> The lattice sites of a body; they are numbered through the whole box.
+   !> The lattice sites of a body, numbered through the whole domain.
    type :: lattice_t
       integer(int64) :: first = 1                    !! Identity of the first site
-      integer(int64) :: origin = 1                   !! The same of the first body with its lattice
+      integer(int64) :: origin = 1                   !! First site of the first body on this lattice
       integer(int64) :: sites(3) = 1                 !! Along each direction
       logical :: regular = .false.                   !! Do its particles lie on the lattice?
    end type lattice_t
@@ -31,22 +30,22 @@ module particle_neighbours
       integer(int64), allocatable :: key(:)          !! (particle of the tile) Its site, < 0 = none
    contains
       procedure :: lengths => table_lengths          !! Longest distances to lattice neighbours
-      procedure, private :: fill => table_fill       !! Enter the particles of a tile
+      procedure, private :: fill => table_fill       !! Insert the particles of a tile
       procedure, private :: find => table_find       !! The particle at a site
    end type neighbour_table_t
 
 contains
 
-   !> The longest distance of each particle of a tile from its neighbours, of the shortest set of
-   !! neighbours that spans its lattice: in shear old neighbours go far apart and others take their
-   !! place. Unknown where a neighbour is in another tile. Equation (P.5) of
+   !> Longest vector of the shortest basis that the neighbours of each particle of a tile span. The
+   !! basis is reduced because shear separates old neighbours and brings others close. Unknown where
+   !! a neighbour is in another tile. Equation (P.5) of
    !! doc/theory/splitting.md.
    pure subroutine table_lengths(self, grid, lattices, store, tile, length)
       class(neighbour_table_t), intent(inout) :: self !! Scratch space
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(lattice_t), intent(in) :: lattices(:)     !! (body) In the order of identities
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
       real(wp), intent(out) :: length(:)             !! (particle of the tile) < 0 = unknown [m]
       real(wp) :: edge(3, 3)
       integer :: p, edges
@@ -67,12 +66,12 @@ contains
       end do
    end subroutine table_lengths
 
-   !> Enter the particles of a tile that have not failed.
+   !> Insert the particles of a tile that have not failed.
    pure subroutine table_fill(self, lattices, store, tile)
-      class(neighbour_table_t), intent(inout) :: self !! The table
+      class(neighbour_table_t), intent(inout) :: self
       type(lattice_t), intent(in) :: lattices(:)     !! (body) In the order of identities
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
       integer :: p, place
 
       self%size = 2*store%count(tile) + 1
@@ -100,7 +99,7 @@ contains
       end do
    end subroutine table_fill
 
-   !> The body of a particle, by halving the list of them.
+   !> The body of a particle, by bisection.
    pure integer function body_of(lattices, identity) result(body)
       type(lattice_t), intent(in) :: lattices(:)     !! (body) In the order of identities
       integer(int64), intent(in) :: identity         !! Of a particle
@@ -118,18 +117,18 @@ contains
       end do
    end function body_of
 
-   !> Where the search for a site begins.
+   !> Entry at which the search for a site begins.
    pure integer function place_of(table, key) result(place)
-      class(neighbour_table_t), intent(in) :: table  !! The table
-      integer(int64), intent(in) :: key              !! The site
+      class(neighbour_table_t), intent(in) :: table
+      integer(int64), intent(in) :: key
 
       place = int(mod(key, int(table%size, int64))) + 1
    end function place_of
 
    !> Particle of the tile at a site, 0 if there is none.
    pure integer function table_find(self, key) result(particle)
-      class(neighbour_table_t), intent(in) :: self   !! The table
-      integer(int64), intent(in) :: key              !! The site
+      class(neighbour_table_t), intent(in) :: self
+      integer(int64), intent(in) :: key
       integer :: place
 
       place = place_of(self, key)
@@ -141,11 +140,11 @@ contains
       end do
    end function table_find
 
-   !> Edges that a particle carries.
+   !> Edges of the domain of a particle.
    pure subroutine own_edges(grid, store, p, edge)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which particle
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp), intent(out) :: edge(3, 3)            !! (component, edge) [m]
       integer :: k, l, edges
 
@@ -164,10 +163,10 @@ contains
    !! the tile has it.
    pure subroutine edges_between(table, grid, lattices, store, tile, p, edge, edges)
       type(neighbour_table_t), intent(in) :: table   !! Filled
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(lattice_t), intent(in) :: lattices(:)     !! (body) In the order of identities
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Index of the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
       integer, intent(in) :: p                       !! Particle of the tile
       real(wp), intent(out) :: edge(3, 3)            !! (component, edge) [m]
       integer, intent(out) :: edges                  !! Neighbours found
@@ -200,12 +199,12 @@ contains
       end associate
    end subroutine edges_between
 
-   !> The way from one particle to another, the shortest one through periodic faces [m].
+   !> Vector from one particle to another, the shortest one in periodic directions [m].
    pure function way_between(grid, store, from, to) result(way)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: from                    !! A particle
-      integer, intent(in) :: to                      !! Another one
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: from
+      integer, intent(in) :: to
       real(wp) :: way(3), length
       integer :: k
 
@@ -219,7 +218,8 @@ contains
    end function way_between
 
    !> Length of the longest vector of the shortest basis of a lattice, given any basis. Vectors
-   !! are shortened by multiples of each other until none gets shorter (C. F. Gauss, Disquisitiones
+   !! are shortened by integer multiples of each other until none gets shorter (C. F. Gauss,
+   !! Disquisitiones
    !! Arithmeticae (1801); in space by pairs, and by all sums and differences of the others).
    pure real(wp) function shortest_longest(edge) result(length)
       real(wp), intent(in) :: edge(:, :)             !! (component, vector) One to three vectors [m]
@@ -242,7 +242,7 @@ contains
       length = sqrt(maxval(sum(basis**2, dim=1)))
    end function shortest_longest
 
-   !> Are vectors so near to a right angle to each other that none can be shortened? With products
+   !> True if vectors are so nearly orthogonal that none can be shortened. With products
    !! of at most a quarter of the lesser square neither pairs nor sums of three become shorter.
    pure logical function nearly_square(edge) result(square)
       real(wp), intent(in) :: edge(:, :)             !! (component, vector) [m]
@@ -259,10 +259,10 @@ contains
       end do
    end function nearly_square
 
-   !> Take from each vector the whole multiple of each other one that leaves the shortest rest.
+   !> Subtract from each vector the integer multiple of each other vector that makes it shortest.
    pure subroutine shorten_pairs(basis, shorter)
       real(wp), intent(inout) :: basis(:, :)         !! (component, vector) [m]
-      logical, intent(inout) :: shorter              !! Has one become shorter?
+      logical, intent(inout) :: shorter              !! Has a vector become shorter?
       real(wp) :: other(3), square
       integer :: i, j, k
 
@@ -280,10 +280,10 @@ contains
       end do
    end subroutine shorten_pairs
 
-   !> Add to each of three vectors the others with either sign, if it gets shorter.
+   !> Add to each of three vectors the other two with either sign, if it gets shorter.
    pure subroutine shorten_third(basis, shorter)
       real(wp), intent(inout) :: basis(:, :)         !! (component, vector) [m]
-      logical, intent(inout) :: shorter              !! Has one become shorter?
+      logical, intent(inout) :: shorter              !! Has a vector become shorter?
       real(wp) :: other(3)
       integer :: i, j, k, signs
 
@@ -300,12 +300,12 @@ contains
       end do
    end subroutine shorten_third
 
-   !> Take another vector in place of one if it is shorter by more than rounding.
+   !> Replace a vector by another one that is shorter by more than rounding.
    pure subroutine replace_if_shorter(basis, i, other, shorter)
       real(wp), intent(inout) :: basis(:, :)         !! (component, vector) [m]
-      integer, intent(in) :: i                       !! Which one
-      real(wp), intent(in) :: other(3)               !! The other [m]
-      logical, intent(inout) :: shorter              !! Becomes true if so
+      integer, intent(in) :: i
+      real(wp), intent(in) :: other(3)               !! The other vector [m]
+      logical, intent(inout) :: shorter              !! True on return if it was replaced
       real(wp), parameter :: rounding = 1.0e-12_wp
       integer :: k
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Particles whose places stand in a list.
+!> Particles at the positions of a list.
 module particle_points
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
@@ -12,20 +12,20 @@ module particle_points
 
    public :: cloud, cloud_t, points_t, set_points
 
-   !> Where points of a list lie. Between points there is nothing, so no place belongs to it.
+   !> Region of the points of a list. It has no volume, so it contains no position.
    type, extends(shape_t) :: cloud_t
       private
-      real(wp) :: lower(3) = 1.0_wp                      !! Lower corner of the box around them [m]
+      real(wp) :: lower(3) = 1.0_wp                      !! Lower corner of the bounding box [m]
       real(wp) :: upper(3) = -1.0_wp                     !! Upper corner [m]
    contains
-      procedure :: contains => cloud_contains            !! Whether a point belongs to it: never
-      procedure :: bounds => cloud_bounds                !! A box around it
-      procedure :: transform => cloud_transform          !! Scale, turn and move
+      procedure :: contains => cloud_contains            !! Is a point inside? Never
+      procedure :: bounds => cloud_bounds                !! A bounding box
+      procedure :: transform => cloud_transform          !! Scale, rotate and translate
    end type cloud_t
 
-   !> The particles, those of a tile together.
+   !> Particles of a list, sorted by tile.
    type, extends(given_t) :: points_t
-      integer(int64) :: rows = 0                         !! Rows of the list; some may be of others
+      integer(int64) :: rows = 0                         !! Rows of the list, of all bodies
       real(wp), allocatable, private :: position(:, :)   !! (3, particle) [m]
       real(wp), allocatable, private :: volume(:)        !! (particle) [m3]
       integer(int64), allocatable, private :: row(:)     !! (particle) From 1
@@ -34,20 +34,20 @@ module particle_points
       procedure :: numbers => points_numbers             !! Numbers that its particles may have
       procedure :: collect => points_collect             !! The particles of a tile
       procedure :: whole_volume => points_whole_volume   !! Volume of all
-      procedure :: places => points_places               !! Places of all
+      procedure :: positions => points_positions               !! Positions of all
    end type points_t
 
 contains
 
-   !> Places of all particles of the list.
-   pure function points_places(self) result(position)
-      class(points_t), intent(in) :: self                !! The particles
+   !> Positions of all particles of the list.
+   pure function points_positions(self) result(position)
+      class(points_t), intent(in) :: self
       real(wp) :: position(3, size(self%position, 2))    !! (3, particle) [m]
 
       position = self%position
-   end function points_places
+   end function points_positions
 
-   !> The cloud of some points.
+   !> Make the cloud of some points.
    pure type(cloud_t) function cloud(position) result(shape)
       real(wp), intent(in) :: position(:, :)             !! (3, point) [m]
 
@@ -56,27 +56,27 @@ contains
       shape%upper = maxval(position, dim=2)
    end function cloud
 
-   !> No place belongs to a cloud.
+   !> Always false, as a cloud contains no position.
    pure recursive logical function cloud_contains(self, x) result(inside)
-      class(cloud_t), intent(in) :: self                 !! The cloud
+      class(cloud_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                       !! Point [m]
 
-      ! a comparison that holds for no number, so that both arguments are used
+      ! false for all values; it uses both arguments, so that the compiler does not warn
       inside = any(x < self%lower .and. x > self%upper .and. self%lower <= self%upper)
    end function cloud_contains
 
-   !> A box around the cloud.
+   !> A bounding box of the cloud.
    pure recursive subroutine cloud_bounds(self, lo, hi)
-      class(cloud_t), intent(in) :: self                 !! The cloud
+      class(cloud_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
 
       lo = self%lower
       hi = self%upper
    end subroutine cloud_bounds
 
-   !> Scale, turn and move the box around the cloud; turned, it gets a larger one around it.
+   !> Scale, rotate and translate the bounding box; a rotation enlarges it.
    pure recursive subroutine cloud_transform(self, scale, rotation, translate)
-      class(cloud_t), intent(inout) :: self              !! The cloud
+      class(cloud_t), intent(inout) :: self
       real(wp), intent(in) :: scale                      !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)               !! Displacement [m]
@@ -89,13 +89,13 @@ contains
       self%upper = middle + half
    end subroutine cloud_transform
 
-   !> Make particles of a list.
+   !> Make particles from a list.
    pure subroutine set_points(points, grid, position, volume, row, rows)
-      type(points_t), intent(out) :: points              !! The particles
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(points_t), intent(out) :: points
+      type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(in) :: position(:, :) !! (3, particle) In the grid [m]
       real(wp), intent(in) :: volume(:)                  !! (particle) [m3]
-      integer(int64), intent(in) :: row(:)               !! (particle) Which row of the list
+      integer(int64), intent(in) :: row(:)               !! (particle) Row of the list
       integer(int64), intent(in) :: rows                 !! Rows of the list
       integer(int64), allocatable :: key(:)
       integer, allocatable :: order(:)
@@ -119,8 +119,8 @@ contains
 
    !> Numbers that particles may have: the rows of the list.
    pure function points_numbers(self, grid) result(numbers)
-      class(points_t), intent(in) :: self                !! The particles
-      type(grid_t), intent(in) :: grid                   !! The grid
+      class(points_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer(int64) :: numbers(3)
 
       numbers = merge(1_int64, 0_int64, grid%cells > 0)
@@ -129,8 +129,8 @@ contains
 
    !> The particles of a tile.
    pure subroutine points_collect(self, grid, coordinate, position, volume, number)
-      class(points_t), intent(in) :: self                !! The particles
-      type(grid_t), intent(in) :: grid                   !! The grid
+      class(points_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)               !! Tile, counted from 0
       real(wp), allocatable, intent(out) :: position(:, :) !! (3, particle) [m]
       real(wp), allocatable, intent(out) :: volume(:)    !! (particle) [m3]
@@ -148,15 +148,15 @@ contains
 
    !> Volume of all particles [m3].
    pure real(wp) function points_whole_volume(self) result(volume)
-      class(points_t), intent(in) :: self                !! The particles
+      class(points_t), intent(in) :: self
 
       volume = sum(self%volume)
    end function points_whole_volume
 
-   !> How many ascending keys are below a bound.
+   !> Number of keys below a bound.
    pure integer function before(key, bound) result(number)
       integer(int64), intent(in) :: key(:)               !! Ascending
-      integer(int64), intent(in) :: bound                !! The bound
+      integer(int64), intent(in) :: bound
       integer :: above, middle
 
       number = 0

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Prisms are polygons, each drawn out straight across its plane.
+!> Prisms, which are polygons extruded along an axis.
 module particle_prism
    use base_kinds, only: wp
    use particle_framed, only: framed_t
@@ -8,25 +8,25 @@ module particle_prism
 
    public :: crossing_edges, polygon_area, prism, prism_t
 
-   !> A prism. Its sides and ends are half-open, so prisms side by side share no point.
+   !> A prism. Its sides and ends are half-open, so adjacent prisms have no common point.
    type, extends(framed_t) :: prism_t
-      integer :: axis = 3                                !! Direction along which it is drawn out
+      integer :: axis = 3                                !! Direction of extrusion
       real(wp), allocatable, private :: corner(:, :)     !! (2, corner) Of the polygon, in order [m]
-      real(wp), private :: span(2) = 0.0_wp              !! Where it begins and ends [m]
+      real(wp), private :: span(2) = 0.0_wp              !! Lower and upper end [m]
    contains
-      procedure :: holds => prism_holds                  !! Whether a place of its own belongs to it
-      procedure :: own_bounds => prism_own_bounds        !! A box around it, in own coordinates
+      procedure :: holds => prism_holds                  !! Is a point in local coordinates inside?
+      procedure :: own_bounds => prism_own_bounds        !! A bounding box in local coordinates
       procedure :: area => prism_area                    !! Of the polygon in space
       procedure :: height => prism_height                !! Length in space
    end type prism_t
 
 contains
 
-   !> A prism of a polygon. The coordinates of the polygon are those other than the axis, in order.
+   !> Extrude a polygon. Its coordinates are those other than the axis, in order.
    pure type(prism_t) function prism(corner, axis, span) result(shape)
-      real(wp), intent(in) :: corner(:, :)               !! (2, corner) Either way round [m]
+      real(wp), intent(in) :: corner(:, :)               !! (2, corner) In either orientation [m]
       integer, intent(in) :: axis                        !! 1 to 3
-      real(wp), intent(in) :: span(2)                    !! Where it begins and ends [m]
+      real(wp), intent(in) :: span(2)                    !! Lower and upper end [m]
 
       allocate (shape%corner(2, size(corner, 2)))
       shape%corner(:, :) = corner
@@ -34,12 +34,12 @@ contains
       shape%span = span
    end function prism
 
-   !> Whether a place in its own coordinates belongs to the prism: a line from the place along the
-   !! first coordinate leaves the polygon an odd number of times. The crossing of an edge is found
-   !! from its lower end, whichever way round it is, so that neighbours agree about it.
+   !> True if a point in local coordinates is inside: a ray from it along the first coordinate
+   !! crosses the polygon an odd number of times. The crossing of an edge is computed from its lower
+   !! end in either orientation, so that adjacent prisms get the same result.
    pure logical function prism_holds(self, own) result(inside)
-      class(prism_t), intent(in) :: self                 !! The prism
-      real(wp), intent(in) :: own(3)                     !! Place [m]
+      class(prism_t), intent(in) :: self
+      real(wp), intent(in) :: own(3)                     !! Local coordinates [m]
       real(wp) :: place(2), low(2), high(2), swap(2)
       integer :: from, to
 
@@ -62,9 +62,9 @@ contains
       end do
    end function prism_holds
 
-   !> A box around the prism.
+   !> A bounding box of the prism.
    pure subroutine prism_own_bounds(self, lo, hi)
-      class(prism_t), intent(in) :: self                 !! The prism
+      class(prism_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
       integer :: k, row
 
@@ -83,19 +83,19 @@ contains
 
    !> Area of the polygon in space [m2].
    pure real(wp) function prism_area(self) result(area)
-      class(prism_t), intent(in) :: self                 !! The prism
+      class(prism_t), intent(in) :: self
 
       area = polygon_area(self%corner)*self%growth()**2
    end function prism_area
 
    !> Length of the prism in space [m].
    pure real(wp) function prism_height(self) result(height)
-      class(prism_t), intent(in) :: self                 !! The prism
+      class(prism_t), intent(in) :: self
 
       height = (self%span(2) - self%span(1))*self%growth()
    end function prism_height
 
-   !> Area of a polygon, whichever way round [m2].
+   !> Area of a polygon in either orientation [m2].
    pure real(wp) function polygon_area(corner) result(area)
       real(wp), intent(in) :: corner(:, :)               !! (2, corner) [m]
       real(wp) :: a(2), b(2)
@@ -110,7 +110,7 @@ contains
       area = abs(area)
    end function polygon_area
 
-   !> First two edges of a polygon that cross or touch other than at a common corner; 0 if none do.
+   !> First two edges of a polygon that cross or touch elsewhere than at a common corner, else 0.
    !! Edge n begins at corner n.
    pure function crossing_edges(corner) result(pair)
       real(wp), contiguous, intent(in) :: corner(:, :)   !! (2, corner) [m]
@@ -129,7 +129,7 @@ contains
       pair = 0
    end function crossing_edges
 
-   !> True if two pieces of straight lines have a point in common.
+   !> True if two line segments have a common point.
    pure logical function cross(a, b, c, d) result(meet)
       real(wp), intent(in) :: a(2), b(2)                 !! Ends of the first [m]
       real(wp), intent(in) :: c(2), d(2)                 !! Ends of the second [m]
@@ -140,7 +140,7 @@ contains
          all(max(min(a, b), min(c, d)) <= min(max(a, b), max(c, d)))
    end function cross
 
-   !> Sign of the way round from one point over a second to a third: 1, 0 or -1.
+   !> Orientation of three points: 1 counterclockwise, -1 clockwise, 0 on a line.
    pure real(wp) function turn(a, b, c) result(way)
       real(wp), intent(in) :: a(2), b(2), c(2)           !! The points [m]
 

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Shapes of bodies: box, sphere, cylinder, and set operations on shapes.
 !!
-!! All questions are pure, so threads may ask them side by side. Scenes in a plane or around an
-!! axis ask at y = 0.
+!! All procedures are pure, so threads may call them concurrently. Plane and axisymmetric scenes use
+!! the section y = 0.
 module particle_shape
    use base_constants, only: pi
    use base_kinds, only: wp
@@ -24,31 +24,31 @@ module particle_shape
    !> A set of points.
    type, abstract, extends(point_set_t), public :: shape_t
    contains
-      procedure :: place => shape_place              !! Scale, turn and move
-      procedure(transform_i), deferred :: transform  !! The same as place, with a matrix
+      procedure :: place => shape_place              !! Scale, rotate and translate
+      procedure(transform_i), deferred :: transform  !! The same with a rotation matrix
    end type shape_t
 
    !> A shape of any kind, for arrays of shapes. Without a shape it holds no point.
    type, public :: shape_holder_t
-      class(shape_t), allocatable :: shape           !! The shape
+      class(shape_t), allocatable :: shape
    contains
-      procedure :: contains => holder_contains       !! Whether a point belongs to it
-      procedure :: bounds => holder_bounds           !! A box around it
+      procedure :: contains => holder_contains       !! Is a point inside?
+      procedure :: bounds => holder_bounds           !! A bounding box
       procedure :: set => holder_set                 !! Hold a copy of a shape
    end type shape_holder_t
 
-   !> A box. Along its own directions it is half-open, so boxes side by side share no point.
+   !> A box, half-open along its edges, so that adjacent boxes have no common point.
    type, extends(shape_t), public :: box_t
       private
-      real(wp) :: lower(3) = 0.0_wp                  !! Corner in its own coordinates, inside [m]
-      real(wp) :: upper(3) = 0.0_wp                  !! Corner in its own coordinates, outside [m]
-      logical :: turned = .false.                    !! Its own coordinates are not those of space
-      real(wp) :: origin(3) = 0.0_wp                 !! Origin of its own coordinates [m]
-      real(wp) :: rotation(3, 3) = unturned          !! Columns are its own directions [1]
+      real(wp) :: lower(3) = 0.0_wp !! Lower corner, in local coordinates, inside [m]
+      real(wp) :: upper(3) = 0.0_wp !! Upper corner, in local coordinates, outside [m]
+      logical :: turned = .false.                    !! Are local coordinates rotated?
+      real(wp) :: origin(3) = 0.0_wp                 !! Origin of local coordinates [m]
+      real(wp) :: rotation(3, 3) = unturned          !! Columns are the local directions [1]
    contains
-      procedure :: contains => box_contains          !! Whether a point belongs to it
-      procedure :: bounds => box_bounds              !! A box around it
-      procedure :: transform => box_transform        !! Scale, turn and move
+      procedure :: contains => box_contains          !! Is a point inside?
+      procedure :: bounds => box_bounds              !! A bounding box
+      procedure :: transform => box_transform        !! Scale, rotate and translate
    end type box_t
 
    !> A ball without its surface.
@@ -57,12 +57,12 @@ module particle_shape
       real(wp) :: centre(3) = 0.0_wp                 !! Centre [m]
       real(wp) :: radius = 0.0_wp                    !! Radius [m]
    contains
-      procedure :: contains => sphere_contains       !! Whether a point belongs to it
-      procedure :: bounds => sphere_bounds           !! A box around it
-      procedure :: transform => sphere_transform     !! Scale, turn and move
+      procedure :: contains => sphere_contains       !! Is a point inside?
+      procedure :: bounds => sphere_bounds           !! A bounding box
+      procedure :: transform => sphere_transform     !! Scale, rotate and translate
    end type sphere_t
 
-   !> A solid cylinder without its mantle, half-open along its axis.
+   !> A solid cylinder without its lateral surface, half-open along its axis.
    type, extends(shape_t), public :: cylinder_t
       private
       real(wp) :: centre(3) = 0.0_wp                 !! Middle of the axis [m]
@@ -70,27 +70,27 @@ module particle_shape
       real(wp) :: radius = 0.0_wp                    !! Radius [m]
       real(wp) :: height = 0.0_wp                    !! Length of the axis [m]
    contains
-      procedure :: contains => cylinder_contains     !! Whether a point belongs to it
-      procedure :: bounds => cylinder_bounds         !! A box around it
-      procedure :: transform => cylinder_transform   !! Scale, turn and move
+      procedure :: contains => cylinder_contains     !! Is a point inside?
+      procedure :: bounds => cylinder_bounds         !! A bounding box
+      procedure :: transform => cylinder_transform   !! Scale, rotate and translate
    end type cylinder_t
 
    !> A set operation on shapes.
    type, extends(shape_t), public :: combination_t
       private
       integer :: kind = set_union                    !! One of the constants above
-      type(shape_holder_t), allocatable :: operand(:) !! The shapes
+      type(shape_holder_t), allocatable :: operand(:)
    contains
-      procedure :: contains => combination_contains  !! Whether a point belongs to it
-      procedure :: bounds => combination_bounds      !! A box around it
-      procedure :: transform => combination_transform !! Scale, turn and move
+      procedure :: contains => combination_contains  !! Is a point inside?
+      procedure :: bounds => combination_bounds      !! A bounding box
+      procedure :: transform => combination_transform !! Scale, rotate and translate
    end type combination_t
 
    abstract interface
       pure recursive subroutine transform_i(self, scale, rotation, translate)
          import :: shape_t, wp
          implicit none
-         class(shape_t), intent(inout) :: self       !! The shape
+         class(shape_t), intent(inout) :: self
          real(wp), intent(in) :: scale               !! Factor above 0 [1]
          real(wp), intent(in) :: rotation(3, 3)      !! Orthogonal, applied after the factor [1]
          real(wp), intent(in) :: translate(3)        !! Displacement, applied last [m]
@@ -99,7 +99,7 @@ module particle_shape
 
 contains
 
-   !> A box with its edges along the coordinates: lo <= x < hi.
+   !> Make a box with edges along the coordinates: lo <= x < hi.
    pure type(box_t) function box(lo, hi) result(shape)
       real(wp), intent(in) :: lo(3)                  !! Lower corner, inside [m]
       real(wp), intent(in) :: hi(3)                  !! Upper corner, outside [m]
@@ -108,7 +108,7 @@ contains
       shape%upper = hi
    end function box
 
-   !> A ball.
+   !> Make a ball.
    pure type(sphere_t) function sphere(centre, radius) result(shape)
       real(wp), intent(in) :: centre(3)              !! Centre [m]
       real(wp), intent(in) :: radius                 !! Radius [m]
@@ -117,7 +117,7 @@ contains
       shape%radius = radius
    end function sphere
 
-   !> A solid cylinder. It is empty if the axis has no length.
+   !> Make a solid cylinder. It is empty if the axis has no length.
    pure type(cylinder_t) function cylinder(centre, axis, radius, height) result(shape)
       real(wp), intent(in) :: centre(3)              !! Middle of the axis [m]
       real(wp), intent(in) :: axis(3)                !! Direction, of any length
@@ -135,10 +135,10 @@ contains
       shape%axis = shape%axis/sqrt(dot_product(shape%axis, shape%axis))
    end function cylinder
 
-   !> A set operation on copies of shapes. A difference takes all others from the first.
+   !> Make a set operation on copies of shapes. A difference subtracts all others from the first.
    type(combination_t) function combine(kind, operands) result(shape)
       integer, intent(in) :: kind                    !! set_union, set_difference, set_intersection
-      type(shape_holder_t), intent(in) :: operands(:) !! The shapes
+      type(shape_holder_t), intent(in) :: operands(:)
       integer :: number
 
       shape%kind = kind
@@ -149,9 +149,10 @@ contains
       end do
    end function combine
 
-   !> Scale, then turn around x, then y, then z, all about the origin of coordinates, then move.
+   !> Scale, then rotate about x, then y, then z, all about the origin of coordinates, then
+   !! translate.
    pure subroutine shape_place(self, scale, rotate, translate)
-      class(shape_t), intent(inout) :: self          !! The shape
+      class(shape_t), intent(inout) :: self
       real(wp), intent(in) :: scale                  !! Factor above 0 [1]
       real(wp), intent(in) :: rotate(3)              !! Angles about the axes x, y, z [deg]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
@@ -164,7 +165,7 @@ contains
    !> Rotation about x, then y, then z; exact for right angles.
    pure function rotation_matrix(angle) result(rotation)
       real(wp), intent(in) :: angle(3)               !! About x, y and z [deg]
-      real(wp) :: rotation(3, 3)                     !! Columns are the turned directions [1]
+      real(wp) :: rotation(3, 3)                     !! Columns are the rotated directions [1]
       real(wp) :: turn(3, 3), cosine, sine
       integer :: axis, next, last
 
@@ -183,7 +184,7 @@ contains
       end do
    end function rotation_matrix
 
-   !> Turn the columns of a matrix.
+   !> Rotate the columns of a matrix.
    pure subroutine rotate_columns(rotation, columns)
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(inout) :: columns(3, 3)       !! Vectors
@@ -194,7 +195,7 @@ contains
       end do
    end subroutine rotate_columns
 
-   !> Scale, turn and move a point.
+   !> Scale, rotate and translate a point.
    pure subroutine transform_point(scale, rotation, translate, x)
       real(wp), intent(in) :: scale                  !! Factor [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
@@ -227,18 +228,18 @@ contains
       if (abs(modulo(rest, 180.0_wp) - 90.0_wp) <= 0.0_wp) cosine = 0.0_wp
    end function cosine_of_degrees
 
-   !> Whether a point belongs to the held shape.
+   !> True if a point is inside the held shape.
    pure recursive logical function holder_contains(self, x) result(inside)
-      class(shape_holder_t), intent(in) :: self      !! The holder
+      class(shape_holder_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                   !! Point [m]
 
       inside = .false.
       if (allocated(self%shape)) inside = self%shape%contains(x)
    end function holder_contains
 
-   !> A box around the held shape.
+   !> A bounding box of the held shape.
    pure recursive subroutine holder_bounds(self, lo, hi)
-      class(shape_holder_t), intent(in) :: self      !! The holder
+      class(shape_holder_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
 
       lo = empty_lower
@@ -248,17 +249,17 @@ contains
 
    !> Hold a copy of a shape instead of what was held.
    subroutine holder_set(self, shape)
-      class(shape_holder_t), intent(inout) :: self   !! The holder
-      class(shape_t), intent(in) :: shape            !! The shape
+      class(shape_holder_t), intent(inout) :: self
+      class(shape_t), intent(in) :: shape
       class(shape_t), allocatable :: copy
 
       allocate (copy, source=shape)
       call move_alloc(copy, self%shape)
    end subroutine holder_set
 
-   !> Whether a point belongs to the box, without any tolerance.
+   !> True if a point is inside the box, without any tolerance.
    pure recursive logical function box_contains(self, x) result(inside)
-      class(box_t), intent(in) :: self               !! The box
+      class(box_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                   !! Point [m]
       real(wp) :: own(3), offset(3)
       integer :: direction
@@ -273,9 +274,9 @@ contains
       inside = all(own >= self%lower .and. own < self%upper)
    end function box_contains
 
-   !> A box around the box, exact up to rounding if it is turned.
+   !> A bounding box, exact up to rounding if the box is rotated.
    pure recursive subroutine box_bounds(self, lo, hi)
-      class(box_t), intent(in) :: self               !! The box
+      class(box_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
       real(wp) :: corner(3)
       integer :: number, direction
@@ -303,10 +304,11 @@ contains
       end do
    end subroutine box_bounds
 
-   !> Scale, turn and move the box. If its edges are then along the coordinates it is kept by its
-   !> corners in space, so that it stays half-open there and meets other boxes without a gap.
+   !> Scale, rotate and translate the box. If its edges are then along the coordinates, its corners
+   !! are stored in global coordinates, so that it is half-open there and adjacent boxes leave no
+   !! gap.
    pure recursive subroutine box_transform(self, scale, rotation, translate)
-      class(box_t), intent(inout) :: self            !! The box
+      class(box_t), intent(inout) :: self
       real(wp), intent(in) :: scale                  !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
@@ -331,17 +333,17 @@ contains
       self%rotation = unturned
    end subroutine box_transform
 
-   !> Whether a point belongs to the ball.
+   !> True if a point is inside the ball.
    pure recursive logical function sphere_contains(self, x) result(inside)
-      class(sphere_t), intent(in) :: self            !! The ball
+      class(sphere_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                   !! Point [m]
 
       inside = self%radius > 0.0_wp .and. sum((x - self%centre)**2) < self%radius**2
    end function sphere_contains
 
-   !> A box around the ball.
+   !> A bounding box of the ball.
    pure recursive subroutine sphere_bounds(self, lo, hi)
-      class(sphere_t), intent(in) :: self            !! The ball
+      class(sphere_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
 
       lo = empty_lower
@@ -351,9 +353,9 @@ contains
       hi = self%centre + self%radius
    end subroutine sphere_bounds
 
-   !> Scale, turn and move the ball.
+   !> Scale, rotate and translate the ball.
    pure recursive subroutine sphere_transform(self, scale, rotation, translate)
-      class(sphere_t), intent(inout) :: self         !! The ball
+      class(sphere_t), intent(inout) :: self
       real(wp), intent(in) :: scale                  !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
@@ -362,9 +364,9 @@ contains
       self%radius = scale*self%radius
    end subroutine sphere_transform
 
-   !> Whether a point belongs to the cylinder.
+   !> True if a point is inside the cylinder.
    pure recursive logical function cylinder_contains(self, x) result(inside)
-      class(cylinder_t), intent(in) :: self          !! The cylinder
+      class(cylinder_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                   !! Point [m]
       real(wp) :: offset(3), along, half
 
@@ -376,9 +378,9 @@ contains
       inside = sum((offset - along*self%axis)**2) < self%radius**2
    end function cylinder_contains
 
-   !> A box around the cylinder.
+   !> A bounding box of the cylinder.
    pure recursive subroutine cylinder_bounds(self, lo, hi)
-      class(cylinder_t), intent(in) :: self          !! The cylinder
+      class(cylinder_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
       real(wp) :: reach(3)
 
@@ -391,9 +393,9 @@ contains
       hi = self%centre + reach
    end subroutine cylinder_bounds
 
-   !> Scale, turn and move the cylinder.
+   !> Scale, rotate and translate the cylinder.
    pure recursive subroutine cylinder_transform(self, scale, rotation, translate)
-      class(cylinder_t), intent(inout) :: self       !! The cylinder
+      class(cylinder_t), intent(inout) :: self
       real(wp), intent(in) :: scale                  !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
@@ -404,25 +406,26 @@ contains
       self%height = scale*self%height
    end subroutine cylinder_transform
 
-   !> Whether a point belongs to the combination.
+   !> True if a point is inside the combination.
    pure recursive logical function combination_contains(self, x) result(inside)
-      class(combination_t), intent(in) :: self       !! The combination
+      class(combination_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                   !! Point [m]
       integer :: number
 
       inside = .false.
       if (.not. allocated(self%operand)) return
       do number = 1, size(self%operand)
-         ! The first operand decides alone; each further one can only change it one way.
+        ! a union stops at the first operand that contains the point, the others at one that
+        ! excludes it
          if (number > 1 .and. (inside .eqv. self%kind == set_union)) return
          inside = self%operand(number)%contains(x)
          if (number > 1 .and. self%kind == set_difference) inside = .not. inside
       end do
    end function combination_contains
 
-   !> A box around the combination; of a difference, the box around its first operand.
+   !> A bounding box of the combination; for a difference, that of its first operand.
    pure recursive subroutine combination_bounds(self, lo, hi)
-      class(combination_t), intent(in) :: self       !! The combination
+      class(combination_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)          !! Corners [m]
       real(wp) :: lower(3), upper(3)
       integer :: number
@@ -451,9 +454,9 @@ contains
       hi = empty_upper
    end subroutine combination_bounds
 
-   !> Scale, turn and move all operands.
+   !> Scale, rotate and translate all operands.
    pure recursive subroutine combination_transform(self, scale, rotation, translate)
-      class(combination_t), intent(inout) :: self    !! The combination
+      class(combination_t), intent(inout) :: self
       real(wp), intent(in) :: scale                  !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Ellipsoids, cones, rings and half spaces: solids around an axis of their own, in coordinates that
-!! lie along it.
+!> Ellipsoids, cones, tori and half spaces: solids in local coordinates along their axis.
 module particle_solids
    use base_kinds, only: wp
    use particle_shape, only: shape_t, transform_point
@@ -10,26 +9,26 @@ module particle_solids
    public :: cone, ellipsoid, half_space, solid_t, torus
 
    integer, parameter :: is_ellipsoid = 1, is_cone = 2, is_torus = 3, is_half_space = 4
-   real(wp), parameter :: far = 1.0e30_wp            !! Where a half space ends [m]
+   real(wp), parameter :: far = 1.0e30_wp            !! Bounds of a half space [m]
    real(wp), parameter :: straight(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, &
       0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
 
-   !> One of them.
+   !> A solid of one of these kinds.
    type, extends(shape_t) :: solid_t
       private
-      integer :: kind = is_ellipsoid                     !! Which
-      real(wp) :: centre(3) = 0.0_wp                     !! Of a cone: middle of its axis [m]
-      real(wp) :: frame(3, 3) = straight                 !! Columns are its own directions [1]
-      real(wp) :: size(3) = 0.0_wp                       !! What its kind needs, see below [m]
+      integer :: kind = is_ellipsoid
+      real(wp) :: centre(3) = 0.0_wp !! Centre; of a cone, middle of its axis [m]
+      real(wp) :: frame(3, 3) = straight                 !! Columns are the local directions [1]
+      real(wp) :: size(3) = 0.0_wp !! Lengths as the procedures below set them [m]
    contains
-      procedure :: contains => solid_contains            !! Whether a point belongs to it
-      procedure :: bounds => solid_bounds                !! A box around it
-      procedure :: transform => solid_transform          !! Scale, turn and move
+      procedure :: contains => solid_contains            !! Is a point inside?
+      procedure :: bounds => solid_bounds                !! A bounding box
+      procedure :: transform => solid_transform          !! Scale, rotate and translate
    end type solid_t
 
 contains
 
-   !> An ellipsoid without its surface, its axes along the coordinates.
+   !> Make an ellipsoid without its surface, its axes along the coordinates.
    pure type(solid_t) function ellipsoid(centre, semi_axes) result(shape)
       real(wp), intent(in) :: centre(3)                  !! Centre [m]
       real(wp), intent(in) :: semi_axes(3)               !! Half its axes [m]
@@ -39,12 +38,12 @@ contains
       shape%size = semi_axes
    end function ellipsoid
 
-   !> A cone or the trunk of one, without its mantle and half-open along its axis.
+   !> Make a cone or a truncated one, without its lateral surface and half-open along its axis.
    pure type(solid_t) function cone(centre, axis, radius, upper_radius, height) result(shape)
       real(wp), intent(in) :: centre(3)                  !! Middle of the axis [m]
       real(wp), intent(in) :: axis(3)                    !! Direction, of any length
-      real(wp), intent(in) :: radius                     !! Where the axis begins [m]
-      real(wp), intent(in) :: upper_radius               !! Where it ends [m]
+      real(wp), intent(in) :: radius                     !! At the start of the axis [m]
+      real(wp), intent(in) :: upper_radius               !! At its end [m]
       real(wp), intent(in) :: height                     !! Length of the axis [m]
 
       shape%kind = is_cone
@@ -53,12 +52,12 @@ contains
       shape%size = [radius, upper_radius, height]
    end function cone
 
-   !> A ring without its surface.
+   !> Make a torus without its surface.
    pure type(solid_t) function torus(centre, axis, radius, thickness) result(shape)
       real(wp), intent(in) :: centre(3)                  !! Centre [m]
       real(wp), intent(in) :: axis(3)                    !! Direction, of any length
-      real(wp), intent(in) :: radius                     !! Of the circle in its middle [m]
-      real(wp), intent(in) :: thickness                  !! Radius of its section [m]
+      real(wp), intent(in) :: radius                     !! Of its centre line [m]
+      real(wp), intent(in) :: thickness                  !! Radius of its cross-section [m]
 
       shape%kind = is_torus
       shape%centre = centre
@@ -66,7 +65,7 @@ contains
       shape%size = [radius, thickness, 0.0_wp]
    end function torus
 
-   !> All that lies behind a plane; the plane itself belongs to it.
+   !> Make the half space behind a plane; the plane itself is inside.
    pure type(solid_t) function half_space(point, normal) result(shape)
       real(wp), intent(in) :: point(3)                   !! A point of the plane [m]
       real(wp), intent(in) :: normal(3)                  !! Out of the half space, of any length
@@ -76,7 +75,7 @@ contains
       shape%frame = frame_of(normal)
    end function half_space
 
-   !> Three directions at right angles, the third one along an axis.
+   !> Three orthogonal directions, the third one along an axis.
    pure function frame_of(axis) result(frame)
       real(wp), intent(in) :: axis(3)                    !! Of any length
       real(wp) :: frame(3, 3)
@@ -94,9 +93,9 @@ contains
          - frame(1, 3)*frame(3, 1), frame(1, 3)*frame(2, 1) - frame(2, 3)*frame(1, 1)]
    end function frame_of
 
-   !> Whether a point belongs to the solid.
+   !> True if a point is inside the solid.
    pure recursive logical function solid_contains(self, x) result(inside)
-      class(solid_t), intent(in) :: self                 !! The solid
+      class(solid_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                       !! Point [m]
       real(wp) :: own(3), across, share
       integer :: k
@@ -119,14 +118,14 @@ contains
       end select
    end function solid_contains
 
-   !> A box around the solid.
+   !> A bounding box of the solid.
    pure recursive subroutine solid_bounds(self, lo, hi)
-      class(solid_t), intent(in) :: self                 !! The solid
+      class(solid_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
       real(wp) :: reach(3), ring(3)
       integer :: k
 
-      ! of a circle around the axis with a radius of one
+      ! half edges of the bounding box of a circle of radius one around the axis
       ring = sqrt(max(1.0_wp - self%frame(:, 3)**2, 0.0_wp))
       select case (self%kind)
       case (is_ellipsoid)
@@ -147,9 +146,9 @@ contains
       end do
    end subroutine solid_bounds
 
-   !> Scale, turn and move the solid.
+   !> Scale, rotate and translate the solid.
    pure recursive subroutine solid_transform(self, scale, rotation, translate)
-      class(solid_t), intent(inout) :: self              !! The solid
+      class(solid_t), intent(inout) :: self
       real(wp), intent(in) :: scale                      !! Factor above 0 [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal, applied after the factor [1]
       real(wp), intent(in) :: translate(3)               !! Displacement, applied last [m]

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Brings all tiles of a store into order at once, in new arrays without gaps.
+!> Sorts all tiles of a store at once, into new arrays without gaps.
 !!
-!! Where tiles hold few particles almost each of them gets or loses some in a step. Then one way
-!! through each field costs less than one through all fields for each tile, and no tile needs room
-!! to grow.
+!! Where tiles have few particles, almost every tile gains or loses some in a step. One pass through
+!! each field then costs less than a pass through all fields for each tile, and no tile needs spare
+!! capacity.
 module particle_sort_store
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
@@ -14,84 +14,84 @@ module particle_sort_store
 
    public :: sort_store
 
-   !> Makes new arrays of fields from the places where their values are.
-   type, extends(field_worker_t) :: arranger_t
-      integer, allocatable :: source(:)               !! (place) Particle > 0, row < 0, 0 = nobody
+   !> Copies fields into new arrays in sorted order.
+   type, extends(field_worker_t) :: store_sorter_t
+      integer, allocatable :: source(:) !! (particle) Old index > 0, row < 0, 0 = unused
       integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers
       integer :: word = 0                             !! Words of the rows used so far
    contains
-      procedure :: scalar => arranger_scalar          !! Arranges numbers
-      procedure :: vector => arranger_vector          !! Arranges vectors
-      procedure :: whole => arranger_whole            !! Arranges whole numbers
-   end type arranger_t
+      procedure :: scalar => store_sorter_scalar          !! Sorts a scalar field
+      procedure :: vector => store_sorter_vector          !! Sorts a vector or tensor field
+      procedure :: whole => store_sorter_whole            !! Sorts an integer field
+   end type store_sorter_t
 
 contains
 
-   !> Arrange all tiles of a store: particles that stay and newcomers, by cell and then by identity.
-   subroutine sort_store(store, wish, rows, before, row, home)
-      type(store_t), intent(inout) :: store           !! The particles
-      integer, intent(in) :: wish(:)                  !! (tile) Coming counts
+   !> Sort all tiles of a store: particles that stay and newcomers, by cell and then by identity.
+   subroutine sort_store(store, new_count, rows, before, row, home)
+      type(store_t), intent(inout) :: store
+      integer, intent(in) :: new_count(:)                  !! (tile) Counts with newcomers
       integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
-      integer, intent(in) :: before(:)                !! (tile + 1) Rows of the tiles before
+      integer, intent(in) :: before(:)                !! (tile + 1) Rows of lower tiles
       integer, intent(in) :: row(:)                   !! Rows grouped by tile
       integer, intent(in) :: home(:)                  !! (row) Their cells
-      type(arranger_t) :: arranger
+      type(store_sorter_t) :: store_sorter
       integer, allocatable :: first(:), cells(:)
       integer :: length
 
-      call store%line_up(wish, first, length)
-      allocate (arranger%source(length), cells(length))
-      arranger%source = 0
+      call store%plan_ranges(new_count, first, length)
+      allocate (store_sorter%source(length), cells(length))
+      store_sorter%source = 0
       cells = 0
-      arranger%rows => rows
-      call find_sources(store, first, rows, before, row, home, arranger%source, cells)
-      call store%walk(arranger)
+      store_sorter%rows => rows
+      call find_sources(store, first, rows, before, row, home, store_sorter%source, cells)
+      call store%walk(store_sorter)
       call move_alloc(cells, store%home)
       call move_alloc(first, store%first)
-      store%count = wish
-      store%restless = .false.
+      store%count = new_count
+      store%unsorted = .false.
       store%leaving = 0
    end subroutine sort_store
 
-   !> Where the particle of each place comes from, and its cell.
-   ! gate: long kernel because newcomers are told by their rows, groups and cells
+   !> Find the old index or the row of each particle, and its cell.
+   ! gate: long kernel because newcomers are given by their rows, groups and cells
    subroutine find_sources(store, first, rows, before, row, home, source, cells)
-      type(store_t), intent(inout) :: store           !! The particles; get the ranges of cells
-      integer, intent(in) :: first(:)                 !! (tile) First places
+      type(store_t), intent(inout) :: store           !! Gets the ranges of cells
+      integer, intent(in) :: first(:)                 !! (tile) First particle of the new range
       integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
-      integer, intent(in) :: before(:)                !! (tile + 1) Rows of the tiles before
+      integer, intent(in) :: before(:)                !! (tile + 1) Rows of lower tiles
       integer, intent(in) :: row(:)                   !! Rows grouped by tile
       integer, intent(in) :: home(:)                  !! (row) Their cells
-      integer, intent(inout) :: source(:)             !! (place) Particle > 0, row < 0
-      integer, intent(inout) :: cells(:)              !! (place) Cells
-      type(tile_sorter_t) :: settler
+      integer, intent(inout) :: source(:)             !! (particle) Old index > 0, row < 0
+      integer, intent(inout) :: cells(:)              !! (particle) Cells
+      type(tile_sorter_t) :: sorter
       integer :: tile, at, p
 
       !$omp parallel default(none) shared(store, first, rows, before, row, home, source, cells) &
-      !$omp private(tile, at, p, settler)
-      settler%rows => rows
+      !$omp private(tile, at, p, sorter)
+      sorter%rows => rows
       !$omp do schedule(dynamic, 64)
       do tile = 1, size(first)
          at = first(tile) - 1
-         if (.not. store%restless(tile) .and. before(tile + 1) == before(tile)) then
+         if (.not. store%unsorted(tile) .and. before(tile + 1) == before(tile)) then
             do p = 1, store%count(tile)
                source(at + p) = store%first(tile) + p - 1
                cells(at + p) = store%home(store%first(tile) + p - 1)
             end do
             cycle
          end if
-         call order_tile(store, settler, tile, store%first(tile), &
+         call order_tile(store, sorter, tile, store%first(tile), &
             row(before(tile) + 1:before(tile + 1)), home)
-         do p = 1, settler%count
-            source(at + p) = settler%source(p)
+         do p = 1, sorter%count
+            source(at + p) = sorter%source(p)
          end do
-         call list_cells(store%cell_start(:, tile), cells(at + 1:at + settler%count))
+         call list_cells(store%cell_start(:, tile), cells(at + 1:at + sorter%count))
       end do
       !$omp end do
       !$omp end parallel
    end subroutine find_sources
 
-   !> Cells of the particles of a tile from the ranges of the cells.
+   !> List the cells of the particles of a tile from the ranges of the cells.
    pure subroutine list_cells(start, cells)
       integer, contiguous, intent(in) :: start(0:)    !! (0:cells) Particles before each cell
       integer, intent(inout) :: cells(0:)             !! (particle, from 0)
@@ -102,79 +102,79 @@ contains
       end do
    end subroutine list_cells
 
-   !> Arrange a field of numbers.
-   subroutine arranger_scalar(self, name, unit, values)
-      class(arranger_t), intent(inout) :: self        !! Where values come from
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+   !> Sort a scalar field.
+   subroutine store_sorter_scalar(self, name, unit, values)
+      class(store_sorter_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:) !! (particle)
-      real(wp), allocatable :: arranged(:)
+      real(wp), allocatable :: sorted(:)
 
       self%word = self%word + 1
-      allocate (arranged(size(self%source)))
-      call take_reals(self%source, self%rows, self%word, values, arranged)
-      call move_alloc(arranged, values)
-   end subroutine arranger_scalar
+      allocate (sorted(size(self%source)))
+      call take_reals(self%source, self%rows, self%word, values, sorted)
+      call move_alloc(sorted, values)
+   end subroutine store_sorter_scalar
 
-   !> Arrange a field of vectors or tensors.
-   subroutine arranger_vector(self, name, unit, values)
-      class(arranger_t), intent(inout) :: self        !! Where values come from
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+   !> Sort a vector or tensor field.
+   subroutine store_sorter_vector(self, name, unit, values)
+      class(store_sorter_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
-      real(wp), allocatable :: arranged(:, :)
+      real(wp), allocatable :: sorted(:, :)
       integer :: component
 
-      allocate (arranged(size(self%source), size(values, 2)))
+      allocate (sorted(size(self%source), size(values, 2)))
       do component = 1, size(values, 2)
          call take_reals(self%source, self%rows, self%word + component, values(:, component), &
-            arranged(:, component))
+            sorted(:, component))
       end do
       self%word = self%word + size(values, 2)
-      call move_alloc(arranged, values)
-   end subroutine arranger_vector
+      call move_alloc(sorted, values)
+   end subroutine store_sorter_vector
 
-   !> Arrange a field of whole numbers.
-   subroutine arranger_whole(self, name, unit, values)
-      class(arranger_t), intent(inout) :: self        !! Where values come from
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+   !> Sort an integer field.
+   subroutine store_sorter_whole(self, name, unit, values)
+      class(store_sorter_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
-      integer(int64), allocatable :: arranged(:)
+      integer(int64), allocatable :: sorted(:)
       integer :: p
 
       self%word = self%word + 1
-      allocate (arranged(size(self%source)))
+      allocate (sorted(size(self%source)))
       do p = 1, size(self%source)
          if (self%source(p) > 0) then
-            arranged(p) = values(self%source(p))
+            sorted(p) = values(self%source(p))
          else if (self%source(p) < 0) then
-            arranged(p) = self%rows(self%word, -self%source(p))
+            sorted(p) = self%rows(self%word, -self%source(p))
          else
-            arranged(p) = 0
+            sorted(p) = 0
          end if
       end do
-      call move_alloc(arranged, values)
-   end subroutine arranger_whole
+      call move_alloc(sorted, values)
+   end subroutine store_sorter_whole
 
-   !> Numbers from where they are.
-   subroutine take_reals(source, rows, word, values, arranged)
-      integer, intent(in) :: source(:)                !! (place) Particle > 0, row < 0, 0 = nobody
+   !> Copy reals from the old arrays or the rows.
+   subroutine take_reals(source, rows, word, values, sorted)
+      integer, intent(in) :: source(:) !! (particle) Old index > 0, row < 0, 0 = unused
       integer(int64), contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
       integer, intent(in) :: word                     !! Word of the rows
       real(wp), contiguous, intent(in) :: values(:)   !! (particle)
-      real(wp), contiguous, intent(inout) :: arranged(:) !! (place)
+      real(wp), contiguous, intent(inout) :: sorted(:) !! (new particle)
       integer :: p
 
-      !$omp parallel do default(none) shared(source, rows, word, values, arranged) private(p) &
+      !$omp parallel do default(none) shared(source, rows, word, values, sorted) private(p) &
       !$omp schedule(static) if(size(source) > many)
       do p = 1, size(source)
          if (source(p) > 0) then
-            arranged(p) = values(source(p))
+            sorted(p) = values(source(p))
          else if (source(p) < 0) then
-            arranged(p) = transfer(rows(word, -source(p)), 0.0_wp)
+            sorted(p) = transfer(rows(word, -source(p)), 0.0_wp)
          else
-            arranged(p) = 0.0_wp
+            sorted(p) = 0.0_wp
          end if
       end do
       !$omp end parallel do

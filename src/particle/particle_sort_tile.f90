@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Puts the particles of a tile in the order of cells and identities, newcomers among them.
+!> Sorts the particles of a tile, with newcomers, by cell and then by identity.
 module particle_sort_tile
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
@@ -9,116 +9,116 @@ module particle_sort_tile
 
    public :: order_tile, sort_tile, tile_sorter_t, row_packer_t
 
-   integer, parameter, public :: many = 1000          !! Particles that are worth several threads
+   integer, parameter, public :: many = 1000 !! Least number of particles for several threads
 
-   !> Packs listed particles into rows of whole numbers, reals bit by bit.
+   !> Packs listed particles into rows of integers, with the bit patterns of reals.
    type, extends(field_worker_t) :: row_packer_t
       integer, allocatable :: particle(:)             !! (row) Index in the store
       integer(int64), allocatable :: rows(:, :)       !! (word, row)
       integer :: word = 0                             !! Words filled so far
    contains
-      procedure :: scalar => packer_scalar            !! Packs numbers
-      procedure :: vector => packer_vector            !! Packs vectors
-      procedure :: whole => packer_whole              !! Packs whole numbers
+      procedure :: scalar => packer_scalar            !! Packs a scalar field
+      procedure :: vector => packer_vector            !! Packs a vector or tensor field
+      procedure :: whole => packer_whole              !! Packs an integer field
    end type row_packer_t
 
-   !> Brings the particles of one tile into their new order; scratch of one thread.
+   !> Sorts the particles of one tile; scratch of one thread.
    type, extends(field_worker_t) :: tile_sorter_t
       integer :: first = 0                            !! First particle of the new range
       integer :: count = 0                            !! Particles of the new range
       integer :: word = 0                             !! Words of the rows used so far
-      integer, allocatable :: source(:)               !! Particle > 0 or row < 0 for each new place
+      integer, allocatable :: source(:)               !! (new particle) Old index > 0 or row < 0
       integer, allocatable :: cell(:)                 !! Cell of each source
       integer, allocatable :: order(:)                !! Scratch
       integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers
       real(wp), allocatable :: buffer(:)              !! Scratch
       integer(int64), allocatable :: integer_buffer(:)  !! Scratch
    contains
-      procedure :: scalar => settler_scalar           !! Reorders numbers
-      procedure :: vector => settler_vector           !! Reorders vectors
-      procedure :: whole => sorter_integer             !! Reorders whole numbers
-      procedure :: make_room => settler_make_room     !! Sizes the scratch
+      procedure :: scalar => sorter_scalar           !! Sorts a scalar field
+      procedure :: vector => sorter_vector           !! Sorts a vector or tensor field
+      procedure :: whole => sorter_whole             !! Sorts an integer field
+      procedure :: reserve => sorter_reserve     !! Allocates the scratch
    end type tile_sorter_t
 
 contains
 
-   !> Reorder one tile: particles that stay and newcomers, by cell and then by identity.
-   subroutine sort_tile(store, settler, tile, now, newcomer, home)
-      type(store_t), intent(inout) :: store           !! The particles; count becomes the new one
-      class(tile_sorter_t), intent(inout) :: settler      !! Scratch, with the rows
-      integer, intent(in) :: tile                     !! Which tile
-      integer, intent(in) :: now                      !! First particle as they lie now
+   !> Sort one tile: particles that stay and newcomers, by cell and then by identity.
+   subroutine sort_tile(store, sorter, tile, now, newcomer, home)
+      type(store_t), intent(inout) :: store           !! Gets the new count
+      class(tile_sorter_t), intent(inout) :: sorter      !! Scratch, with the rows
+      integer, intent(in) :: tile
+      integer, intent(in) :: now                      !! Present first particle
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
       integer, intent(in) :: home(:)                  !! (row) Cells of all rows
       integer :: p, cell
 
-      call order_tile(store, settler, tile, now, newcomer, home)
-      settler%first = store%first(tile)
-      settler%word = 0
-      call store%walk(settler)
+      call order_tile(store, sorter, tile, now, newcomer, home)
+      sorter%first = store%first(tile)
+      sorter%word = 0
+      call store%walk(sorter)
       do cell = 0, ubound(store%cell_start, 1) - 1
          do p = store%cell_start(cell, tile), store%cell_start(cell + 1, tile) - 1
             store%home(store%first(tile) + p) = cell
          end do
       end do
-      store%count(tile) = settler%count
-      store%restless(tile) = .false.
+      store%count(tile) = sorter%count
+      store%unsorted(tile) = .false.
       store%leaving(tile) = 0
    end subroutine sort_tile
 
    !> Find where each particle of the new range of a tile comes from, and the range of each cell.
-   subroutine order_tile(store, settler, tile, now, newcomer, home)
-      type(store_t), intent(inout) :: store           !! The particles; gets the ranges of cells
-      class(tile_sorter_t), intent(inout) :: settler !! Scratch, with the rows; gets the sources
-      integer, intent(in) :: tile                     !! Which tile
-      integer, intent(in) :: now                      !! First particle as they lie now
+   subroutine order_tile(store, sorter, tile, now, newcomer, home)
+      type(store_t), intent(inout) :: store           !! Gets the ranges of cells
+      class(tile_sorter_t), intent(inout) :: sorter !! Scratch, with the rows; gets the sources
+      integer, intent(in) :: tile
+      integer, intent(in) :: now                      !! Present first particle
       integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
       integer, intent(in) :: home(:)                  !! (row) Cells of all rows
       integer, parameter :: identity_word = 1
       integer :: p, n, cell, row
 
-      call settler%make_room(store%count(tile) + size(newcomer))
+      call sorter%reserve(store%count(tile) + size(newcomer))
       n = 0
       do p = now, now + store%count(tile) - 1
          if (store%home(p) < 0) cycle
          n = n + 1
-         settler%order(n) = p
-         settler%cell(n) = store%home(p)
+         sorter%order(n) = p
+         sorter%cell(n) = store%home(p)
       end do
       do row = 1, size(newcomer)
          n = n + 1
-         settler%order(n) = -newcomer(row)
-         settler%cell(n) = home(newcomer(row))
+         sorter%order(n) = -newcomer(row)
+         sorter%cell(n) = home(newcomer(row))
       end do
-      settler%count = n
-      call order_by_cell(settler, n, store%cell_start(:, tile))
+      sorter%count = n
+      call order_by_cell(sorter, n, store%cell_start(:, tile))
       do cell = 0, ubound(store%cell_start, 1) - 1
          if (store%cell_start(cell + 1, tile) - store%cell_start(cell, tile) < 2) cycle
-         call order_by_identity(store, settler, store%cell_start(cell, tile) + 1, &
+         call order_by_identity(store, sorter, store%cell_start(cell, tile) + 1, &
             store%cell_start(cell + 1, tile), identity_word)
       end do
    end subroutine order_tile
 
-   !> Group the sources of a tile by cell, each cell in the order in which they are listed.
-   pure subroutine order_by_cell(settler, number, start)
-      class(tile_sorter_t), intent(inout) :: settler      !! Holds the list and gets the sources
+   !> Group the sources of a tile by cell; in a cell they keep their order.
+   pure subroutine order_by_cell(sorter, number, start)
+      class(tile_sorter_t), intent(inout) :: sorter      !! Holds the list and gets the sources
       integer, intent(in) :: number                   !! Particles on the list
       integer, contiguous, intent(inout) :: start(0:) !! (0:cells) Particles before each cell
       integer :: p, cell, place
 
       start = 0
       do p = 1, number
-         cell = settler%cell(p) + 1
+         cell = sorter%cell(p) + 1
          start(cell) = start(cell) + 1
       end do
       do cell = 1, ubound(start, 1)
          start(cell) = start(cell) + start(cell - 1)
       end do
       do p = number, 1, -1
-         ! filled from behind, so that start can serve as the cursor of each cell
-         cell = settler%cell(p)
+        ! backwards, so that start serves as the cursor of each cell
+         cell = sorter%cell(p)
          place = start(cell + 1)
-         settler%source(place) = settler%order(p)
+         sorter%source(place) = sorter%order(p)
          start(cell + 1) = place - 1
       end do
       do cell = 0, ubound(start, 1) - 1
@@ -127,10 +127,10 @@ contains
       start(ubound(start, 1)) = number
    end subroutine order_by_cell
 
-   !> Sort the sources of one cell by identity; they are few and nearly in order.
-   pure subroutine order_by_identity(store, settler, first, last, identity_word)
-      type(store_t), intent(in) :: store              !! The particles
-      class(tile_sorter_t), intent(inout) :: settler      !! Holds the sources
+   !> Sort the sources of one cell by identity, by insertion, as they are few and nearly sorted.
+   pure subroutine order_by_identity(store, sorter, first, last, identity_word)
+      type(store_t), intent(in) :: store
+      class(tile_sorter_t), intent(inout) :: sorter      !! Holds the sources
       integer, intent(in) :: first                    !! First source of the cell
       integer, intent(in) :: last                     !! Last source of the cell
       integer, intent(in) :: identity_word            !! Word of the rows that holds the identity
@@ -138,15 +138,15 @@ contains
       integer(int64) :: key
 
       do at = first + 1, last
-         held = settler%source(at)
+         held = sorter%source(at)
          key = identity_of(held)
          hole = at
          do while (hole > first)
-            if (identity_of(settler%source(hole - 1)) <= key) exit
-            settler%source(hole) = settler%source(hole - 1)
+            if (identity_of(sorter%source(hole - 1)) <= key) exit
+            sorter%source(hole) = sorter%source(hole - 1)
             hole = hole - 1
          end do
-         settler%source(hole) = held
+         sorter%source(hole) = held
       end do
 
    contains
@@ -158,42 +158,43 @@ contains
          if (source > 0) then
             number = store%identity(source)
          else
-            number = settler%rows(identity_word, -source)
+            number = sorter%rows(identity_word, -source)
          end if
       end function identity_of
    end subroutine order_by_identity
 
-   !> Size the scratch for a number of particles.
-   pure subroutine settler_make_room(self, number)
-      class(tile_sorter_t), intent(inout) :: self         !! The scratch
+   !> Allocate the scratch for a number of particles.
+   pure subroutine sorter_reserve(self, number)
+      class(tile_sorter_t), intent(inout) :: self
       integer, intent(in) :: number                   !! Particles
-      integer :: room
+      integer :: capacity
 
       if (allocated(self%source)) then
          if (size(self%source) >= number) return
          deallocate (self%source, self%cell, self%order, self%buffer, self%integer_buffer)
       end if
-      room = number + number/4 + 16
-      allocate (self%source(room), self%cell(room), self%order(room), self%buffer(room), &
-         self%integer_buffer(room))
-   end subroutine settler_make_room
+      capacity = number + number/4 + 16
+      allocate (self%source(capacity), self%cell(capacity), self%order(capacity), &
+         self%buffer(capacity), &
+         self%integer_buffer(capacity))
+   end subroutine sorter_reserve
 
-   !> Bring a field of numbers into the new order.
-   subroutine settler_scalar(self, name, unit, values)
+   !> Sort a scalar field.
+   subroutine sorter_scalar(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:) !! (particle)
 
       self%word = self%word + 1
       call reorder_reals(self, values)
-   end subroutine settler_scalar
+   end subroutine sorter_scalar
 
-   !> Bring a field of vectors or tensors into the new order.
-   subroutine settler_vector(self, name, unit, values)
+   !> Sort a vector or tensor field.
+   subroutine sorter_vector(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
       integer :: component
 
@@ -201,13 +202,13 @@ contains
          self%word = self%word + 1
          call reorder_reals(self, values(:, component))
       end do
-   end subroutine settler_vector
+   end subroutine sorter_vector
 
-   !> Bring a field of whole numbers into the new order.
-   subroutine sorter_integer(self, name, unit, values)
+   !> Sort an integer field.
+   subroutine sorter_whole(self, name, unit, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
       integer :: p
 
@@ -220,9 +221,9 @@ contains
          end if
       end do
       values(self%first:self%first + self%count - 1) = self%integer_buffer(:self%count)
-   end subroutine sorter_integer
+   end subroutine sorter_whole
 
-   !> Bring one component into the new order.
+   !> Sort one component.
    pure subroutine reorder_reals(self, values)
       class(tile_sorter_t), intent(inout) :: self         !! Sources and scratch
       real(wp), contiguous, intent(inout) :: values(:) !! (particle)
@@ -238,11 +239,11 @@ contains
       values(self%first:self%first + self%count - 1) = self%buffer(:self%count)
    end subroutine reorder_reals
 
-   !> Pack a field of numbers, one word a row.
+   !> Pack a scalar field, one word a row.
    subroutine packer_scalar(self, name, unit, values)
       class(row_packer_t), intent(inout) :: self      !! Rows and particles
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:) !! (particle)
       integer :: row
 
@@ -255,11 +256,11 @@ contains
       !$omp end parallel do
    end subroutine packer_scalar
 
-   !> Pack a field of vectors or tensors, one word a component.
+   !> Pack a vector or tensor field, one word a component.
    subroutine packer_vector(self, name, unit, values)
       class(row_packer_t), intent(inout) :: self      !! Rows and particles
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
       integer :: row, component
 
@@ -275,11 +276,11 @@ contains
       self%word = self%word + size(values, 2)
    end subroutine packer_vector
 
-   !> Pack a field of whole numbers, one word a row.
+   !> Pack an integer field, one word a row.
    subroutine packer_whole(self, name, unit, values)
       class(row_packer_t), intent(inout) :: self      !! Rows and particles
-      character(len=*), intent(in) :: name            !! Name in files
-      character(len=*), intent(in) :: unit            !! SI unit
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
       integer :: row
 

@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Halves particles that have become long, so that stretched matter does not fall apart where its
-!! particles no longer reach a common node.
+!> Splits elongated particles into halves, so that stretched material does not separate numerically
+!! where its particles no longer reach a common node.
 !!
-!! A half has half the mass and volume and all else of the whole; it lies a quarter of the edge to
-!! one side. In axisymmetry halves are rings of half the section, and have mass and volume by their
-!! radii. Halves part along the line between them as the velocity there does, which leaves
-!! momentum and angular momentum as they are; the kinetic energy of that comes from the internal
-!! energy, or is told for the books. Halves carry their way from the whole in the upper bits of the
-!! identity, which needs no counter and knows nothing of ranks.
+!! A half has half the mass and volume of the whole and the same state, and is a quarter of the edge
+!! to one side of it. In axisymmetry halves are rings of half the cross-section, with mass and
+!! volume
+!! in proportion to their radii. The velocities of the halves differ along the line between them by
+!! the velocity gradient, which conserves momentum and angular momentum; the kinetic energy of it is
+!! taken from the internal energy, or returned for the energy balance. The upper bits of an identity
+!! are the path from the whole to the half, which needs no counter and does not depend on ranks.
 module particle_split
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
@@ -23,64 +24,66 @@ module particle_split
       splitting_t
 
    integer, parameter :: root_bits = 40              !! Lower bits: the identity of the first whole
-   integer, parameter, public :: most_generations = 20 !! For which the upper bits have room
+   integer, parameter, public :: most_generations = 20 !! That the upper bits can hold
 
-   !> Of the energy of a gas that its halves may part with: pressures stay of the same size [1]
+   !> Greatest fraction of the internal energy of a gas that a split may take: the pressure keeps
+   !! its
+   !! order of magnitude [1]
    real(wp), parameter :: greatest_share = 0.5_wp
 
-   !> When particles are halved.
+   !> When particles are split.
    type :: splitting_t
       real(wp) :: longest = 0.55_wp                  !! Greatest edge of a particle [cells]
-      integer :: generations = 10                    !! Halvings of a particle and its parts
+      integer :: generations = 10                    !! Most splits from the start to a particle
    end type splitting_t
 
-   !> Copies the last of some particles from others.
+   !> Copies particles to others.
    type, extends(field_worker_t) :: copier_t
-      integer, allocatable :: from(:)                !! Who is copied
-      integer, allocatable :: to(:)                  !! Where to
+      integer, allocatable :: from(:)                !! Indices of the copied particles
+      integer, allocatable :: to(:)                  !! Indices of the copies
    contains
-      procedure :: scalar => copier_scalar           !! Copies numbers
-      procedure :: vector => copier_vector           !! Copies vectors
-      procedure :: whole => copier_whole             !! Copies whole numbers
+      procedure :: scalar => copier_scalar           !! Copies a scalar field
+      procedure :: vector => copier_vector           !! Copies a vector or tensor field
+      procedure :: whole => copier_whole             !! Copies an integer field
    end type copier_t
 
 contains
 
-   !> Halve the particles of a store that are too long, before it is put in order.
-   ! gate: long kernel because matter, space and faces say where halves may lie
+   !> Split the particles of a store that are too long, before it is sorted.
+   ! gate: long kernel because material, grid and boundary decide where halves may be
    subroutine split_store(splitting, full, grid, boundary, tiles, store, gain)
-      type(splitting_t), intent(in) :: splitting     !! When
+      type(splitting_t), intent(in) :: splitting
       !> (0:cells - 1, tile) Cells that are full, of a material without strength; else not allocated
       logical, allocatable, intent(in) :: full(:, :)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! The faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
       type(tiles_t), intent(in) :: tiles             !! The tiles of this rank
-      type(store_t), intent(inout) :: store          !! The particles, with their edges
-      real(wp), allocatable, intent(out) :: gain(:)  !! (halved particle) Kinetic energy made [J]
-      integer, allocatable :: wish(:), edge(:)
+      type(store_t), intent(inout) :: store
+      real(wp), allocatable, intent(out) :: gain(:)  !! (split particle) Kinetic energy gained [J]
+      integer, allocatable :: new_count(:), edge(:)
       real(wp), allocatable :: opening(:)
       type(copier_t) :: copier
       integer :: tile, p, n, halved
 
-      call list_long(splitting, full, grid, store, copier%from, edge, wish)
+      call list_long(splitting, full, grid, store, copier%from, edge, new_count)
       halved = size(edge)
       allocate (gain(halved))
       if (halved == 0) return
       if (allocated(store%opening)) then
          opening = store%opening(copier%from)
       else
-         ! strained before the force, and this was the first step: nothing has grown yet
+        ! in the first step of a run that strains before the force, no edge has grown yet
          allocate (opening(halved), source=0.0_wp)
       end if
-      if (any(wish > store%room)) then
-         ! particles move, so they are listed anew
-         call store%layout(wish)
-         call list_long(splitting, full, grid, store, copier%from, edge, wish)
+      if (any(new_count > store%capacity)) then
+        ! particles have moved, so they are listed again
+         call store%layout(new_count)
+         call list_long(splitting, full, grid, store, copier%from, edge, new_count)
       end if
       allocate (copier%to(halved))
       n = 0
       do tile = 1, size(store%count)
-         do p = store%first(tile) + store%count(tile), store%first(tile) + wish(tile) - 1
+         do p = store%first(tile) + store%count(tile), store%first(tile) + new_count(tile) - 1
             n = n + 1
             copier%to(n) = p
          end do
@@ -88,26 +91,27 @@ contains
       call store%walk(copier)
       n = 0
       do tile = 1, size(store%count)
-         do p = store%count(tile) + 1, wish(tile)
+         do p = store%count(tile) + 1, new_count(tile)
             n = n + 1
-            call halve(grid, allocated(full), store, copier%from(n), copier%to(n), edge(n), &
+            call halve_particle(grid, allocated(full), store, copier%from(n), copier%to(n), &
+               edge(n), &
                opening(n), gain(n))
             store%count(tile) = p
             call place_particle(grid, boundary, tiles%coordinate(:, tile), store, tile, &
                copier%from(n))
             call place_particle(grid, boundary, tiles%coordinate(:, tile), store, tile, &
                copier%to(n))
-            store%restless(tile) = .true.
+            store%unsorted(tile) = .true.
          end do
       end do
    end subroutine split_store
 
-   !> Rates at which the longest edges of particles of a tile grow, for those that may be halved.
+   !> Growth rates of the longest edges of the particles of a tile, for those that may be split.
    pure subroutine find_opening(splitting, spacing, store, tile, gradient, dt)
-      type(splitting_t), intent(in) :: splitting     !! What is too long
+      type(splitting_t), intent(in) :: splitting
       real(wp), intent(in) :: spacing                !! Edge of a cell [m]
-      type(store_t), intent(inout) :: store          !! The particles, stretched by the step
-      integer, intent(in) :: tile                    !! Which tile
+      type(store_t), intent(inout) :: store          !! Stretched by the step
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle of the tile, 9) [1]
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: edge(3), square, growth
@@ -132,9 +136,9 @@ contains
 
    !> The longest half edge of a particle.
    pure subroutine find_longest(store, p, edge, square)
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
-      integer, intent(out) :: edge                   !! Which edge
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
+      integer, intent(out) :: edge
       real(wp), intent(out) :: square                !! Square of its length [m2]
       real(wp) :: squares(3)
       integer :: k
@@ -147,37 +151,37 @@ contains
       square = squares(edge)
    end subroutine find_longest
 
-   !> Particles that are too long, those of the first tile first, and how many each tile will hold.
-   subroutine list_long(splitting, full, grid, store, particle, edge, wish)
-      type(splitting_t), intent(in) :: splitting     !! What is too long
+   !> List the particles that are too long, by tile, and the new counts of the tiles.
+   subroutine list_long(splitting, full, grid, store, particle, edge, new_count)
+      type(splitting_t), intent(in) :: splitting
       logical, allocatable, intent(in) :: full(:, :) !! As above
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(in) :: store             !! The particles
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
       integer, allocatable, intent(out) :: particle(:) !! Indices
-      integer, allocatable, intent(out) :: edge(:)   !! Along which edge of theirs
-      integer, allocatable, intent(out) :: wish(:)   !! (tile) Particles with halves
+      integer, allocatable, intent(out) :: edge(:)   !! Their longest edges
+      integer, allocatable, intent(out) :: new_count(:)   !! (tile) With the halves
       integer, allocatable :: longest(:)
       integer :: tile, p, n
 
-      allocate (longest(size(store%home)), wish(size(store%count)))
-      !$omp parallel do default(none) shared(splitting, full, grid, store, longest, wish) &
+      allocate (longest(size(store%home)), new_count(size(store%count)))
+      !$omp parallel do default(none) shared(splitting, full, grid, store, longest, new_count) &
       !$omp private(tile, p) schedule(static)
       do tile = 1, size(store%count)
-         wish(tile) = store%count(tile)
+         new_count(tile) = store%count(tile)
          do p = store%first(tile), store%first(tile) + store%count(tile) - 1
             longest(p) = too_long(splitting, grid, store, p)
             if (allocated(full) .and. longest(p) > 0) then
                if (.not. (full(store%home(p), tile) .and. is_large(splitting, grid, store, p))) &
                   longest(p) = 0
             end if
-            if (longest(p) > 0) wish(tile) = wish(tile) + 1
+            if (longest(p) > 0) new_count(tile) = new_count(tile) + 1
          end do
       end do
       !$omp end parallel do
-      allocate (particle(sum(wish - store%count)), edge(sum(wish - store%count)))
+      allocate (particle(sum(new_count - store%count)), edge(sum(new_count - store%count)))
       n = 0
       do tile = 1, size(store%count)
-         if (wish(tile) == store%count(tile)) cycle
+         if (new_count(tile) == store%count(tile)) cycle
          do p = store%first(tile), store%first(tile) + store%count(tile) - 1
             if (longest(p) == 0) cycle
             n = n + 1
@@ -187,14 +191,15 @@ contains
       end do
    end subroutine list_long
 
-   !> Edge along which a particle is to be halved, 0 = none. It waits until it is in its tile, and
-   !! where a half would lie outside of the box or hardly have a radius. Failed ones have come apart
-   !! for good. Equation (P.1) of doc/theory/splitting.md.
+   !> Edge along which a particle is to be split, 0 = none. A particle is not split outside its
+   !! tile,
+   !! where a half would be outside the domain or close to the axis, or when it has failed. Equation
+   !! (P.1) of doc/theory/splitting.md.
    pure integer function too_long(splitting, grid, store, p) result(edge)
-      type(splitting_t), intent(in) :: splitting     !! What is too long
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
+      type(splitting_t), intent(in) :: splitting
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp) :: square, reach
       real(wp), parameter :: least_share = 0.1_wp    ! of the mass of the whole
       integer :: k
@@ -222,13 +227,13 @@ contains
       if (minval(shares_of_halves(grid, store%position(p, 1), reach)) < least_share) edge = 0
    end function too_long
 
-   !> Is a particle larger than a cube of the longest edge? Matter without strength shears without
-   !! end, and its particles stay close to each other then: only large ones are halved.
+   !> True if a particle is larger than a cube with the longest edge. Material without strength
+   !! shears without limit while its particles remain close, so only large ones are split.
    pure logical function is_large(splitting, grid, store, p) result(yes)
-      type(splitting_t), intent(in) :: splitting     !! What is too long
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
+      type(splitting_t), intent(in) :: splitting
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp) :: large
 
       large = grid%depth*(splitting%longest*grid%spacing)**grid%dimensions
@@ -236,9 +241,9 @@ contains
       yes = store%state%volume(p) > large
    end function is_large
 
-   !> Shares of mass and volume of the half against the edge and that along it. Equation (P.4).
+   !> Mass and volume fractions of the half against the edge and the half along it. Equation (P.4).
    pure function shares_of_halves(grid, radius, shift) result(share)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: radius                 !! Of the whole, along x [m]
       real(wp), intent(in) :: shift                  !! Along x, of the half along the edge [m]
       real(wp) :: share(2)
@@ -247,18 +252,18 @@ contains
       if (grid%axisymmetric) share = 0.5_wp*[1.0_wp - shift/radius, 1.0_wp + shift/radius]
    end function shares_of_halves
 
-   !> Make halves of two equal particles. Their velocities leave the momentum of the whole.
+   !> Turn two equal particles into halves, whose velocities conserve the momentum of the whole.
    !! Equations (P.2) and (P.3).
-   ! gate: long kernel because a halving is told by its two particles, edge and rate
-   pure subroutine halve(grid, flows, store, low, high, edge, opening, gain)
-      type(grid_t), intent(in) :: grid               !! The grid
+   ! gate: long kernel because a split is given by two particles, edge and rate
+   pure subroutine halve_particle(grid, flows, store, low, high, edge, opening, gain)
+      type(grid_t), intent(in) :: grid
       logical, intent(in) :: flows                   !! Is the material without strength?
-      type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: low                     !! The whole, will lie against the edge
-      integer, intent(in) :: high                    !! Its copy, will lie along it
-      integer, intent(in) :: edge                    !! Which edge
+      type(store_t), intent(inout) :: store
+      integer, intent(in) :: low                     !! The whole; becomes the half against the edge
+      integer, intent(in) :: high                    !! Its copy; becomes the half along the edge
+      integer, intent(in) :: edge
       real(wp), intent(in) :: opening                !! Rate at which it grows [1/s]
-      real(wp), intent(out) :: gain                  !! Kinetic energy that nothing pays for [J]
+      real(wp), intent(out) :: gain !! Kinetic energy not taken from internal energy [J]
       integer(int64) :: whole
       real(wp) :: half(3), share(2), part, rate, most
       integer :: k
@@ -273,7 +278,7 @@ contains
       share = shares_of_halves(grid, store%position(low, 1), half(1))
       rate = opening
       if (flows .and. allocated(store%state%energy)) then
-         ! gas that is thin and cold has less energy than its velocities differ by
+        ! in a thin, cold gas the velocity difference needs more than the internal energy
          most = greatest_share*max(store%state%energy(low), 0.0_wp)
          if (2.0_wp*share(1)*share(2)*opening**2*sum(half**2) > most) rate = sign(sqrt(most &
             /(2.0_wp*share(1)*share(2)*sum(half**2))), opening)
@@ -296,9 +301,10 @@ contains
       if (.not. allocated(store%extent)) return
       k = maxloc(abs(half), 1)
       store%extent([low, high], k) = 0.5_wp*store%extent(low, k)
-   end subroutine halve
+   end subroutine halve_particle
 
-   !> Identity of a half: the place in the tree of halves, 1 for the first whole, in the upper bits.
+   !> Identity of a half: its number in the binary tree of halves, 1 for the root, in the upper
+   !! bits.
    pure integer(int64) function half_of(whole, side) result(identity)
       integer(int64), intent(in) :: whole            !! Identity of the whole
       integer, intent(in) :: side                    !! 0 or 1
@@ -308,35 +314,35 @@ contains
       identity = root_of(whole) + shiftl(place, root_bits)
    end function half_of
 
-   !> Identity of the particle of the start that a particle is a part of.
+   !> Identity of the initial particle that a particle is a part of.
    pure integer(int64) function root_of(identity) result(root)
       integer(int64), intent(in) :: identity         !! Of a particle
 
       root = ibits(identity, 0, root_bits)
    end function root_of
 
-   !> Halvings that lead from the start to a particle.
+   !> Number of splits from the initial particle to a particle.
    pure integer function generation_of(identity) result(generation)
       integer(int64), intent(in) :: identity         !! Of a particle
 
       generation = max(int(bit_size(identity)) - leadz(identity) - root_bits - 1, 0)
    end function generation_of
 
-   !> Copy a field of numbers.
+   !> Copy a scalar field.
    subroutine copier_scalar(self, name, unit, values)
-      class(copier_t), intent(inout) :: self         !! Who and where to
-      character(len=*), intent(in) :: name           !! Name in files
-      character(len=*), intent(in) :: unit           !! SI unit
+      class(copier_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:) !! (particle)
 
       values(self%to) = values(self%from)
    end subroutine copier_scalar
 
-   !> Copy a field of vectors or tensors.
+   !> Copy a vector or tensor field.
    subroutine copier_vector(self, name, unit, values)
-      class(copier_t), intent(inout) :: self         !! Who and where to
-      character(len=*), intent(in) :: name           !! Name in files
-      character(len=*), intent(in) :: unit           !! SI unit
+      class(copier_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
       integer :: component
 
@@ -345,11 +351,11 @@ contains
       end do
    end subroutine copier_vector
 
-   !> Copy a field of whole numbers.
+   !> Copy an integer field.
    subroutine copier_whole(self, name, unit, values)
-      class(copier_t), intent(inout) :: self         !! Who and where to
-      character(len=*), intent(in) :: name           !! Name in files
-      character(len=*), intent(in) :: unit           !! SI unit
+      class(copier_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
 
       values(self%to) = values(self%from)

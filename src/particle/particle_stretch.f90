@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Sizes of particles that follow their deformation.
+!> Updates the sizes of particles with their deformation.
 module particle_stretch
    use base_kinds, only: wp
    use particle_store, only: store_t
@@ -10,21 +10,23 @@ module particle_stretch
 
 contains
 
-   !> Let the sizes of the particles of a tile follow a step, as far as they are asked for. The
-   !! gradient is that of the whole step with respect to the places before it.
+   !> Stretch the particles of a tile by the deformation of a step, if the method requests sizes.
+   !! The
+   !! displacement gradient is that of the whole step, with respect to the positions before it.
    pure subroutine stretch_tile(store, tile, gradient)
-      type(store_t), intent(inout) :: store                  !! The particles
-      integer, intent(in) :: tile                            !! Index of the tile
+      type(store_t), intent(inout) :: store
+      integer, intent(in) :: tile
       !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1) [1]
       real(wp), contiguous, intent(in) :: gradient(:, :)
 
       if (store%stretching) call stretch_boxes(store%first(tile), store%count(tile), gradient, &
          store%extent)
-      if (allocated(store%domain)) call carry_domains(store%first(tile), store%count(tile), &
+      if (allocated(store%domain)) call stretch_domains(store%first(tile), store%count(tile), &
          gradient, store%domain)
    end subroutine stretch_tile
 
-   !> Of boxes, P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628. Equation (N.3) of
+   !> Stretch boxes (P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628). Equation
+   !! (N.3) of
    !! doc/theory/node_functions.md.
    pure subroutine stretch_boxes(first, count, gradient, extent)
       integer, intent(in) :: first                           !! First particle of the tile
@@ -40,9 +42,9 @@ contains
       end do
    end subroutine stretch_boxes
 
-   !> Of parallelepipeds r <- r + G r for each edge (A. Sadeghirad, R. M. Brannon, J. Burghardt,
+   !> Map each edge of a parallelepiped, r <- r + G r (A. Sadeghirad, R. M. Brannon, J. Burghardt,
    !! Int. J. Numer. Methods Eng. 86 (2011) 1435). Equation (N.8).
-   pure subroutine carry_domains(first, count, gradient, domain)
+   pure subroutine stretch_domains(first, count, gradient, domain)
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(in) :: gradient(:, :)     !! (particle of the tile, 9) [1]
@@ -62,5 +64,5 @@ contains
             domain(q, edge + 2) = z + (gradient(p, 3)*x + gradient(p, 6)*y + gradient(p, 9)*z)
          end do
       end do
-   end subroutine carry_domains
+   end subroutine stretch_domains
 end module particle_stretch

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Solids made of voxels: equal boxes on a lattice, each of which belongs to the solid or does not.
+!> Solids made of voxels: equal boxes on a lattice, each of which is filled or empty.
 module particle_voxels
    use base_kinds, only: int64, wp
    use particle_framed, only: framed_t
@@ -8,29 +8,29 @@ module particle_voxels
 
    public :: mark_voxel, set_voxels, voxels_t
 
-   !> A solid. A point belongs to it if the voxel that holds it does; a voxel holds its lower faces.
+   !> A solid. It contains the points of its filled voxels; a voxel includes its lower faces.
    type, extends(framed_t) :: voxels_t
       integer, private :: extent(3) = 0                  !! Voxels along each direction
-      real(wp), private :: edge(3) = 1.0_wp              !! Edges of one [m]
-      real(wp), private :: corner(3) = 0.0_wp            !! Lower corner of the first one [m]
-      integer(int64) :: filled = 0                       !! Voxels that belong to it
-      integer, private :: first(3) = 0                   !! First layers with such voxels, from 0
-      integer, private :: last(3) = -1                   !! Last ones
-      character(len=:), allocatable, private :: mask     !! A bit a voxel, those along x together
+      real(wp), private :: edge(3) = 1.0_wp              !! Edges of a voxel [m]
+      real(wp), private :: corner(3) = 0.0_wp            !! Lower corner of the first voxel [m]
+      integer(int64) :: filled = 0                       !! Number of filled voxels
+      integer, private :: first(3) = 0                   !! First layers with filled voxels, from 0
+      integer, private :: last(3) = -1                   !! Last layers with filled voxels
+      character(len=:), allocatable, private :: mask     !! One bit a voxel, x fastest
    contains
-      procedure :: holds => voxels_hold                  !! Whether a place of its own belongs to it
-      procedure :: own_bounds => voxels_own_bounds       !! A box around it, in own coordinates
+      procedure :: holds => voxels_hold                  !! Is a point in local coordinates inside?
+      procedure :: own_bounds => voxels_own_bounds       !! A bounding box in local coordinates
       procedure :: edges => voxels_edges                 !! Edges of a voxel in space
    end type voxels_t
 
 contains
 
-   !> Make a solid of the bits of its voxels, which are taken over.
+   !> Make a solid from the mask of its voxels, which is moved into it.
    pure subroutine set_voxels(shape, extent, edge, corner, mask)
-      type(voxels_t), intent(out) :: shape               !! The solid
+      type(voxels_t), intent(out) :: shape
       integer, intent(in) :: extent(3)                   !! Voxels along x, y and z
-      real(wp), intent(in) :: edge(3)                    !! Edges of one [m]
-      real(wp), intent(in) :: corner(3)                  !! Lower corner of the first one [m]
+      real(wp), intent(in) :: edge(3)                    !! Edges of a voxel [m]
+      real(wp), intent(in) :: corner(3)                  !! Lower corner of the first voxel [m]
       character(len=:), allocatable, intent(inout) :: mask !! As `mark_voxel` makes it
       integer :: place(3), x, y, z
 
@@ -52,19 +52,19 @@ contains
       end do
    end subroutine set_voxels
 
-   !> Mark a voxel as one of the solid. The mask has eight voxels a letter and begins as zeros.
+   !> Mark a voxel as filled. The mask has eight voxels a character and is zero at first.
    pure subroutine mark_voxel(mask, voxel)
       character(len=:), allocatable, intent(inout) :: mask !! Of all voxels
-      integer(int64), intent(in) :: voxel                !! From 0, those along x together
+      integer(int64), intent(in) :: voxel                !! From 0, x fastest
       integer(int64) :: letter
 
       letter = voxel/8 + 1
       mask(letter:letter) = achar(ibset(iachar(mask(letter:letter)), int(mod(voxel, 8_int64))))
    end subroutine mark_voxel
 
-   !> True if a voxel belongs to the solid.
+   !> True if a voxel is filled.
    pure logical function marked(self, place) result(yes)
-      class(voxels_t), intent(in) :: self                !! The solid
+      class(voxels_t), intent(in) :: self
       integer, intent(in) :: place(3)                    !! Voxel, from 0
       integer(int64) :: voxel, letter
 
@@ -73,10 +73,10 @@ contains
       yes = btest(iachar(self%mask(letter:letter)), int(mod(voxel, 8_int64)))
    end function marked
 
-   !> Whether a place in its own coordinates belongs to the solid.
+   !> True if a point in local coordinates is inside.
    pure logical function voxels_hold(self, own) result(inside)
-      class(voxels_t), intent(in) :: self                !! The solid
-      real(wp), intent(in) :: own(3)                     !! Place [m]
+      class(voxels_t), intent(in) :: self
+      real(wp), intent(in) :: own(3)                     !! Local coordinates [m]
       real(wp) :: place(3)
 
       place = (own - self%corner)/self%edge
@@ -84,9 +84,9 @@ contains
       if (inside) inside = marked(self, int(place))
    end function voxels_hold
 
-   !> A box around the voxels of the solid.
+   !> A bounding box of the filled voxels.
    pure subroutine voxels_own_bounds(self, lo, hi)
-      class(voxels_t), intent(in) :: self                !! The solid
+      class(voxels_t), intent(in) :: self
       real(wp), intent(out) :: lo(3), hi(3)              !! Corners [m]
 
       lo = self%corner + self%edge*real(self%first, wp)
@@ -98,7 +98,7 @@ contains
 
    !> Edges of a voxel in space [m].
    pure function voxels_edges(self) result(edges)
-      class(voxels_t), intent(in) :: self                !! The solid
+      class(voxels_t), intent(in) :: self
       real(wp) :: edges(3)
 
       edges = self%growth()*self%edge

@@ -145,7 +145,7 @@ contains
       if (.not. allocated(body%given)) return
       select type (points => body%given)
       type is (points_t)
-         position = points%places()
+         position = points%positions()
          do n = 1, size(position, 2)
             cell = min(max(floor((position(:, n) - grid%lower)/grid%spacing), 0), grid%cells - 1)
             if (cell(normal) /= merge(0, grid%cells(normal) - 1, mod(face, 2) == 1)) cycle

@@ -8,7 +8,7 @@ module scene_particles
    use mesh_hilbert, only: hilbert_key
    use mesh_tiles, only: partition_keys
    use omp_lib, only: omp_get_max_threads
-   use particle_even, only: even_volumes
+   use particle_volume_factors, only: set_volume_factors
    use particle_fill, only: body_t, fill_bodies, survey_bodies
    use particle_place, only: find_place
    use particle_store, only: traits_t
@@ -117,7 +117,7 @@ contains
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get factors of volumes
       type(survey_t), intent(out) :: survey          !! The counts
 
-      call even_volumes(simulation%communicator, simulation%grid, bodies)
+      call set_volume_factors(simulation%communicator, simulation%grid, bodies)
       allocate (survey%body(size(bodies)))
       call survey_bodies(simulation%communicator, simulation%grid, bodies, survey%key, &
          survey%tile, survey%body)
@@ -257,7 +257,7 @@ contains
       call partition_keys(key(:tiles), weight(:tiles), simulation%communicator%size, border)
       call simulation%tiles%cut(border)
       do n = 1, size(simulation%stores)
-         call simulation%stores(n)%unsettle(simulation%grid%tile_cells)
+         call simulation%stores(n)%mark_all_leaving(simulation%grid%tile_cells)
       end do
       call sort_particles(simulation)
    end subroutine distribute

@@ -134,6 +134,6 @@ contains
          store%home(p) = moved_away
       end do
       store%leaving(tile) = store%count(tile)
-      store%restless(tile) = .true.
+      store%unsorted(tile) = .true.
    end subroutine send_tile
 end module step_load_balance

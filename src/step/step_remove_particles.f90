@@ -77,7 +77,7 @@ contains
       call ledger%sums(removed_particles)%add(1.0_wp)
       if (store%home(p) /= moved_away) store%leaving(tile) = store%leaving(tile) + 1
       store%home(p) = moved_off
-      store%restless(tile) = .true.
+      store%unsorted(tile) = .true.
    end subroutine take_out
 
    !> Fastest signal and motion of the particles of a tile that are left [m/s].

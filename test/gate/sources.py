@@ -6,10 +6,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 LEAVE_OUT = {".git", "build", "out", "__pycache__", ".venv"}
+# Folders of src/ that the gates on words and on the size of types cover.
+COVERED = ("io", "particle")
 TEXT = {".f90", ".pf", ".in", ".py", ".sh", ".cmake", ".txt", ".md", ".nml", ".toml", ""}
 
 PROCEDURE = re.compile(
-    r"^(?:(?:pure|impure|elemental|recursive|module|integer|real|logical|character|type|class)"
+    r"^(?:(?:pure|impure|elemental|recursive|module|integer|real|complex|logical|character|type|class)"
     r"(?:\s*\([^()]*(?:\([^()]*\)[^()]*)*\))?\s+)*(subroutine|function)\s+(\w+)", re.I)
 END_PROCEDURE = re.compile(r"^end\s*(subroutine|function)\b", re.I)
 TYPE = re.compile(r"^type\s*(?:,[^:]*)?(?:::)?\s*(\w+)$", re.I)

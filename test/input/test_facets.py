@@ -167,11 +167,11 @@ class Facets(unittest.TestCase):
         more = bytearray(good)
         more[80:84] = struct.pack("<I", 2**32 - 1)
         for name, content, message in [
-                ("short", good[:-1], "it says that it holds 48 facets, but has room for 47"),
-                ("count", bytes(more), "it says that it holds 4294967295 facets, but has room for 48"),
+                ("short", good[:-1], "its header gives 48 facets, but it has 47"),
+                ("count", bytes(more), "its header gives 4294967295 facets, but it has 48"),
                 ("empty", b"", "it is too short for an STL file"),
-                ("none", binary(np.zeros((0, 3, 3))), "it holds no facet"),
-                ("nan", bytes(nan), "facet 3 has a corner that is not a number"),
+                ("none", binary(np.zeros((0, 3, 3))), "it has no facets"),
+                ("nan", bytes(nan), "facet 3 has a corner that is not finite"),
                 ("noise", bytes(range(256)), "it is cut short, or no STL file"),
                 ("cut", "\r\n".join(lines[:20]).encode(), "it ends within a solid, in line 20; it is cut short"),
                 ("word", plain.replace(b"outer loop", b"outer lop", 1).replace(b"\tvertex", b"\tvertices", 1),

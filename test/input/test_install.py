@@ -31,6 +31,26 @@ printf '%s\\n' "${COMPREPLY[@]}"
 """
 
 
+USER_LISTS = """cmake_minimum_required(VERSION 3.18)
+project(user LANGUAGES Fortran)
+find_package(scree 0.1 REQUIRED)
+add_executable(user user.f90)
+target_link_libraries(user PRIVATE scree::mesh)
+"""
+USER_PROGRAM = """program user
+   use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   implicit none
+   type(grid_t) :: grid
+
+   grid%upper = [1.0_wp, 0.5_wp, 0.25_wp]
+   grid%spacing = 0.125_wp
+   call grid%start(0)
+   print "(i0)", grid%cell_count()
+end program user
+"""
+
+
 def run(*words, folder="/"):
     """Exit code, output and errors of a call from a folder."""
     answer = subprocess.run([str(word) for word in words], cwd=folder, text=True, timeout=200, check=False,
@@ -74,6 +94,30 @@ class Install(unittest.TestCase):
         self.assertEqual(code, 0, wrong)
         self.assertIn("ended     max_steps reached", said)
         self.assertTrue((folder / "discs/out/two_discs/two_discs_p.hdf.series").is_file())
+
+    def test_libraries(self):
+        """Would catch a package that CMake does not find, a library or a module that it lacks, and a foreign compiler."""
+        folder = OPTIONS.work / "user of libraries ü"
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        (folder / "CMakeLists.txt").write_text(USER_LISTS, encoding="utf-8")
+        (folder / "user.f90").write_text(USER_PROGRAM, encoding="utf-8")
+        cache = (BUILD / "CMakeCache.txt").read_text(encoding="utf-8")
+        compiler = re.search(r"^CMAKE_Fortran_COMPILER:\w+=(.*)$", cache, re.M).group(1)
+        call = ("cmake", "-S", folder, "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={PLACE}",
+                f"-DCMAKE_Fortran_COMPILER={compiler}")
+        code, said, wrong = run(*call)
+        self.assertEqual(code, 0, said + wrong)
+        code, said, wrong = run("cmake", "--build", folder / "build")
+        self.assertEqual(code, 0, said + wrong)
+        code, said, wrong = run(folder / "build/user")
+        self.assertEqual((code, said), (0, "64\n"), wrong)
+        self.assertFalse([path for path in (PLACE / "lib/cmake/scree").iterdir()
+                          if str(case.ROOT) in path.read_text(encoding="utf-8")])
+        (folder / "CMakeLists.txt").write_text(USER_LISTS.replace("LANGUAGES Fortran", "LANGUAGES NONE"), encoding="utf-8")
+        code, said, wrong = run(*call[:3], "-B", folder / "build none", *call[5:6])
+        self.assertNotEqual(code, 0, said)
+        self.assertIn("its modules were made by gfortran", " ".join(wrong.split()))
 
     def test_man_page(self):
         """Would catch a page that is missing, that man complains of, or that lacks an option."""

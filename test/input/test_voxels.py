@@ -187,7 +187,7 @@ class Voxels(unittest.TestCase):
                 ("nan", {"a.h5": {"voxels": (voxels, {"origin": [1.0, float("nan"), 1.0]})}}, "",
                  "its spacing or origin is not a number"),
                 ("numbers", {"a.h5": {"voxels": (np.full((2, 2, 2), np.nan), {})}}, "",
-                 "no voxel has the value 1; there are none but what is not a number"),
+                 "no voxel has the value 1; there are only values that are not finite"),
                 ("four", {"a.h5": {"voxels": (np.ones((2, 2, 2, 2)), {})}}, "", "must have one to three dimensions"),
                 ("text", {"a.h5": b"not at all"}, "", "not an HDF5 file, or cut short"),
                 ("short", {"a.mha": head + data[:-3]}, "", "its voxels need 630 bytes, but there are"),

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Volumes of particles that lie at random: together they have that of the lattice sites of their
-!! body, to the last bit of rounding, whatever their number is.
-module particle_even
+!> Volume factors of bodies whose particles lie at random: the total volume of a body is exactly
+!! that
+!! of its lattice sites, whatever the number of particles.
+module particle_volume_factors
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
@@ -12,16 +13,16 @@ module particle_even
    implicit none
    private
 
-   public :: even_volumes
+   public :: set_volume_factors
 
 contains
 
-   !> Find the factor of the volumes of each body whose particles are given and have shares alone.
+   !> Find the volume factor of each body whose given particles have relative weights only.
    !! The sums are exact, so they do not depend on the ranks.
-   subroutine even_volumes(communicator, grid, bodies)
-      type(communicator_t), intent(in) :: communicator !! Ranks that share the work
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(inout) :: bodies(:)        !! The bodies
+   subroutine set_volume_factors(communicator, grid, bodies)
+      type(communicator_t), intent(in) :: communicator
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(inout) :: bodies(:)
       type(exact_sum_t) :: lattice, given
       integer(int64), allocatable :: key(:)
       real(wp), allocatable :: sums(:, :)
@@ -36,7 +37,7 @@ contains
          !$omp parallel do default(none) shared(communicator, grid, bodies, body, key, sums) &
          !$omp private(tile) schedule(dynamic, 4)
          do tile = communicator%rank + 1, size(key), communicator%size
-            call weigh_tile(grid, bodies, body, hilbert_coordinate(key(tile), grid%dimensions), &
+            call sum_volumes(grid, bodies, body, hilbert_coordinate(key(tile), grid%dimensions), &
                sums(:, tile))
          end do
          !$omp end parallel do
@@ -50,13 +51,13 @@ contains
          if (given%value() > 0.0_wp) bodies(body)%share = lattice%value()/given%value()
          deallocate (sums)
       end do
-   end subroutine even_volumes
+   end subroutine set_volume_factors
 
-   !> Volume of the lattice sites of a body in a tile, and shares of its particles.
-   pure subroutine weigh_tile(grid, bodies, body, coordinate, sums)
-      type(grid_t), intent(in) :: grid                !! The grid
-      type(body_t), intent(in) :: bodies(:)           !! The bodies
-      integer, intent(in) :: body                     !! Which body
+   !> Sum the volume of the lattice sites of a body in a tile and the weights of its particles.
+   pure subroutine sum_volumes(grid, bodies, body, coordinate, sums)
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       real(wp), intent(inout) :: sums(2)              !! Grows [m3, 1 or m]
       real(wp), allocatable :: position(:, :), volume(:)
@@ -78,5 +79,5 @@ contains
       do n = 1, size(number)
          if (belongs(bodies, body, position(:, n))) sums(2) = sums(2) + volume(n)
       end do
-   end subroutine weigh_tile
-end module particle_even
+   end subroutine sum_volumes
+end module particle_volume_factors
