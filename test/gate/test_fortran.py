@@ -31,7 +31,7 @@ ARROWS["output"] = set(ARROWS)
 ARROWS["program"] = set(ARROWS)
 # Families of modules whose names begin otherwise than their folder.
 FAMILIES = {"law": "constitutive", "eos": "constitutive", "damage": "constitutive",
-            "basis": "transfer", "velocity": "transfer", "quadrature": "ddmp"}
+            "basis": "transfer", "velocity": "transfer", "quadrature": "ddmp", "stream": "output"}
 SOURCES = project_files(".f90", under="src")
 MODULES = [Module(path) for path in SOURCES if path.name != "main.f90"]
 
