@@ -74,6 +74,7 @@ module base_schema
       procedure :: logical => schema_logical             !! Declare a switch
       procedure :: text => schema_text                   !! Declare a key of texts
       procedure :: words => schema_words                 !! Allow more words for a key of texts
+      procedure :: extend_owner => schema_extend_owner   !! Let a key apply to one more word
       procedure :: require => schema_require             !! Keys that must be given
       procedure :: refer => schema_refer                 !! Names of which group a key refers to
       procedure :: explain_range => schema_explain_range !! Why the range is what it is
@@ -313,6 +314,19 @@ contains
          end do
       end associate
    end subroutine schema_words
+
+   !> True if a key is declared already; its first condition then allows one more word.
+   logical function schema_extend_owner(self, group, name, word) result(declared)
+      class(schema_t), intent(inout) :: self             !! The schema
+      character(len=*), intent(in) :: group, name, word  !! Group and key; the further word
+      integer :: key
+
+      associate (rule => self%groups(self%find(group)))
+         key = rule%find(name)
+         declared = key > 0
+         if (declared) call append(rule%keys(key)%owners(1)%words, word)
+      end associate
+   end function schema_extend_owner
 
    !> True if a word is in a list.
    pure logical function holds(list, word) result(found)

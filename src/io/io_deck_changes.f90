@@ -4,10 +4,9 @@
 !! The echoes of both are compared, so a changed default is found too, and a checkpoint of an older
 !! version can be compared.
 module io_deck_changes
-   use base_text, only: append, number, shortened, text_t
+   use base_text, only: append, number_text => number, shortened, text_t
    use io_deck_restart, only: change_class, changes_end, changes_extent, changes_nothing, &
       changes_physics, group_added, group_removed, rigid_region
-   use io_stream_names, only: stream_kind, stream_kinds
    implicit none
    private
 
@@ -85,25 +84,25 @@ contains
    end subroutine compare_decks
 
    !> Output streams of a deck.
-   pure subroutine echo_streams(echo, name, kind, place)
+   pure subroutine echo_streams(echo, name, kind, number)
       character(len=*), intent(in) :: echo               !! All keys of the deck
       type(text_t), allocatable, intent(out) :: name(:)  !! (stream) Names
-      integer, allocatable, intent(out) :: kind(:)       !! (stream) Constants of io_stream_names
-      integer, allocatable, intent(out) :: place(:)      !! (stream) Number within its kind
+      type(text_t), allocatable, intent(out) :: kind(:)  !! (stream) Words of the key `kind`
+      integer, allocatable, intent(out) :: number(:)     !! (stream) Number among those of its kind
       type(echo_groups_t) :: groups
-      integer :: at, n, seen(stream_kinds)
+      integer :: alike, earlier, n
 
-      allocate (name(0), kind(0), place(0))
-      seen = 0
+      allocate (name(0), kind(0), number(0))
       call read_echo(echo, groups)
       do n = 1, groups%count
          if (groups%group(n)%kind /= "output") cycle
-         at = stream_kind(plain_value(groups%group(n), "kind"))
-         if (at == 0) cycle
-         seen(at) = seen(at) + 1
          call append(name, plain_value(groups%group(n), "name"))
-         kind = [kind, at]
-         place = [place, seen(at)]
+         call append(kind, plain_value(groups%group(n), "kind"))
+         alike = 0
+         do earlier = 1, size(kind)
+            if (kind(earlier)%text == kind(size(kind))%text) alike = alike + 1
+         end do
+         number = [number, alike]
       end do
    end subroutine echo_streams
 
@@ -297,7 +296,7 @@ contains
             if (name > 0) then
                group%label = group%kind//" "//group%entries(name)%value
             else if (group%kind == "boundary" .or. alike > 1) then
-               group%label = group%kind//"["//number(alike)//"]"
+               group%label = group%kind//"["//number_text(alike)//"]"
             else
                group%label = group%kind
             end if

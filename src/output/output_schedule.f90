@@ -1,43 +1,88 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> When something is due: at equal intervals of time, at listed times, or every so many steps. The
-!! time steps do not bend to it: what is due is done after the first step that reaches its time.
+!> When an output is due: at equal intervals of time, at listed times, or every so many steps. The
+!! time step is not adapted to it: an output is written after the first step that reaches its time.
 module output_schedule
    use base_constants, only: unset
-   use base_deck, only: group_t
+   use base_deck, only: deck_t, group_t
    use base_deck_group, only: unset_integer
    use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
+   use base_text, only: number
    implicit none
    private
 
-   public :: read_schedule, schedule_t
+   public :: check_schedule, declare_schedule, read_schedule, schedule_t
 
    !> A schedule.
    type :: schedule_t
       real(wp) :: interval = 0.0_wp                  !! Time between, 0 = none [s]
       integer(int64) :: every = 0                    !! Steps between, 0 = none
       real(wp), allocatable :: times(:)              !! Listed times, ascending [s]
-      integer(int64) :: done = 0                     !! Intervals or listed times that are over
+      integer(int64) :: done = 0                     !! Intervals or listed times that have passed
    contains
-      procedure :: due => schedule_due               !! Is it due now? Then it counts as done
+      procedure :: due => schedule_due               !! Is it due now? If so, it counts as done
       procedure :: catch_up => schedule_catch_up     !! Count what was due before a time as done
       procedure :: expected => schedule_expected     !! How often it will be due
    end type schedule_t
 
 contains
 
+   !> Declare the keys dt, every, times and count of &output.
+   subroutine declare_schedule(schema)
+      type(schema_t), intent(inout) :: schema        !! Gets the keys
+
+      call schema%real("output", "dt", "time between two outputs", unit="s", range="> 0")
+      call schema%integer("output", "every", "steps between two outputs", range="> 0")
+      call schema%real("output", "times(:50)", "times of output", unit="s", range=">= 0")
+      call schema%integer("output", "count", "number of outputs, evenly over t_end", range="> 0")
+   end subroutine declare_schedule
+
+   !> Check that one of the keys is given, and that the listed times are in the run.
+   subroutine check_schedule(deck, output)
+      type(deck_t), intent(inout) :: deck            !! Collects errors and warnings
+      type(group_t), intent(in) :: output            !! An &output
+      character(len=5), parameter :: keys(4) = ["dt   ", "every", "times", "count"]
+      real(wp), allocatable :: times(:)
+      character(len=:), allocatable :: given
+      real(wp) :: t_end
+      type(group_t) :: time
+      integer :: i, total
+
+      total = 0
+      given = ""
+      do i = 1, size(keys)
+         if (.not. output%given(trim(keys(i)))) cycle
+         total = total + 1
+         given = given//" "//trim(keys(i))
+      end do
+      if (total == 0) call deck%complain(output, "give one of dt, every, times, count")
+      if (total > 1) call deck%complain(output, "give one of dt, every, times, count, not"//given, &
+         given(2:index(given(2:)//" ", " ")))
+      time = deck%group("time")
+      call time%get("t_end", t_end)
+      if (t_end <= unset) return
+      call output%list("times", times)
+      do i = 1, size(times)
+         if (times(i) <= t_end) cycle
+         call deck%warn(output, "time "//number(i)//" of "//number(size(times))// &
+            " is after t_end and will not be written", "times")
+         return
+      end do
+   end subroutine check_schedule
+
    !> Read the keys dt, every, times and count of a group.
    subroutine read_schedule(group, time_end, schedule)
       type(group_t), intent(in) :: group             !! An &output
       real(wp), intent(in) :: time_end               !! End of the run [s]
-      type(schedule_t), intent(out) :: schedule      !! What was asked for
-      integer :: number
+      type(schedule_t), intent(out) :: schedule      !! When it is due
+      integer :: count, steps
 
       call group%get("dt", schedule%interval)
       if (schedule%interval <= unset) schedule%interval = 0.0_wp
-      call group%get("every", number)
-      if (number /= unset_integer) schedule%every = number
-      call group%get("count", number)
-      if (number /= unset_integer .and. number > 0) schedule%interval = time_end/real(number, wp)
+      call group%get("every", steps)
+      if (steps /= unset_integer) schedule%every = steps
+      call group%get("count", count)
+      if (count /= unset_integer .and. count > 0) schedule%interval = time_end/real(count, wp)
       call group%list("times", schedule%times)
       if (size(schedule%times) == 0) deallocate (schedule%times)
    end subroutine read_schedule
@@ -59,7 +104,7 @@ contains
    pure subroutine schedule_catch_up(self, time)
       class(schedule_t), intent(inout) :: self       !! The schedule
       real(wp), intent(in) :: time                   !! Time reached [s]
-      ! a time that is reached but for rounding is reached
+      ! rounding must not delay an output by a step
       real(wp), parameter :: grain = 1.0e-12_wp
 
       if (self%interval > 0.0_wp) then
@@ -75,16 +120,16 @@ contains
    end subroutine schedule_catch_up
 
    !> How often it will be due in a run, as far as that is known before it.
-   pure real(wp) function schedule_expected(self, time_end, steps) result(number)
+   pure real(wp) function schedule_expected(self, time_end, steps) result(times)
       class(schedule_t), intent(in) :: self          !! The schedule
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), intent(in) :: steps                  !! Steps that it will take, 0 = unknown
-      real(wp), parameter :: countless = 1.0e18_wp   ! still a long whole number
+      real(wp), parameter :: countless = 1.0e18_wp   ! still a 64-bit integer
 
-      number = 0.0_wp
-      if (self%interval > 0.0_wp) number = 1.0_wp + aint(min(time_end/self%interval, countless))
-      if (allocated(self%times)) number = number + real(size(self%times), wp)
-      if (self%every > 0 .and. steps > 0.0_wp) number = number + 1.0_wp &
+      times = 0.0_wp
+      if (self%interval > 0.0_wp) times = 1.0_wp + aint(min(time_end/self%interval, countless))
+      if (allocated(self%times)) times = times + real(size(self%times), wp)
+      if (self%every > 0 .and. steps > 0.0_wp) times = times + 1.0_wp &
          + aint(steps/real(self%every, wp))
    end function schedule_expected
 end module output_schedule

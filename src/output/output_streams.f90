@@ -1,19 +1,17 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The streams of files that a run writes: snapshots of particles and histories.
+!> All streams of output of a run: planned from the deck, opened, written when due, closed.
 module output_streams
    use base_communicator, only: communicator_t
-   use base_deck, only: deck_t
+   use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: int64, wp
-   use base_text, only: brief, size_text
-   use io_fragments, only: fragment_columns, fragment_labels, fragment_rows, labels_t
-   use io_grid, only: grid_write
-   use io_profile, only: profile_columns, profile_rows
-   use io_snapshot, only: snapshot_header_t, snapshot_write
+   use base_text, only: number, text_t
+   use io_fragments, only: fragments_t
+   use io_snapshot, only: snapshot_header_t
    use io_state, only: state_t
-   use io_stream_names, only: of_bins, of_cells, of_fragments, of_particles
-   use output_history, only: choose_history, heading_length, history_row
-   use output_stream_deck, only: plan_streams, snapshots_t, tables_t
+   use output_catalogue, only: choose_stream, stream_names
+   use output_schedule, only: read_schedule
+   use output_stream, only: stream_file, stream_holder_t, stream_t
    use scene_shapes, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
@@ -21,27 +19,21 @@ module output_streams
 
    public :: outputs_t
 
-   real(wp), parameter, public :: snapshot_bytes = 60.0_wp !! Default fields, compressed
-   real(wp), parameter :: most_bytes = 1.0e12_wp     !! A stream with more needs --force
-   real(wp), parameter :: most_files = 1.0e6_wp      !! The same for its files
-   real(wp), parameter :: most_rows = 1.0e9_wp       !! The same for rows of a table
-   real(wp), parameter :: most_cells = 1.0e9_wp      !! The same for cells of a file
-   real(wp), parameter :: cell_bytes = 0.5_wp        !! A number of a cell, most of them empty
-
    !> All streams of a run.
    type :: outputs_t
       character(len=:), allocatable :: folder        !! Where results go
-      character(len=:), allocatable :: case          !! Prefix of all files
-      type(snapshots_t), allocatable :: snapshots(:) !! Streams of particles and grids
-      type(tables_t), allocatable :: tables(:)       !! Histories, profiles, fragments
-      type(snapshot_header_t) :: header              !! What every snapshot says of the run
+      character(len=:), allocatable :: case          !! Beginning of the names of all files
+      type(stream_holder_t), allocatable :: streams(:) !! In the order of the deck
+      type(snapshot_header_t) :: header              !! Description of the run for every snapshot
    contains
       procedure :: plan => outputs_plan              !! Read the streams from the deck
-      procedure :: limit => outputs_limit            !! Refuse sizes that are hardly meant
+      procedure :: limit => outputs_limit            !! Refuse implausible sizes
       procedure :: open => outputs_open              !! Open files, new or after a restart
       procedure :: write_due => outputs_write_due    !! Write what is due
-      procedure :: expected => outputs_expected      !! Snapshots that will be written
-      procedure :: rows => outputs_rows              !! Rows of histories that will be written
+      procedure :: has_series => outputs_has_series  !! Are there snapshots?
+      procedure :: full_snapshots => outputs_full_snapshots !! Files with all particles
+      procedure :: ledger_rows => outputs_ledger_rows !! Rows that evaluate the ledger
+      procedure :: list => outputs_list              !! Keys and files for the summary
       procedure :: close => outputs_close            !! Close files
       procedure :: save => outputs_save              !! Counters into a checkpoint
       procedure :: load => outputs_load              !! Counters from a checkpoint
@@ -49,243 +41,200 @@ module output_streams
 
 contains
 
-   !> Read the streams. Without any, a run still keeps a history and its first and last state.
+   !> Read the streams. Without any, a run still writes what the kinds write by default.
    subroutine outputs_plan(self, deck, simulation, shapes, time_end)
       class(outputs_t), intent(inout) :: self        !! The streams; folder and case are set
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
       type(named_shape_t), intent(in) :: shapes(:)   !! The regions
       real(wp), intent(in) :: time_end               !! End of the run [s]
-      type(error_t), allocatable :: error
+      type(stream_holder_t) :: next
+      type(group_t) :: group
+      character(len=:), allocatable :: name, word
+      integer :: alike, earlier, n
+      type(text_t) :: kind(deck%count("output"))
 
-      call plan_streams(deck, simulation, shapes, time_end, self%case, self%snapshots, &
-         self%tables)
-      if (size(self%snapshots) + size(self%tables) > 0) return
-      deallocate (self%snapshots, self%tables)
-      allocate (self%snapshots(1), self%tables(1))
-      self%snapshots(1)%prefix = self%case//"_p"
-      self%snapshots(1)%fields = [character(len=64) :: "default"]
-      self%snapshots(1)%schedule%interval = time_end
-      self%tables(1)%name = self%case//"_history.csv"
-      self%tables(1)%schedule%interval = time_end/100.0_wp
-      call choose_history(["default"], allocated(simulation%exact), simulation%grid, &
-         allocated(simulation%gravity), self%tables(1)%columns, error)
+      allocate (self%streams(0))
+      do n = 1, size(kind)
+         group = deck%group("output", n)
+         call group%get("kind", word)
+         kind(n)%text = word
+         call choose_stream(word, next%item)
+         if (.not. allocated(next%item)) cycle
+         alike = 0
+         do earlier = 1, n
+            if (kind(earlier)%text == word) alike = alike + 1
+         end do
+         call group%get("name", name)
+         next%item%place = n
+         next%item%file = stream_file(next%item, self%case, name, alike)
+         call next%item%read(group, deck, simulation, shapes)
+         call read_schedule(group, time_end, next%item%schedule)
+         self%streams = [self%streams, next]
+      end do
+      if (size(kind) == 0) call plan_default(self, simulation, time_end)
+      call share_fragments(self%streams)
    end subroutine outputs_plan
 
-   !> Open the streams; after a restart what was written later than the checkpoint is cut away.
+   !> Streams of a deck without &output.
+   subroutine plan_default(self, simulation, time_end)
+      class(outputs_t), intent(inout) :: self        !! Gets the streams
+      type(simulation_t), intent(in) :: simulation   !! For the columns that exist
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      type(stream_holder_t) :: next
+      integer :: n
+
+      do n = 1, size(stream_names)
+         call choose_stream(stream_names(n), next%item)
+         if (next%item%default_count() == 0) cycle
+         next%item%file = stream_file(next%item, self%case, "", 1)
+         next%item%schedule%interval = time_end/real(next%item%default_count(), wp)
+         call next%item%read_default(simulation)
+         self%streams = [self%streams, next]
+      end do
+   end subroutine plan_default
+
+   !> Let all snapshots use the same definition of fragments, that of the first table of them.
+   subroutine share_fragments(streams)
+      type(stream_holder_t), intent(inout) :: streams(:) !! The streams
+      type(fragments_t), allocatable :: fragments
+      integer :: n
+
+      do n = 1, size(streams)
+         call streams(n)%item%offer_fragments(fragments)
+      end do
+      if (.not. allocated(fragments)) return
+      do n = 1, size(streams)
+         call streams(n)%item%take_fragments(fragments)
+      end do
+   end subroutine share_fragments
+
+   !> Open the streams; after a restart what is later than the checkpoint is cut off. Collective.
    subroutine outputs_open(self, simulation, restarted, note, error)
       class(outputs_t), intent(inout) :: self        !! The streams
-      type(simulation_t), intent(inout) :: simulation !! The run
-      logical, intent(in) :: restarted               !! Does the run go on from a checkpoint?
+      type(simulation_t), intent(in) :: simulation   !! Ranks and present step
+      logical, intent(in) :: restarted               !! Does the run continue from a checkpoint?
       character(len=:), allocatable, intent(out) :: note !! Snapshots left out, or empty
       type(error_t), allocatable, intent(out) :: error !! A file cannot be written
       character(len=:), allocatable :: left_out
       integer :: n
 
       note = ""
-      do n = 1, size(self%snapshots)
-         self%snapshots(n)%series%of_grids = self%snapshots(n)%kind == of_cells
-         call self%snapshots(n)%series%open(simulation%communicator, self%folder, &
-            self%snapshots(n)%prefix, self%snapshots(n)%next, left_out, error)
+      do n = 1, size(self%streams)
+         call self%streams(n)%item%open(simulation, self%folder, self%header, restarted, left_out, &
+            error)
          if (allocated(error)) return
          note = note//left_out
       end do
-      do n = 1, size(self%tables)
-         self%tables(n)%file%units = self%header%units
-         call self%tables(n)%file%open(simulation%communicator, &
-            self%folder//"/"//self%tables(n)%name, headings(self%tables(n)), &
-            merge(simulation%step, -1_int64, restarted), error)
-         if (allocated(error)) return
-      end do
    end subroutine outputs_open
 
-   !> Headings of the columns of a table.
-   function headings(table) result(columns)
-      type(tables_t), intent(in) :: table            !! Which one
-      character(len=heading_length), allocatable :: columns(:)
-
-      select case (table%kind)
-      case (of_bins)
-         columns = profile_columns(table%profile)
-      case (of_fragments)
-         columns = fragment_columns()
-      case default
-         columns = table%columns%headings()
-      end select
-   end function headings
-
-   !> Write what is due. With `last` every stream writes the final state, once.
+   !> Write what is due. With `last` every stream writes the final state, once. Collective.
    subroutine outputs_write_due(self, simulation, last, note, error)
       class(outputs_t), intent(inout) :: self        !! The streams
       type(simulation_t), intent(inout) :: simulation !! The run
       logical, intent(in) :: last                    !! Is this the final state?
-      character(len=:), allocatable, intent(out) :: note !! What the log should say
+      character(len=:), allocatable, intent(out) :: note !! Lines for the log
       type(error_t), allocatable, intent(out) :: error !! A file cannot be written
       logical :: due
       integer :: n
 
       note = ""
-      do n = 1, size(self%tables)
-         associate (stream => self%tables(n))
-            due = stream%schedule%due(simulation%step, simulation%time)
-            if (.not. (due .or. last) .or. stream%last_step == simulation%step) cycle
-            call simulation%timer%start(simulation%phase%ledger)
-            call write_rows(stream, simulation, error)
-            call simulation%timer%stop(simulation%phase%ledger)
-            if (allocated(error)) return
-            stream%last_step = simulation%step
-         end associate
-      end do
-      do n = 1, size(self%snapshots)
-         associate (stream => self%snapshots(n))
-            due = stream%schedule%due(simulation%step, simulation%time)
-            if (.not. (due .or. last) .or. stream%last_step == simulation%step) cycle
-            call simulation%timer%start(simulation%phase%output)
-            call write_snapshot(self, stream, simulation, note, error)
-            call simulation%timer%stop(simulation%phase%output)
-            if (allocated(error)) return
-         end associate
-      end do
-   end subroutine outputs_write_due
-
-   !> Write the rows of a table for this time.
-   subroutine write_rows(stream, simulation, error)
-      type(tables_t), intent(inout) :: stream        !! The table
-      type(simulation_t), intent(inout) :: simulation !! The run
-      type(error_t), allocatable, intent(out) :: error !! The file cannot be written
-      real(wp), allocatable :: row(:), rows(:, :)
-
-      select case (stream%kind)
-      case (of_bins)
-         call profile_rows(simulation%communicator, simulation%grid, simulation%stores, &
-            stream%profile, rows)
-      case (of_fragments)
-         call fragment_rows(simulation%communicator, simulation%grid, &
-            simulation%tiles%coordinate(:, :simulation%tiles%own), simulation%stores, &
-            stream%fragments, rows)
-      case default
-         call history_row(simulation, stream%columns, row)
-         call stream%file%row(simulation%communicator, row, error)
-         return
-      end select
-      call stream%file%rows(simulation%communicator, [simulation%time, real(simulation%step, &
-         wp)], rows, error)
-   end subroutine write_rows
-
-   !> Write one snapshot and bring the index files up to date.
-   subroutine write_snapshot(self, stream, simulation, note, error)
-      class(outputs_t), intent(inout) :: self        !! For the header
-      type(snapshots_t), intent(inout) :: stream     !! The stream
-      type(simulation_t), intent(inout) :: simulation !! The run
-      character(len=:), allocatable, intent(inout) :: note !! What the log should say
-      type(error_t), allocatable, intent(out) :: error !! The file cannot be written
-      type(labels_t), allocatable :: labels(:)
-      character(len=:), allocatable :: path
-      character(len=16) :: text
-
       self%header%time = simulation%time
       self%header%dt = simulation%dt
       self%header%dt_next = simulation%dt_next
       self%header%velocity_lag = simulation%method%lag(simulation%dt)
       self%header%step = simulation%step
-      path = stream%series%path(stream%next)
-      if (stream%kind == of_cells) then
-         call grid_write(simulation%communicator, path, simulation%grid, &
-            simulation%tiles%coordinate(:, :simulation%tiles%own), simulation%stores, &
-            stream%means, stream%format, self%header, error)
-      else
-         if (any(stream%fields == "fragment")) call fragment_labels(simulation%communicator, &
-            simulation%grid, simulation%tiles%coordinate(:, :simulation%tiles%own), &
-            simulation%stores, stream%fragments, labels)
-         call snapshot_write(simulation%communicator, path, simulation%stores, stream%fields, &
-            stream%format, self%header, error, labels)
-      end if
-      if (allocated(error)) return
-      call stream%series%add(simulation%communicator, path, error)
-      if (allocated(error)) return
-      stream%next = stream%next + 1
-      stream%last_step = simulation%step
-      write (text, "(es12.5)") simulation%time
-      if (len(note) > 0) note = note//new_line("a")
-      note = note//"  wrote "//path(index(path, "/", back=.true.) + 1:)//"  t = "// &
-         trim(adjustl(text))//" s"
-   end subroutine write_snapshot
+      do n = 1, size(self%streams)
+         associate (stream => self%streams(n)%item)
+            due = stream%schedule%due(simulation%step, simulation%time)
+            if (.not. (due .or. last) .or. stream%last_step == simulation%step) cycle
+            call stream%write(simulation, self%header, note, error)
+            if (allocated(error)) return
+            stream%last_step = simulation%step
+         end associate
+      end do
+   end subroutine outputs_write_due
 
-   !> Snapshots that the run will write, as far as that is known before it.
-   pure integer(int64) function outputs_expected(self, time_end) result(number)
+   !> True if a stream writes snapshots.
+   pure logical function outputs_has_series(self) result(has)
+      class(outputs_t), intent(in) :: self           !! The streams
+      integer :: n
+
+      has = .false.
+      do n = 1, size(self%streams)
+         has = has .or. self%streams(n)%item%has_series()
+      end do
+   end function outputs_has_series
+
+   !> Files with all particles that the run will write, as far as that is known before it.
+   pure integer(int64) function outputs_full_snapshots(self, time_end) result(number)
       class(outputs_t), intent(in) :: self           !! The streams
       real(wp), intent(in) :: time_end               !! End of the run [s]
       integer :: n
 
       number = 0
-      do n = 1, size(self%snapshots)
-         if (self%snapshots(n)%kind == of_particles) &
-            number = number + int(self%snapshots(n)%schedule%expected(time_end, 0.0_wp), int64)
+      do n = 1, size(self%streams)
+         number = number + int(self%streams(n)%item%full_snapshots(time_end), int64)
       end do
-   end function outputs_expected
+   end function outputs_full_snapshots
 
-   !> Rows of histories that the run will write.
-   pure real(wp) function outputs_rows(self, time_end, steps) result(rows)
+   !> Rows with sums over all particles that the run will write.
+   pure real(wp) function outputs_ledger_rows(self, time_end, steps) result(rows)
       class(outputs_t), intent(in) :: self           !! The streams
       real(wp), intent(in) :: time_end               !! End of the run [s]
-      real(wp), intent(in) :: steps                  !! Steps that it will take
+      real(wp), intent(in) :: steps                  !! Expected number of steps
       integer :: n
 
       rows = 0.0_wp
-      do n = 1, size(self%tables)
-         if (self%tables(n)%kind == of_bins .or. self%tables(n)%kind == of_fragments) cycle
-         rows = rows + self%tables(n)%schedule%expected(time_end, steps)
+      do n = 1, size(self%streams)
+         rows = rows + self%streams(n)%item%ledger_rows(time_end, steps)
       end do
-   end function outputs_rows
+   end function outputs_ledger_rows
 
-   !> Refuse streams that would fill a disk or a folder, which are hardly meant.
+   !> Refuse streams that would fill a disk or a folder.
    subroutine outputs_limit(self, deck, particles, time_end, steps)
       class(outputs_t), intent(in) :: self           !! The streams
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       integer(int64), intent(in) :: particles        !! In all bodies
       real(wp), intent(in) :: time_end               !! End of the run [s]
-      real(wp), intent(in) :: steps                  !! Steps that it will take
-      real(wp) :: bytes, rows
+      real(wp), intent(in) :: steps                  !! Expected number of steps
       integer :: n
 
-      do n = 1, size(self%snapshots)
-         associate (stream => self%snapshots(n))
-            rows = stream%schedule%expected(time_end, steps)
-            bytes = rows*real(particles, wp)*snapshot_bytes
-            if (stream%kind == of_cells) bytes = rows*stream%cells &
-               *real(sum(stream%means%column%components), wp)*cell_bytes
-            if (stream%kind == of_cells .and. stream%cells > most_cells) call deck%complain( &
-               "output", stream%place, "would write up to "//brief(stream%cells)// &
-               " cells at a time; give a region to stay in, or continue with --force")
-            if (stream%place == 0 .or. (bytes <= most_bytes .and. rows <= most_files)) cycle
-            call deck%complain("output", stream%place, "would write "//size_text(bytes)//" in "// &
-               brief(rows)//" files; write less often, or continue with --force")
-         end associate
-      end do
-      do n = 1, size(self%tables)
-         associate (stream => self%tables(n))
-            rows = stream%schedule%expected(time_end, steps)
-            if (stream%kind == of_bins) rows = rows*real(stream%profile%bins, wp)
-            if (stream%place == 0 .or. rows <= most_rows) cycle
-            call deck%complain("output", stream%place, "would write "//brief(rows)// &
-               " rows; write less often, or continue with --force")
-         end associate
+      do n = 1, size(self%streams)
+         call self%streams(n)%item%limit(deck, particles, time_end, steps)
       end do
    end subroutine outputs_limit
 
-   !> Close all files.
+   !> Keys and files of all streams, for the summary; a key ends with the number of the stream among
+   !! those of the key.
+   subroutine outputs_list(self, keys, files)
+      class(outputs_t), intent(in) :: self           !! The streams
+      type(text_t), allocatable, intent(out) :: keys(:) !! (stream) As particles_1
+      type(text_t), allocatable, intent(out) :: files(:) !! (stream) File to open
+      type(text_t) :: begin(size(self%streams))
+      integer :: alike, earlier, n
+
+      allocate (keys(size(begin)), files(size(begin)))
+      do n = 1, size(begin)
+         call self%streams(n)%item%list(begin(n)%text, files(n)%text)
+         alike = 0
+         do earlier = 1, n
+            if (begin(earlier)%text == begin(n)%text) alike = alike + 1
+         end do
+         keys(n)%text = begin(n)%text//"_"//number(alike)
+      end do
+   end subroutine outputs_list
+
+   !> Close all files. Collective.
    subroutine outputs_close(self, communicator, error)
       class(outputs_t), intent(inout) :: self        !! The streams
       type(communicator_t), intent(in) :: communicator !! The ranks
       type(error_t), allocatable, intent(out) :: error !! An index cannot be written
       integer :: n
 
-      if (.not. allocated(self%tables)) return
-      do n = 1, size(self%tables)
-         call self%tables(n)%file%close()
-      end do
-      do n = 1, size(self%snapshots)
-         call self%snapshots(n)%series%close(communicator, error)
+      if (.not. allocated(self%streams)) return
+      do n = 1, size(self%streams)
+         call self%streams(n)%item%close(communicator, error)
          if (allocated(error)) return
       end do
    end subroutine outputs_close
@@ -297,30 +246,23 @@ contains
       type(state_t), intent(inout) :: state          !! Of the checkpoint
       integer :: n
 
-      do n = 1, size(self%snapshots)
-         associate (stream => self%snapshots(n))
-            call state%set(counter_name(self, stream%prefix), [int(stream%next, int64), &
-               stream%last_step])
-         end associate
-      end do
-      do n = 1, size(self%tables)
-         associate (stream => self%tables(n))
-            call state%set(counter_name(self, stream%name), [stream%last_step])
-         end associate
+      do n = 1, size(self%streams)
+         call state%set(counter_name(self, self%streams(n)%item), &
+            self%streams(n)%item%counters())
       end do
    end subroutine outputs_save
 
-   !> Name of the counters of a stream in a checkpoint; the case may have another name after it.
-   pure function counter_name(self, file) result(name)
+   !> Name of the counters of a stream in a checkpoint; another case has the same.
+   pure function counter_name(self, stream) result(name)
       class(outputs_t), intent(in) :: self           !! For the case
-      character(len=*), intent(in) :: file           !! A table, or the beginning of names
+      class(stream_t), intent(in) :: stream          !! The stream
       character(len=:), allocatable :: name
 
-      name = "output"//file(len(self%case) + 1:)
+      name = "output"//stream%file(len(self%case) + 1:)
    end function counter_name
 
-   !> Take the counters from a checkpoint. Streams that the deck got since then start anew. What
-   !! the schedules have done follows from the time, since intervals may have changed.
+   !> Take the counters from a checkpoint. Streams that the deck has got since then start anew.
+   !! What the schedules have done follows from the time, since intervals may have changed.
    subroutine outputs_load(self, state)
       class(outputs_t), intent(inout) :: self        !! The streams
       type(state_t), intent(in) :: state             !! Of the checkpoint
@@ -328,20 +270,11 @@ contains
       type(error_t), allocatable :: error
       integer :: n
 
-      do n = 1, size(self%snapshots)
-         associate (stream => self%snapshots(n))
-            call state%get(counter_name(self, stream%prefix), counters, error)
+      do n = 1, size(self%streams)
+         associate (stream => self%streams(n)%item)
+            call state%get(counter_name(self, stream), counters, error)
             if (allocated(error)) cycle
-            stream%next = int(counters(1))
-            stream%last_step = counters(2)
-            call stream%schedule%catch_up(state%time)
-         end associate
-      end do
-      do n = 1, size(self%tables)
-         associate (stream => self%tables(n))
-            call state%get(counter_name(self, stream%name), counters, error)
-            if (allocated(error)) cycle
-            stream%last_step = counters(1)
+            call stream%set_counters(counters)
             call stream%schedule%catch_up(state%time)
          end associate
       end do

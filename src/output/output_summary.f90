@@ -4,6 +4,7 @@ module output_summary
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use base_log, only: log_t
+   use base_text, only: text_t
    use base_version, only: git_commit, version_text
    use io_digest, only: state_digest
    use io_state, only: state_t
@@ -15,7 +16,7 @@ module output_summary
    use output_summary_steps, only: add_rules, steps_text
    use step_advance, only: count_particles
    use step_exact_error, only: take_errors
-   use step_ledger, only: balance_t, entries, entry_names, removed_mass, removed_particles
+   use step_ledger, only: balance_t, ledger_entries, removed_mass, removed_particles
    use step_simulation, only: nodes_t, simulation_t
    use step_trust, only: final_trust, warn_of_balance
    use step_trust_record, only: add_trust, trust_t, trust_text
@@ -397,14 +398,14 @@ contains
       call json%add("angular_momentum_error", now%angular_error)
       call json%add("energy_error", now%energy_error)
       call json%begin("start")
-      do n = 1, entries
-         call json%add(trim(entry_names(n)), simulation%ledger%start%entry(n))
+      do n = 1, size(ledger_entries)
+         call json%add(trim(ledger_entries(n)%name), simulation%ledger%start%entry(n))
       end do
       call json%add("total", simulation%ledger%start%total)
       call json%end()
       call json%begin("end")
-      do n = 1, entries
-         call json%add(trim(entry_names(n)), now%entry(n))
+      do n = 1, size(ledger_entries)
+         call json%add(trim(ledger_entries(n)%name), now%entry(n))
       end do
       call json%add("total", now%total)
       call json%end()
@@ -434,17 +435,13 @@ contains
    subroutine add_files(json, outputs)
       type(json_t), intent(inout) :: json            !! The summary
       type(outputs_t), intent(in) :: outputs         !! The streams
+      type(text_t), allocatable :: keys(:), files(:)
       integer :: n
-      character(len=12) :: number
 
+      call outputs%list(keys, files)
       call json%begin("files")
-      do n = 1, size(outputs%snapshots)
-         write (number, "(i0)") n
-         call json%add("particles_"//trim(number), outputs%snapshots(n)%prefix//".hdf.series")
-      end do
-      do n = 1, size(outputs%tables)
-         write (number, "(i0)") n
-         call json%add("history_"//trim(number), outputs%tables(n)%name)
+      do n = 1, size(keys)
+         call json%add(keys(n)%text, files(n)%text)
       end do
       call json%end()
    end subroutine add_files

@@ -5,7 +5,6 @@ module program_cost
    use base_text, only: number, size_text
    use constitutive_field_requests, only: field_requests_t
    use mesh_tiles, only: neighbors
-   use output_streams, only: snapshot_bytes
    use particle_fill, only: body_t
    use program_solid_volumes, only: solid_volumes_text
    use program_step_count, only: expected_steps, first_step
@@ -14,6 +13,7 @@ module program_cost
    use scene_contact, only: contact_columns, contact_text
    use scene_particles, only: survey_t
    use step_simulation, only: simulation_t
+   use stream_particles, only: snapshot_bytes
    use transfer_scatter, only: dual_columns
    implicit none
    private

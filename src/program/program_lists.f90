@@ -9,7 +9,7 @@ module program_lists
    use io_fields, only: field_names
    use io_means, only: profile_names
    use material_catalogue, only: damage_names, eos_names, law_names
-   use output_history, only: history_names
+   use output_history_columns, only: history_names
    use scene_deck_schema, only: deck_version
    implicit none
    private

@@ -15,10 +15,10 @@ module program_main
    use io_deck_changes, only: changes_t
    use io_digest, only: file_digest
    use io_file, only: join_path, make_folder, write_file
-   use io_former_run, only: find_former_run, former_run_t, is_own_checkpoint, remove_former_run
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use omp_lib, only: omp_get_max_threads
    use output_checkpoint, only: resume
+   use output_former_run, only: find_former_run, former_run_t, is_own_checkpoint, remove_former_run
    use output_summary, only: summarise
    use output_walls, only: write_walls
    use program_batch_job, only: job_text, resume_command
@@ -200,7 +200,7 @@ contains
          write (output_unit, "(a)") session%deck%report()
          write (output_unit, "(a)", advance="no") effects_text(session%deck)
          write (output_unit, "(a)", advance="no") cost_text(session%simulation, session%bodies, &
-            session%survey, session%limits, session%outputs%expected(session%limits%time_end))
+            session%survey, session%limits, session%outputs%full_snapshots(session%limits%time_end))
          call warn_of_results(session)
          if (session%command%estimate .and. session%survey%particles <= most_particles) &
             call try_out(session, error)
@@ -282,7 +282,7 @@ contains
       call session%outputs%open(session%simulation, session%command%restart, note, error)
       if (allocated(error)) return
       if (len(note) > 0) call session%log%warn(note//"left out of the series; the run goes on")
-      if (size(session%outputs%snapshots) > 0) call write_walls(session%simulation, &
+      if (session%outputs%has_series()) call write_walls(session%simulation, &
          session%outputs, session%outputs%folder, session%limits%time_end, error)
       if (allocated(error)) return
       call run_to_end(session%simulation, session%outputs, session%place, session%limits, &
@@ -357,7 +357,7 @@ contains
          if (session%deck%warnings() > 0) call session%log%warn(session%deck%report())
          call session%log%info(effects_text(session%deck)// &
             cost_text(session%simulation, session%bodies, session%survey, &
-            session%limits, outputs%expected(session%limits%time_end)))
+            session%limits, outputs%full_snapshots(session%limits%time_end)))
          if (communicator%rank == 0) call write_file(stem//".echo.nml", session%deck%echo(), error)
          call agree(communicator, error)
       end associate

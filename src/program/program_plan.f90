@@ -11,8 +11,8 @@ module program_plan
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_file, only: read_deck_file
    use material_keys, only: declare_material_keys
+   use output_deck, only: check_output_fields, check_output_groups, declare_output_groups
    use output_description, only: describe_simulation
-   use output_field_names, only: check_field_names
    use output_streams, only: outputs_t
    use particle_fill, only: body_t
    use program_command_line, only: command_t
@@ -57,6 +57,7 @@ contains
       type(schema_t), intent(inout) :: schema        !! Gets the keys
 
       call declare_deck(schema)
+      call declare_output_groups(schema)
       call declare_method(schema)
       call declare_material_keys(schema)
       call declare_exact(schema)
@@ -79,7 +80,9 @@ contains
          overrides = command%overrides
          call plan%deck%read(plan%schema, plan%deck_text, command%deck, overrides, error)
          if (allocated(error)) return
-         if (.not. command%point) call check_deck(plan%deck)
+         if (command%point) return
+         call check_deck(plan%deck)
+         call check_output_groups(plan%deck)
       end associate
    end subroutine read_plan
 
@@ -100,7 +103,7 @@ contains
             call check_elastic(plan%deck, plan%simulation, plan%bodies)
       end if
       if (.not. allocated(plan%simulation%stores)) then
-         call check_field_names(plan%deck, plan%simulation)
+         call check_output_fields(plan%deck, plan%simulation)
          call plan%deck%verdict(error)
          return
       end if

@@ -8,8 +8,8 @@ module program_preview
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use io_file, only: file_exists, folder_of, join_path, make_folder, program_path
+   use io_series, only: series_t
    use io_snapshot, only: snapshot_format_t, snapshot_write
-   use io_xdmf, only: series_t
    use output_walls, only: write_walls
    use program_batch_job, only: quoted
    use program_plan, only: plan_t

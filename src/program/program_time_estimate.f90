@@ -8,7 +8,6 @@ module program_time_estimate
    use base_text, only: number
    use mesh_grid, only: grid_t
    use omp_lib, only: omp_get_max_threads
-   use output_streams, only: snapshot_bytes
    use program_plan, only: plan_t, read_plan
    use program_time_loop, only: read_limits
    use program_trial_run, only: row_seconds, trial_t, try_steps, warm_steps
@@ -16,6 +15,7 @@ module program_time_estimate
    use scene_check_bodies, only: check_places
    use scene_first_state, only: begin_run
    use scene_particles, only: take_survey
+   use stream_particles, only: snapshot_bytes
    implicit none
    private
 
@@ -52,8 +52,8 @@ contains
       basis = "all of them"
       if (.not. trial%whole) call extend(plan, trial, seconds, steps, basis)
       ! rows and files are the work of one thread
-      files = row*plan%outputs%rows(plan%limits%time_end, steps) &
-         + real(plan%outputs%expected(plan%limits%time_end), wp)*snapshot_bytes &
+      files = row*plan%outputs%ledger_rows(plan%limits%time_end, steps) &
+         + real(plan%outputs%full_snapshots(plan%limits%time_end), wp)*snapshot_bytes &
          *real(plan%survey%particles, wp)/snapshot_speed
       share = wall_share(trial%last%wall, trial%last%processor, omp_get_max_threads())
       write (line, "(a,i0,a,i0,a,es8.1,a)") " on 1 rank x ", omp_get_max_threads(), &

@@ -1,10 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Checks of a deck that compare keys with each other. Each says what to write instead.
 module scene_deck_check
-   use base_constants, only: unset
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_text, only: brief, number
    use base_units, only: system_names
    use io_file, only: name_of
    use scene_deck_check_grid, only: check_grid, check_plane
@@ -29,7 +27,6 @@ contains
       call settle_output_units(deck)
       call check_grid(deck)
       call check_time(deck)
-      call check_checkpoint(deck)
       do i = 1, deck%count("material")
          call check_material_units(deck, deck%group("material", i))
       end do
@@ -45,9 +42,6 @@ contains
          call check_kelvin(deck, deck%group("body", i))
       end do
       call check_boundaries(deck)
-      do i = 1, deck%count("output")
-         call check_output(deck, deck%group("output", i))
-      end do
    end subroutine check_deck
 
    !> A speed needs a direction, and takes the place of a velocity.
@@ -136,22 +130,6 @@ contains
       end if
    end subroutine check_time
 
-   !> Checkpoints at so short intervals that a run would do nothing else.
-   subroutine check_checkpoint(deck)
-      type(deck_t), intent(inout) :: deck                !! The deck
-      real(wp), parameter :: most = 1.0e6_wp             ! checkpoints
-      real(wp) :: dt, t_end
-      type(group_t) :: checkpoint, time
-
-      checkpoint = deck%group("checkpoint")
-      time = deck%group("time")
-      if (.not. (checkpoint%known("dt") .and. time%known("t_end"))) return
-      call checkpoint%get("dt", dt)
-      call time%get("t_end", t_end)
-      if (t_end/most > dt) call deck%complain(checkpoint, "dt gives "//brief(t_end/dt)// &
-         " checkpoints until t_end; take a longer dt, or wall_minutes", "dt")
-   end subroutine check_checkpoint
-
    !> True for hh:mm:ss.
    pure logical function is_clock(text) result(right)
       character(len=*), intent(in) :: text               !! Perhaps a time
@@ -183,37 +161,4 @@ contains
          "spin leaves the plane of dimension = '"// &
          dimension//"'; only plane_strain can turn, about y", "spin")
    end subroutine check_spin
-
-   !> When an output is written.
-   subroutine check_output(deck, output)
-      type(deck_t), intent(inout) :: deck                !! The deck
-      type(group_t), intent(in) :: output                !! One output
-      character(len=5), parameter :: ways(4) = ["dt   ", "every", "times", "count"]
-      real(wp), allocatable :: times(:)
-      character(len=:), allocatable :: given
-      real(wp) :: t_end
-      type(group_t) :: time
-      integer :: i, total
-
-      total = 0
-      given = ""
-      do i = 1, size(ways)
-         if (.not. output%given(trim(ways(i)))) cycle
-         total = total + 1
-         given = given//" "//trim(ways(i))
-      end do
-      if (total == 0) call deck%complain(output, "give one of dt, every, times, count")
-      if (total > 1) call deck%complain(output, "give one of dt, every, times, count, not"//given, &
-         given(2:index(given(2:)//" ", " ")))
-      time = deck%group("time")
-      call time%get("t_end", t_end)
-      if (t_end <= unset) return
-      call output%list("times", times)
-      do i = 1, size(times)
-         if (times(i) <= t_end) cycle
-         call deck%warn(output, "time "//number(i)//" of "//number(size(times))// &
-            " is after t_end and will not be written", "times")
-         return
-      end do
-   end subroutine check_output
 end module scene_deck_check

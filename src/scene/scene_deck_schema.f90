@@ -6,7 +6,7 @@ module scene_deck_schema
    use base_units, only: system_names
    use base_version, only: version_text
    use scene_deck_groups, only: declare_body, declare_boundary, declare_contact, declare_region
-   use scene_deck_output, only: declare_checkpoint, declare_log, declare_output, declare_parallel
+   use scene_deck_output, only: declare_parallel
    implicit none
    private
 
@@ -42,10 +42,7 @@ contains
       call declare_contact(schema)
       call schema%group("exact", "a solution that is known: it gives the first state and, if "// &
          "it was made up, a body force; histories get its errors")
-      call declare_output(schema)
-      call declare_checkpoint(schema)
       call declare_parallel(schema)
-      call declare_log(schema)
    end subroutine declare_deck
 
    !> Declare &run.

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The books of a run: mass, momentum and energy in the box, lost through its faces, and brought in
-!! from outside. All sums are exact, so they are the same for any ranks and threads. Equations (L.5)
-!! and (L.6) of doc/theory/ledger.md.
+!> The ledger of a run: mass, momentum and energy in the box, lost through its boundaries, and
+!! brought in from outside. All sums are exact, so they are the same for any ranks and threads.
+!! Equations (L.5) and (L.6) of doc/theory/ledger.md.
 module step_ledger
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
@@ -14,91 +14,150 @@ module step_ledger
    implicit none
    private
 
-   public :: balance_t, cross, entry_names, entry_units, ledger_t
+   public :: balance_t, cross, ledger_entries, ledger_t
 
-   integer, parameter, public :: mass = 1            !! Mass in the box
-   integer, parameter, public :: momentum = 2        !! First of three components of momentum
-   integer, parameter, public :: angular = 5 !! First of three components of angular momentum
-   integer, parameter, public :: kinetic = 8         !! Kinetic energy
-   integer, parameter, public :: internal = 9        !! Internal energy
-   integer, parameter, public :: viscous = 10 !! Work into artificial viscosity since the start
-   integer, parameter, public :: plastic = 11        !! Work into plastic flow since the start
-   integer, parameter, public :: lost_mass = 12      !! Mass that left the box
-   integer, parameter, public :: lost_momentum = 13  !! First of three components of its momentum
-   integer, parameter, public :: lost_energy = 16    !! Its energy
-   integer, parameter, public :: impulse = 17 !! First of three components from walls and gravity
-   integer, parameter, public :: external_work = 20  !! Work of walls and gravity
-   integer, parameter, public :: failed_mass = 21    !! Mass of failed particles
-   integer, parameter, public :: lost_angular = 22   !! First of three components of what left
-   integer, parameter, public :: torque = 25 !! First of three components from walls and gravity
-   !> Viscous and plastic work and what is damped in materials that carry no internal energy, since
-   !! the start
-   integer, parameter, public :: dissipated = 28
-   integer, parameter, public :: removed_mass = 29   !! Mass of particles that were taken out
-   integer, parameter, public :: removed_momentum = 30 !! First of three components of its momentum
-   integer, parameter, public :: removed_energy = 33 !! Its energy
-   integer, parameter, public :: removed_angular = 34 !! First of three components of the same
-   integer, parameter, public :: removed_particles = 37 !! Number of these particles
-   integer, parameter, public :: retired_mass = 38   !! Mass of those that had left their bounds
-   !> Kinetic energy that the share of PIC took, where no internal energy takes it, since the start
-   integer, parameter, public :: damped = 39
-   integer, parameter, public :: entries = 39        !! Number of entries
+   !> A column of the ledger. Entries that accumulate are sums since the start, the others are sums
+   !! over the particles in the box.
+   type :: ledger_entry_t
+      character(len=26) :: name                      !! As in histories
+      character(len=7) :: unit                       !! SI unit
+      logical :: accumulates                         !! Kept in running sums and checkpoints
+      integer :: axis = 0                            !! Direction of a component, 0: not a vector
+      logical :: is_moment = .false.                 !! Component of a moment about the origin
+   end type ledger_entry_t
 
-   character(len=26), parameter :: entry_names(entries) = [character(len=26) :: "mass", &
-      "momentum_x", "momentum_y", "momentum_z", "angular_momentum_x", "angular_momentum_y", &
-      "angular_momentum_z", "kinetic", "internal", "viscous", "plastic", "lost_mass", &
-      "lost_momentum_x", "lost_momentum_y", "lost_momentum_z", "lost_energy", "impulse_x", &
-      "impulse_y", "impulse_z", "external_work", "failed_mass", "lost_angular_momentum_x", &
-      "lost_angular_momentum_y", "lost_angular_momentum_z", "torque_impulse_x", &
-      "torque_impulse_y", "torque_impulse_z", "dissipated", "removed_mass", "removed_momentum_x", &
-      "removed_momentum_y", "removed_momentum_z", "removed_energy", "removed_angular_momentum_x", &
-      "removed_angular_momentum_y", "removed_angular_momentum_z", "removed_particles", &
-      "retired_mass", "damped"]
-   character(len=7), parameter :: entry_units(entries) = [character(len=7) :: "kg", &
-      "kg m/s", "kg m/s", "kg m/s", "kg m2/s", "kg m2/s", "kg m2/s", "J", "J", "J", "J", "kg", &
-      "kg m/s", "kg m/s", "kg m/s", "J", "N s", "N s", "N s", "J", "kg", "kg m2/s", "kg m2/s", &
-      "kg m2/s", "N m s", "N m s", "N m s", "J", "kg", "kg m/s", "kg m/s", "kg m/s", "J", &
-      "kg m2/s", "kg m2/s", "kg m2/s", "1", "kg", "J"]
+   !> All entries, in the order of columns and checkpoints.
+   type(ledger_entry_t), parameter :: ledger_entries(*) = [ &
+      ledger_entry_t("mass", "kg", .false.), &
+      ledger_entry_t("momentum_x", "kg m/s", .false., 1, .false.), &
+      ledger_entry_t("momentum_y", "kg m/s", .false., 2, .false.), &
+      ledger_entry_t("momentum_z", "kg m/s", .false., 3, .false.), &
+      ledger_entry_t("angular_momentum_x", "kg m2/s", .false., 1, .true.), &
+      ledger_entry_t("angular_momentum_y", "kg m2/s", .false., 2, .true.), &
+      ledger_entry_t("angular_momentum_z", "kg m2/s", .false., 3, .true.), &
+      ledger_entry_t("kinetic", "J", .false.), &
+      ledger_entry_t("internal", "J", .false.), &
+      ledger_entry_t("viscous", "J", .true.), &
+      ledger_entry_t("plastic", "J", .true.), &
+      ledger_entry_t("lost_mass", "kg", .true.), &
+      ledger_entry_t("lost_momentum_x", "kg m/s", .true., 1, .false.), &
+      ledger_entry_t("lost_momentum_y", "kg m/s", .true., 2, .false.), &
+      ledger_entry_t("lost_momentum_z", "kg m/s", .true., 3, .false.), &
+      ledger_entry_t("lost_energy", "J", .true.), &
+      ledger_entry_t("impulse_x", "N s", .true., 1, .false.), &
+      ledger_entry_t("impulse_y", "N s", .true., 2, .false.), &
+      ledger_entry_t("impulse_z", "N s", .true., 3, .false.), &
+      ledger_entry_t("external_work", "J", .true.), &
+      ledger_entry_t("failed_mass", "kg", .false.), &
+      ledger_entry_t("lost_angular_momentum_x", "kg m2/s", .true., 1, .true.), &
+      ledger_entry_t("lost_angular_momentum_y", "kg m2/s", .true., 2, .true.), &
+      ledger_entry_t("lost_angular_momentum_z", "kg m2/s", .true., 3, .true.), &
+      ledger_entry_t("torque_impulse_x", "N m s", .true., 1, .true.), &
+      ledger_entry_t("torque_impulse_y", "N m s", .true., 2, .true.), &
+      ledger_entry_t("torque_impulse_z", "N m s", .true., 3, .true.), &
+      ledger_entry_t("dissipated", "J", .true.), &
+      ledger_entry_t("removed_mass", "kg", .true.), &
+      ledger_entry_t("removed_momentum_x", "kg m/s", .true., 1, .false.), &
+      ledger_entry_t("removed_momentum_y", "kg m/s", .true., 2, .false.), &
+      ledger_entry_t("removed_momentum_z", "kg m/s", .true., 3, .false.), &
+      ledger_entry_t("removed_energy", "J", .true.), &
+      ledger_entry_t("removed_angular_momentum_x", "kg m2/s", .true., 1, .true.), &
+      ledger_entry_t("removed_angular_momentum_y", "kg m2/s", .true., 2, .true.), &
+      ledger_entry_t("removed_angular_momentum_z", "kg m2/s", .true., 3, .true.), &
+      ledger_entry_t("removed_particles", "1", .true.), &
+      ledger_entry_t("retired_mass", "kg", .true.), &
+      ledger_entry_t("damped", "J", .true.)]
 
-   !> The entries at one time and the errors of the books.
+   ! places of entries in the list
+   !> Mass in the box.
+   integer, parameter, public :: mass = findloc(ledger_entries%name, "mass", dim=1)
+   !> First of three components of momentum.
+   integer, parameter, public :: momentum = findloc(ledger_entries%name, "momentum_x", dim=1)
+   !> First of three components of angular momentum.
+   integer, parameter, public :: angular = findloc(ledger_entries%name, "angular_momentum_x", dim=1)
+   !> Kinetic energy.
+   integer, parameter, public :: kinetic = findloc(ledger_entries%name, "kinetic", dim=1)
+   !> Internal energy.
+   integer, parameter, public :: internal = findloc(ledger_entries%name, "internal", dim=1)
+   !> Work into artificial viscosity.
+   integer, parameter, public :: viscous = findloc(ledger_entries%name, "viscous", dim=1)
+   !> Work into plastic flow.
+   integer, parameter, public :: plastic = findloc(ledger_entries%name, "plastic", dim=1)
+   !> Mass that has left the box.
+   integer, parameter, public :: lost_mass = findloc(ledger_entries%name, "lost_mass", dim=1)
+   !> First of three components of its momentum.
+   integer, parameter, public :: lost_momentum = findloc(ledger_entries%name, "lost_momentum_x", &
+      dim=1)
+   !> Its energy.
+   integer, parameter, public :: lost_energy = findloc(ledger_entries%name, "lost_energy", dim=1)
+   !> First of three components of its angular momentum.
+   integer, parameter, public :: lost_angular = &
+      findloc(ledger_entries%name, "lost_angular_momentum_x", dim=1)
+   !> First of three components from walls and gravity.
+   integer, parameter, public :: impulse = findloc(ledger_entries%name, "impulse_x", dim=1)
+   !> First of three components of its moment.
+   integer, parameter, public :: torque = findloc(ledger_entries%name, "torque_impulse_x", dim=1)
+   !> Work of walls and gravity.
+   integer, parameter, public :: external_work = findloc(ledger_entries%name, "external_work", &
+      dim=1)
+   !> Mass of failed particles.
+   integer, parameter, public :: failed_mass = findloc(ledger_entries%name, "failed_mass", dim=1)
+   !> Viscous and plastic work and damping in materials without internal energy.
+   integer, parameter, public :: dissipated = findloc(ledger_entries%name, "dissipated", dim=1)
+   !> Mass of removed particles.
+   integer, parameter, public :: removed_mass = findloc(ledger_entries%name, "removed_mass", dim=1)
+   !> First of three components of its momentum.
+   integer, parameter, public :: removed_momentum = &
+      findloc(ledger_entries%name, "removed_momentum_x", dim=1)
+   !> Its energy.
+   integer, parameter, public :: removed_energy = findloc(ledger_entries%name, "removed_energy", &
+      dim=1)
+   !> First of three components of its angular momentum.
+   integer, parameter, public :: removed_angular = &
+      findloc(ledger_entries%name, "removed_angular_momentum_x", dim=1)
+   !> Number of these particles.
+   integer, parameter, public :: removed_particles = &
+      findloc(ledger_entries%name, "removed_particles", dim=1)
+   !> Mass of those that had left their bounds.
+   integer, parameter, public :: retired_mass = findloc(ledger_entries%name, "retired_mass", dim=1)
+   !> Kinetic energy that the PIC fraction took where no internal energy gains it.
+   integer, parameter, public :: damped = findloc(ledger_entries%name, "damped", dim=1)
+   !> Number of entries that accumulate.
+   integer, parameter :: running = count(ledger_entries%accumulates)
+
+   !> The entries at one time and the errors of the balance.
    type :: balance_t
-      real(wp) :: entry(entries) = 0.0_wp            !! Values in SI
+      real(wp) :: entry(size(ledger_entries)) = 0.0_wp      !! Values in SI
       real(wp) :: speed_scale = 0.0_wp               !! Sum of mass times speed, for errors [kg m/s]
       real(wp) :: total = 0.0_wp !! Kinetic, internal, dissipated, lost, removed energy [J]
       real(wp) :: mass_error = 0.0_wp                !! Relative to the mass at the start
       real(wp) :: momentum_error = 0.0_wp            !! Relative to the greatest sum of m |v| so far
       real(wp) :: angular_error = 0.0_wp !! Relative to the greatest sum of m |x||v| so far
       real(wp) :: energy_error = 0.0_wp              !! Relative to the energy at the start
-      real(wp) :: damped_share = 0.0_wp              !! Of what the share of PIC took, the same
+      real(wp) :: damped_share = 0.0_wp              !! Damped energy, relative to the same
    end type balance_t
 
    !> Running sums since the start of the run.
    type :: ledger_t
-      type(exact_sum_t) :: sums(entries)             !! Only entries that accumulate are used
+      !> Only entries that accumulate are used
+      type(exact_sum_t) :: sums(size(ledger_entries))
       type(balance_t) :: start                       !! At the start of the run
       real(wp) :: momentum_scale = 0.0_wp            !! Greatest sum of mass times speed [kg m/s]
       real(wp) :: angular_scale = 0.0_wp !! Greatest sum of mass, arm and speed [kg m2/s]
    contains
-      procedure :: record_lost => ledger_book_lost     !! Book the particles that left the box
-      procedure :: book_gone => ledger_book_gone     !! Book one particle that goes
+      procedure :: record_lost => ledger_record_lost     !! Record the particles that left the box
+      procedure :: record_particle => ledger_record_particle     !! Record a particle that goes
       procedure :: merge => ledger_merge             !! Add the sums of another ledger
-      procedure :: balance => ledger_balance         !! Entries and errors of now
+      procedure :: balance => ledger_balance         !! Present entries and errors
       procedure :: save => ledger_save               !! Into a checkpoint
       procedure :: load => ledger_load               !! From a checkpoint
    end type ledger_t
 
-   integer, parameter :: accumulated(29) = [viscous, plastic, lost_mass, lost_momentum, &
-      lost_momentum + 1, lost_momentum + 2, lost_energy, impulse, impulse + 1, impulse + 2, &
-      external_work, lost_angular, lost_angular + 1, lost_angular + 2, torque, torque + 1, &
-      torque + 2, dissipated, removed_mass, removed_momentum, removed_momentum + 1, &
-      removed_momentum + 2, removed_energy, removed_angular, removed_angular + 1, &
-      removed_angular + 2, removed_particles, retired_mass, damped]
-
 contains
 
-   !> Book the particles that left the box, before they are forgotten.
-   subroutine ledger_book_lost(self, stores, materials)
-      class(ledger_t), intent(inout) :: self         !! The books
+   !> Record the particles that left the box, before they are deleted.
+   subroutine ledger_record_lost(self, stores, materials)
+      class(ledger_t), intent(inout) :: self         !! The ledger
       type(store_t), intent(in) :: stores(:)         !! The particles
       type(material_t), intent(in) :: materials(:)   !! Their materials
       integer :: index, tile, p
@@ -109,20 +168,20 @@ contains
                if (store%leaving(tile) == 0) cycle
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   if (store%home(p) /= moved_out) cycle
-                  call self%book_gone(store, materials(index), p, [lost_mass, lost_momentum, &
+                  call self%record_particle(store, materials(index), p, [lost_mass, lost_momentum, &
                      lost_energy, lost_angular])
                end do
             end do
          end associate
       end do
-   end subroutine ledger_book_lost
+   end subroutine ledger_record_lost
 
-   !> Book a particle that goes.
-   subroutine ledger_book_gone(self, store, material, p, rows)
-      class(ledger_t), intent(inout) :: self         !! The books
+   !> Record a particle that leaves or is removed.
+   subroutine ledger_record_particle(self, store, material, p, rows)
+      class(ledger_t), intent(inout) :: self         !! The ledger
       type(store_t), intent(in) :: store             !! The particles
       type(material_t), intent(in) :: material       !! Their material
-      integer, intent(in) :: p                       !! Which one
+      integer, intent(in) :: p                       !! Its index
       integer, intent(in) :: rows(4) !! Entries for mass, momentum, energy, angular momentum
       real(wp) :: energy(1), turn(3)
       integer :: k
@@ -139,50 +198,48 @@ contains
       do k = 1, 3
          call self%sums(rows(4) + k - 1)%add(turn(k))
       end do
-   end subroutine ledger_book_gone
+   end subroutine ledger_record_particle
 
    !> Add the sums of another ledger, such as that of a thread.
    subroutine ledger_merge(self, other)
-      class(ledger_t), intent(inout) :: self         !! The books
+      class(ledger_t), intent(inout) :: self         !! The ledger
       class(ledger_t), intent(in) :: other           !! What is added
       integer :: n
 
-      do n = 1, size(accumulated)
-         call self%sums(accumulated(n))%merge(other%sums(accumulated(n)))
+      do n = 1, size(ledger_entries)
+         if (ledger_entries(n)%accumulates) call self%sums(n)%merge(other%sums(n))
       end do
    end subroutine ledger_merge
 
-   !> Entries of now, summed over all particles and ranks, and the errors against the start.
+   !> Present entries, summed over all particles and ranks, and the errors against the start.
    !!
-   !! In axisymmetry particles are rings, so only the axial momentum has a meaning. Equations (L.5)
+   !! In axisymmetric scenes particles are rings, so only the axial momentum has a meaning.
+   !! Equations (L.5)
    !! and (L.6).
    subroutine ledger_balance(self, communicator, grid, stores, materials, now)
-      class(ledger_t), intent(inout) :: self         !! The books
+      class(ledger_t), intent(inout) :: self         !! The ledger
       type(communicator_t), intent(in) :: communicator !! The ranks
       type(grid_t), intent(in) :: grid               !! The grid
       type(store_t), intent(in) :: stores(:)         !! The particles
       type(material_t), intent(in) :: materials(:)   !! Their materials
       type(balance_t), intent(out) :: now            !! Entries and errors
-      type(exact_sum_t) :: sums(entries), scales(2), total
-      real(wp) :: tile_sum(entries), tile_scale(2), drift(3)
+      type(exact_sum_t) :: sums(size(ledger_entries)), scales(2), total
+      real(wp) :: tile_sum(size(ledger_entries)), tile_scale(2), drift(3)
       integer :: index, tile, n
 
       do index = 1, size(stores)
          do tile = 1, size(stores(index)%count)
             if (stores(index)%count(tile) == 0) cycle
             call sum_tile(stores(index), materials(index), tile, tile_sum, tile_scale)
-            do n = 1, internal
-               call sums(n)%add(tile_sum(n))
+            do n = 1, size(ledger_entries)
+               if (.not. ledger_entries(n)%accumulates) call sums(n)%add(tile_sum(n))
             end do
-            call sums(failed_mass)%add(tile_sum(failed_mass))
             call scales(1)%add(tile_scale(1))
             call scales(2)%add(tile_scale(2))
          end do
       end do
-      do n = 1, size(accumulated)
-         call sums(accumulated(n))%merge(self%sums(accumulated(n)))
-      end do
-      do n = 1, entries
+      do n = 1, size(ledger_entries)
+         if (ledger_entries(n)%accumulates) call sums(n)%merge(self%sums(n))
          call sums(n)%over_ranks(communicator)
          now%entry(n) = sums(n)%value()
       end do
@@ -215,24 +272,24 @@ contains
          abs(now%entry(external_work))))
    end subroutine ledger_balance
 
-   !> Components that the scene does not have. In axisymmetry particles are rings: only the axial
+   !> Clear components that the scene does not have. In axisymmetric scenes particles are rings:
+   !! only the axial
    !! momentum has a meaning, and none of the angular momentum.
    pure subroutine clear_meaningless(grid, entry)
       type(grid_t), intent(in) :: grid               !! The grid
-      real(wp), intent(inout) :: entry(:)            !! Entries of the books
+      real(wp), intent(inout) :: entry(:)            !! Entries
       logical :: keep(3), turns(3)
-      integer, parameter :: vectors(4) = [momentum, lost_momentum, impulse, removed_momentum]
-      integer, parameter :: moments(4) = [angular, lost_angular, torque, removed_angular]
-      integer :: n
+      integer :: axis, n
 
       keep = grid%active
       if (grid%axisymmetric) keep(1) = .false.
       turns = .true.
       if (grid%dimensions == 2) turns = [.false., .true., .false.]
       if (grid%axisymmetric .or. grid%dimensions == 1) turns = .false.
-      do n = 1, 4
-         where (.not. keep) entry(vectors(n):vectors(n) + 2) = 0.0_wp
-         where (.not. turns) entry(moments(n):moments(n) + 2) = 0.0_wp
+      do n = 1, size(ledger_entries)
+         axis = ledger_entries(n)%axis
+         if (axis == 0) cycle
+         if (.not. merge(turns(axis), keep(axis), ledger_entries(n)%is_moment)) entry(n) = 0.0_wp
       end do
    end subroutine clear_meaningless
 
@@ -240,7 +297,7 @@ contains
    subroutine sum_tile(store, material, tile, sums, scales)
       type(store_t), intent(in) :: store             !! The particles
       type(material_t), intent(in) :: material       !! Their material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile                    !! Its index
       real(wp), intent(out) :: sums(:)               !! Entries of the state
       real(wp), intent(out) :: scales(2)             !! Sums of m |v| and m |x||v|
       real(wp) :: energy(store%count(tile)), m, x(3), v(3), speed
@@ -279,7 +336,7 @@ contains
       product = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
    end function cross
 
-   !> Quotient, 0 where there is nothing to compare with.
+   !> Quotient, 0 if the scale is 0.
    pure real(wp) function ratio(part, whole) result(quotient)
       real(wp), intent(in) :: part                   !! Difference
       real(wp), intent(in) :: whole                  !! Scale
@@ -290,17 +347,20 @@ contains
 
    !> Put the running sums of all ranks into the state of a checkpoint.
    subroutine ledger_save(self, communicator, state)
-      class(ledger_t), intent(in) :: self            !! The books
+      class(ledger_t), intent(in) :: self            !! The ledger
       type(communicator_t), intent(in) :: communicator !! The ranks
       type(state_t), intent(inout) :: state          !! Of the checkpoint
       type(exact_sum_t) :: sum
-      integer(int64) :: limbs(exact_sum_words, size(accumulated))
-      integer :: n
+      integer(int64) :: limbs(exact_sum_words, running)
+      integer :: filled, n
 
-      do n = 1, size(accumulated)
-         sum = self%sums(accumulated(n))
+      filled = 0
+      do n = 1, size(ledger_entries)
+         if (.not. ledger_entries(n)%accumulates) cycle
+         filled = filled + 1
+         sum = self%sums(n)
          call sum%over_ranks(communicator)
-         call sum%save(limbs(:, n))
+         call sum%save(limbs(:, filled))
       end do
       call state%set("ledger_sums", reshape(limbs, [size(limbs)]))
       call state%set("ledger_start", [self%start%entry, self%start%total])
@@ -309,13 +369,13 @@ contains
 
    !> Take the running sums from a checkpoint; rank 0 holds them all.
    subroutine ledger_load(self, communicator, state, error)
-      class(ledger_t), intent(inout) :: self         !! The books
+      class(ledger_t), intent(inout) :: self         !! The ledger
       type(communicator_t), intent(in) :: communicator !! The ranks
       type(state_t), intent(in) :: state             !! Of the checkpoint
       type(error_t), allocatable, intent(out) :: error !! If something is missing
       integer(int64), allocatable :: limbs(:)
       real(wp), allocatable :: start(:), scales(:)
-      integer :: n
+      integer :: first, n
 
       call state%get("ledger_sums", limbs, error)
       if (allocated(error)) return
@@ -323,18 +383,21 @@ contains
       if (allocated(error)) return
       call state%get("ledger_scales", scales, error)
       if (allocated(error)) return
-      if (size(start) /= entries + 1) then
-         call fail(error, exit_file, "the checkpoint has the books of another version of scree")
+      if (size(start) /= size(ledger_entries) + 1) then
+         call fail(error, exit_file, "the checkpoint has the ledger of another version of scree")
          return
       end if
-      self%start%entry = start(:entries)
-      self%start%total = start(entries + 1)
+      self%start%entry = start(:size(ledger_entries))
+      self%start%total = start(size(ledger_entries) + 1)
       self%momentum_scale = scales(1)
       self%angular_scale = scales(2)
-      do n = 1, size(accumulated)
-         call self%sums(accumulated(n))%clear()
-         if (communicator%rank == 0) call self%sums(accumulated(n))%load( &
-            limbs((n - 1)*exact_sum_words + 1:n*exact_sum_words))
+      first = 1
+      do n = 1, size(ledger_entries)
+         if (.not. ledger_entries(n)%accumulates) cycle
+         call self%sums(n)%clear()
+         if (communicator%rank == 0) &
+            call self%sums(n)%load(limbs(first:first + exact_sum_words - 1))
+         first = first + exact_sum_words
       end do
    end subroutine ledger_load
 end module step_ledger

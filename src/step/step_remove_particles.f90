@@ -72,8 +72,8 @@ contains
       integer, intent(in) :: tile                    !! Its tile
       integer, intent(in) :: p                       !! Which one
 
-      call ledger%book_gone(store, material, p, [removed_mass, removed_momentum, removed_energy, &
-         removed_angular])
+      call ledger%record_particle(store, material, p, [removed_mass, removed_momentum, &
+         removed_energy, removed_angular])
       call ledger%sums(removed_particles)%add(1.0_wp)
       if (store%home(p) /= moved_away) store%leaving(tile) = store%leaving(tile) + 1
       store%home(p) = moved_off

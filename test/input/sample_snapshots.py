@@ -100,36 +100,3 @@ def make_series(work, dimension="axisymmetric", cells=16, name="ball"):
     with open(f"{folder}/{name}_p.hdf.series", "w", encoding="ascii") as handle:
         json.dump({"file-series-version": "1.0", "files": entries}, handle)
     return f"{folder}/{name}_p.hdf.series", entries
-
-
-def xdmf(series, entries):
-    """The XDMF of a series, as the program writes it."""
-    steps, numbers = [], {"f": "Float", "i": "Int", "u": "UInt"}
-    for entry in entries:
-        with h5py.File(os.path.join(os.path.dirname(series), entry["name"])) as handle:
-            group, name = handle["VTKHDF"], entry["name"]
-
-            def item(path, group=group, name=name):
-                data = group[path]
-                shape = (len(data), 1, *data.shape[1:]) if data.ndim > 1 and data.shape[1] > 3 else data.shape
-                return (
-                    f'<DataItem Format="HDF" NumberType="{numbers[data.dtype.kind]}" Precision="'
-                    f'{data.dtype.itemsize}" Dimensions="{" ".join(map(str, shape))}">'
-                    f"{name}:/VTKHDF/{path}</DataItem>"
-                )
-            count = len(group["Points"])
-            fields = "".join(
-                f'<Attribute Name="{key}" Center="Node" AttributeType='
-                f'"{"Scalar" if data.ndim == 1 else "Vector" if data.shape[1] == 3 else "Matrix"}">'
-                f'{item(f"PointData/{key}")}</Attribute>'
-                for key, data in group["PointData"].items()
-            )
-            steps.append(
-                f'<Grid GridType="Uniform"><Time Value="{entry["time"]:.17g}"/><Topology '
-                f'TopologyType="Polyvertex" NumberOfElements="{count}" NodesPerElement="1">'
-                f'{item("Connectivity")}</Topology><Geometry GeometryType="XYZ">{item("Points")}'
-                f"</Geometry>{fields}</Grid>"
-            )
-    with open(series.replace(".hdf.series", ".xdmf"), "w", encoding="ascii") as handle:
-        handle.write('<?xml version="1.0"?><Xdmf Version="3.0"><Domain><Grid GridType="Collection" '
-                     'CollectionType="Temporal">' + "".join(steps) + "</Grid></Domain></Xdmf>")

@@ -21,7 +21,7 @@ import numpy as np                                       # noqa: E402
 
 from post_command import call, process                   # noqa: E402
 from sample_snapshots import (  # noqa: E402
-    CENTRE, DENSITY, RADIUS, ball, make_series, matter, write, xdmf)
+    CENTRE, DENSITY, RADIUS, ball, make_series, matter, write)
 import scree_post                                        # noqa: E402
 from scree_post import areal_density                     # noqa: E402
 
@@ -318,8 +318,7 @@ def test_reading(work):
 def test_check_files(work):
     """A check that passes whatever is in the files: each damage here must be seen."""
     series, entries = make_series(work, name="files")
-    xdmf(series, entries)
-    run = process("check", series, "--need-xdmf")
+    run = process("check", series)
     fine = 0
     if "VTK not asked" in run.stdout:
         fine = 77
@@ -356,20 +355,6 @@ def test_check_files(work):
     damage(drop_units, "mass has units")
     damage(wrong_time, "7.0 s in the file")
     damage(no_cells, "one vertex")
-    if not fine:  # the .xdmf alone is wrong: points at another step
-        index = series.replace(".hdf.series", ".xdmf")
-        with open(index, encoding="ascii") as handle:
-            saved = handle.read()
-        name = entries[2]["name"]
-        for old, new, word in (
-            (f"{name}:/VTKHDF/PointData/mass", f"{name}:/VTKHDF/PointData/volume", "mass"),
-            (f'<Time Value="{entries[3]["time"]:.17g}"/>', '<Time Value="5"/>', "time 5"),
-        ):
-            assert old in saved
-            with open(index, "w", encoding="ascii") as handle:
-                handle.write(saved.replace(old, new))
-            run = process("check", series)
-            assert run.returncode == 1 and word in run.stdout, f"{word}: {run.stdout}"
 
 
 def main():

@@ -289,7 +289,7 @@ def test_mistakes(options):
         (("sweep", "none.nml", "--set", "grid.dx=1"), 3, "no such file"),
         (("sweep", DISCS, "--set", "grid.dx=0.2", "--take", "kinetik", "--scree", options.scree,
           "--outdir", work / "wrong"), 2, "did you mean 'kinetic'"),
-        (("check", discs, "--need"), 2, "did you mean '--need-xdmf'")]
+        (("check", discs, "--verbos"), 2, "did you mean '--verbose'")]
     for words, code, *parts in cases:
         refused(call(*words), code, *parts)
     mine = work / "not_mine" / "dx_0.2"

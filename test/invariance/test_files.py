@@ -44,7 +44,7 @@ def main():
         runs.append(run.run("-q"))
     base = runs[0].folder
     names = sorted(path.name for path in base.iterdir()
-                   if path.suffix in (".hdf", ".csv", ".series", ".xdmf", ".h5", ".vtkhdf"))
+                   if path.suffix in (".hdf", ".csv", ".series", ".h5", ".vtkhdf"))
     sheet.require(sum(name.endswith(".hdf") for name in names) == 9, f"8 snapshots and the walls in {names}")
     sheet.require(any(name.endswith("_history.csv") for name in names), "there is a history")
     snapshots = [name for name in names if name.endswith(".hdf")]
@@ -63,7 +63,7 @@ def main():
     series = [base / name for name in names if name.endswith(".series")]
     sheet.require(len(series) == 2, "two series")
     for path in series:
-        answer = subprocess.run([sys.executable, "-m", "scree_post", "check", path, "--need-xdmf"],
+        answer = subprocess.run([sys.executable, "-m", "scree_post", "check", path],
                                 cwd=case.ROOT / "scripts", stdout=subprocess.PIPE,
                                 stderr=subprocess.STDOUT, text=True)
         print(answer.stdout.strip()[-400:])

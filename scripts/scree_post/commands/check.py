@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Checks that VTK, and so ParaView, reads the files of a run as they were written.
 
-Every snapshot is opened with h5py and with the VTKHDF reader of VTK, the .xdmf with its Xdmf2
-reader, and the .vtkhdf index, where there is one, with the VTKHDF reader: the number of points and
-cells, the bounds, the time, and the components and mean of every field must agree. Of files of
-fields on the grid every number must. Numbers are compared in the units of the files. Exit code 77
+Every snapshot is opened with h5py and with the VTKHDF reader of VTK, and so is the .vtkhdf index
+where there is one: the number of points and cells, the bounds, the time, and the components and
+mean of every field must agree. Of files of fields on the grid every number must. Numbers are compared in the units of the files. Exit code 77
 means that the package vtk is missing and that what h5py alone can check did agree.
 """
 
@@ -150,29 +149,6 @@ def merged(vtk, data):
     return join.GetOutput()
 
 
-def check_xdmf(report, vtk, file, wanted):
-    """Every step of the .xdmf against the snapshots."""
-    name = os.path.basename(file)
-    if not hasattr(vtk, "vtkXdmfReader"):
-        print(f"skipped   {name}: this VTK has no Xdmf2 reader")
-        return
-    reader = vtk.vtkXdmfReader()
-    reader.SetFileName(os.path.abspath(file))
-    reader.UpdateInformation()
-    key = vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()
-    information = reader.GetOutputInformation(0)
-    times = list(information.Get(key) or ()) if information else []
-    report.check(
-        len(times) == len(wanted), f"{name}: {len(times)} time steps, {len(wanted)} snapshots"
-    )
-    for seen, (time, parts) in zip(times, wanted):
-        close = abs(seen - time) <= 1.0e-6 * max(abs(time), 1.0e-300)
-        report.check(close, f"{name}: time {seen:.9g}, {time:.9g} written")
-        reader.UpdateTimeStep(seen)
-        found, cells = from_vtk(merged(vtk, reader.GetOutputDataObject(0)))
-        compare(report, f"{name} at {time:.4g}", parts, found, cells)
-
-
 def check_grid(report, vtk, file, time):
     """One file of fields on the grid: extents, edges, and the mean of each field."""
     (h5py, np, support) = modules("h5py", "numpy", "vtkmodules.util.numpy_support")
@@ -236,7 +212,6 @@ def add_arguments(parser):
     add("series", metavar="SERIES",
         help="CASE_p.hdf.series or CASE_g.hdf.series, a snapshot, or out/CASE")
     add("-v", "--verbose", action="store_true", help="print also what agrees")
-    add("--need-xdmf", action="store_true", help="a missing .xdmf is a difference")
 
 
 def check_snapshots(report, vtk, steps):
@@ -270,7 +245,7 @@ def check_index(report, vtk, index, wanted):
 
 
 def run(arguments):
-    """Check a series, its .xdmf and its index."""
+    """Check a series and its index."""
     source = series_file(arguments.series)
     report, vtk = Report(arguments.verbose), load_vtk()
     steps = series(source, own_units=True)
@@ -280,10 +255,6 @@ def run(arguments):
     wanted = check_snapshots(report, vtk, steps)
     stem = source.removesuffix(".hdf.series")
     if vtk and stem != source:
-        if os.path.exists(stem + ".xdmf"):
-            check_xdmf(report, vtk, stem + ".xdmf", wanted)
-        else:
-            report.check(not arguments.need_xdmf, f"{os.path.basename(stem)}.xdmf: there is none")
         check_index(report, vtk, stem + ".vtkhdf", wanted)
     print(f"{len(wanted)} snapshots: {report.agree} comparisons agree, {report.differ} differ"
           + ("" if vtk else "; VTK not asked, the package vtk is missing"))

@@ -1,28 +1,27 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The files that make one series of many snapshots: .hdf.series, .xdmf, and the index .vtkhdf.
+!> The files that make one series of many snapshots: the list .hdf.series and the index .vtkhdf.
 !!
-!! They are made anew from what the snapshots say, so a restart finds the series on the disk.
-module io_xdmf
+!! They are written anew from the content of the snapshots, so a restart finds the series on the
+!! disk.
+module io_series
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t
-   use base_kinds, only: int64
    use io_file, only: join_path, list_folder, longest_name, name_of, write_file
    use io_hdf5_index, only: read_snapshot, snapshot_info_t, write_index
-   use io_hdf5_read, only: data_info_t
-   use io_text, only: integer_text, real_text
+   use io_text, only: real_text
    implicit none
    private
 
    public :: series_t
 
-   integer, parameter :: often = 50                      !! So many snapshots: index each time
+   integer, parameter :: often = 50 !! Up to so many snapshots the index follows each
 
    !> A series of snapshots.
    type :: series_t
       character(len=:), allocatable :: folder            !! Where the files are
       character(len=:), allocatable :: prefix            !! As "CASE_p"
-      logical :: of_grids = .false.                      !! No particles: a list is all there is
+      logical :: of_grids = .false.                      !! Fields on the grid: no index is written
       type(snapshot_info_t), allocatable, private :: steps(:) !! On rank 0 only
    contains
       procedure :: open => series_open                   !! Find the snapshots of an earlier run
@@ -67,7 +66,7 @@ contains
    subroutine collect(series, names, length, next_number, note)
       type(series_t), intent(inout) :: series            !! Gets the snapshots
       character(len=*), intent(in) :: names(:)           !! Names in the folder, sorted
-      integer, intent(in) :: length                      !! Of the names that are wanted
+      integer, intent(in) :: length                      !! Of the names that are collected
       integer, intent(in) :: next_number                 !! Number of the next snapshot
       character(len=:), allocatable, intent(inout) :: note !! What was left out
       type(snapshot_info_t) :: info
@@ -110,7 +109,7 @@ contains
       path = join_path(self%folder, self%prefix//"_"//trim(digits)//".hdf")
    end function series_path
 
-   !> Book a snapshot that has been written. Collective.
+   !> Record a snapshot that has been written. Collective.
    subroutine series_add(self, communicator, path, error)
       class(series_t), intent(inout) :: self             !! The series
       type(communicator_t), intent(in) :: communicator   !! The ranks
@@ -127,8 +126,6 @@ contains
             count = size(self%steps)
             base = join_path(self%folder, self%prefix)
             call write_file(base//".hdf.series", series_text(self%steps), error)
-            if (.not. (allocated(error) .or. self%of_grids)) &
-               call write_file(base//".xdmf", xdmf_text(self%steps), error)
             if (.not. (allocated(error) .or. self%of_grids) .and. &
                (count <= often .or. mod(count, often) == 0)) &
                call write_index(base//".vtkhdf", self%steps, error)
@@ -150,7 +147,8 @@ contains
       call agree(communicator, error)
    end subroutine series_close
 
-   !> Add a snapshot to the list; those of this and later numbers are of an earlier run and go.
+   !> Add a snapshot to the list; those of this and later numbers are of an earlier run and are
+   !! dropped.
    subroutine append(steps, info)
       type(snapshot_info_t), allocatable, intent(inout) :: steps(:) !! The list
       type(snapshot_info_t), intent(in) :: info          !! A further one
@@ -185,84 +183,4 @@ contains
       end do
       text = text//new_line("a")//"  ]"//new_line("a")//"}"//new_line("a")
    end function series_text
-
-   !> The same for readers of XDMF 3.
-   function xdmf_text(steps) result(text)
-      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
-      character(len=:), allocatable :: text
-      integer :: step
-
-      text = "<?xml version=""1.0"" ?>"//new_line("a")//"<Xdmf Version=""3.0"">"//new_line("a")// &
-         "<Domain>"//new_line("a")//"<Grid Name=""particles"" GridType=""Collection"" "// &
-         "CollectionType=""Temporal"">"//new_line("a")
-      do step = 1, size(steps)
-         text = text//grid_text(steps(step))
-      end do
-      text = text//"</Grid>"//new_line("a")//"</Domain>"//new_line("a")//"</Xdmf>"//new_line("a")
-   end function xdmf_text
-
-   !> One snapshot in XDMF.
-   function grid_text(step) result(text)
-      type(snapshot_info_t), intent(in) :: step          !! The snapshot
-      character(len=:), allocatable :: text
-      character(len=:), allocatable :: count, file
-      integer :: field
-
-      file = name_of(step%path)
-      count = integer_text(step%points)
-      text = "<Grid Name=""particles"" GridType=""Uniform"">"//new_line("a")// &
-         "<Time Value="""//real_text(step%time)//"""/>"//new_line("a")// &
-         "<Topology TopologyType=""Polyvertex"" NumberOfElements="""//count// &
-         """ NodesPerElement=""1"">"//new_line("a")// &
-         item_text(file, "Connectivity", count, .false., 8)//"</Topology>"//new_line("a")// &
-         "<Geometry GeometryType=""XYZ"">"//new_line("a")// &
-         item_text(file, "Points", count//" 3", .true., 8)//"</Geometry>"//new_line("a")
-      do field = 1, size(step%fields)
-         text = text//attribute_text(step%fields(field), file, count)
-      end do
-      text = text//"</Grid>"//new_line("a")
-   end function grid_text
-
-   !> One field in XDMF. Readers disagree on fields of more than three components: to the Xdmf2
-   !! reader of VTK 9.2 all vectors have three, to that of VTK 9.7 a matrix of two extents is one
-   !! row. As a matrix with one row a particle every reader tried sees them in their order.
-   pure function attribute_text(info, file, count) result(text)
-      type(data_info_t), intent(in) :: info              !! The field
-      character(len=*), intent(in) :: file               !! Name of the snapshot
-      character(len=*), intent(in) :: count              !! Number of particles
-      character(len=:), allocatable :: text
-      character(len=:), allocatable :: components, extent, kind
-
-      components = integer_text(int(info%components, int64))
-      kind = "Scalar"
-      extent = count
-      if (info%dimensions > 1) then
-         kind = "Vector"
-         extent = count//" "//components
-         if (info%components > 3) then
-            kind = "Matrix"
-            extent = count//" 1 "//components
-         end if
-      end if
-      text = "<Attribute Name="""//trim(info%name)//""" AttributeType="""//kind// &
-         """ Center=""Node"">"//new_line("a")//item_text(file, "PointData/"//trim(info%name), &
-         extent, info%is_real, info%bytes)//"</Attribute>"//new_line("a")
-   end function attribute_text
-
-   !> One data set in XDMF.
-   pure function item_text(file, name, extent, is_real, bytes) result(text)
-      character(len=*), intent(in) :: file               !! Name of the snapshot
-      character(len=*), intent(in) :: name               !! From the root of viewers
-      character(len=*), intent(in) :: extent             !! Rows and components
-      logical, intent(in) :: is_real                     !! Real, not whole numbers
-      integer, intent(in) :: bytes                       !! Of one number
-      character(len=:), allocatable :: text
-      character(len=:), allocatable :: kind
-
-      kind = "Int"
-      if (is_real) kind = "Float"
-      text = "<DataItem Format=""HDF"" NumberType="""//kind//""" Precision="""// &
-         integer_text(int(bytes, int64))//""" Dimensions="""//extent//""">"//file//":/VTKHDF/"// &
-         name//"</DataItem>"//new_line("a")
-   end function item_text
-end module io_xdmf
+end module io_series

@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Files of a previous run of a case in a folder: detected, so that they are not overwritten by
-!! accident, and removed on request. The echo of that run lists its streams.
-module io_former_run
+!> Files that a previous run of a case has left in a folder: found, so that they are not lost by
+!! accident, and removed on request. The echo of that run names its streams.
+module output_former_run
    use base_error, only: error_t
    use base_text, only: append, text_t
    use io_deck_changes, only: echo_streams
    use io_file, only: file_exists, join_path, list_folder, longest_name, read_file, real_path, &
       remove_file
-   use io_stream_names, only: of_cells, of_ledger, of_particles, stream_file
+   use output_catalogue, only: choose_stream, stream_names
+   use output_stream, only: stream_file, stream_t
    implicit none
    private
 
@@ -55,38 +56,41 @@ contains
       end do
    end subroutine find_former_run
 
-   !> Add the files of all streams of a deck.
+   !> Add the files of all streams of a deck, and those of a deck without &output.
    subroutine add_files_of_streams(names, case, echo, former)
-      character(len=*), intent(in) :: names(:)           !! Names in the folder
-      character(len=*), intent(in) :: case               !! Prefix of all files
-      character(len=*), intent(in) :: echo               !! All keys of the deck
-      type(former_run_t), intent(inout) :: former        !! Gets the files
-      type(text_t), allocatable :: stream(:)
-      integer, allocatable :: kind(:), number(:)
+      character(len=*), intent(in) :: names(:)       !! Names in the folder
+      character(len=*), intent(in) :: case           !! Prefix of all files
+      character(len=*), intent(in) :: echo           !! All keys of the deck
+      type(former_run_t), intent(inout) :: former    !! Gets the files
+      type(text_t), allocatable :: kind(:), name(:)
+      class(stream_t), allocatable :: stream
+      integer, allocatable :: number(:)
       integer :: n
 
-      call echo_streams(echo, stream, kind, number)
-      ! a deck without outputs has one stream of particles and a history
-      call add_stream_files(names, stream_file(case, "", of_particles, 1), .false., former)
-      call add_stream_files(names, stream_file(case, "", of_ledger, 1), .true., former)
-      do n = 1, size(stream)
-         call add_stream_files(names, stream_file(case, stream(n)%text, kind(n), number(n)), &
-            kind(n) > of_cells, former)
+      do n = 1, size(stream_names)
+         call choose_stream(stream_names(n), stream)
+         if (stream%default_count() > 0) call add_stream_files(names, stream_file(stream, case, "", 1), &
+            stream%has_series(), former)
+      end do
+      call echo_streams(echo, name, kind, number)
+      do n = 1, size(name)
+         call choose_stream(kind(n)%text, stream)
+         if (allocated(stream)) call add_stream_files(names, stream_file(stream, case, name(n)%text, &
+            number(n)), stream%has_series(), former)
       end do
    end subroutine add_files_of_streams
 
    !> Add the files of one stream.
-   subroutine add_stream_files(names, file, is_table, former)
-      character(len=*), intent(in) :: names(:)           !! Names in the folder
-      character(len=*), intent(in) :: file               !! Name of the table, or prefix of names
-      logical, intent(in) :: is_table                    !! Is it one file, not one for each time?
-      type(former_run_t), intent(inout) :: former        !! Gets the files
+   subroutine add_stream_files(names, file, is_series, former)
+      character(len=*), intent(in) :: names(:)       !! Names in the folder
+      character(len=*), intent(in) :: file           !! The table, or beginning of names
+      logical, intent(in) :: is_series               !! A file for each time, not one table
+      type(former_run_t), intent(inout) :: former    !! Gets the files
 
       call add_file(names, file, former)
-      if (is_table) return
+      if (.not. is_series) return
       call add_numbered_files(names, file//"_", snapshot_ending, snapshot_digits, former)
       call add_file(names, file//".hdf.series", former)
-      call add_file(names, file//".xdmf", former)
       call add_file(names, file//".vtkhdf", former)
    end subroutine add_stream_files
 
@@ -166,4 +170,4 @@ contains
       place = real_path(path)
       own = index(place, real_path(join_path(folder, "."))//"/"//case//"_chk_") == 1
    end function is_own_checkpoint
-end module io_former_run
+end module output_former_run

@@ -1,27 +1,27 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> What the lines of a history hold: by itself the whole ledger, else the columns that the deck
 !! names, among them some that are found only for those who ask.
-module output_history
+module output_history_columns
    use base_error, only: error_t, exit_input, fail
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: wp
    use base_text, only: append, closest, text_t
    use io_profile, only: half_height, profile_rows, profile_t
    use mesh_grid, only: grid_t
+   use output_table_stream, only: heading_length
    use particle_store, only: store_t
    use step_diagnostics, only: look_at_shapes, shapes_look_t
    use step_exact_error, only: error_columns, take_errors
-   use step_ledger, only: balance_t, entries, entry_names, entry_units
+   use step_ledger, only: balance_t, ledger_entries
    use step_simulation, only: simulation_t
    implicit none
    private
 
    public :: choose_history, history_columns_t, history_names, history_row
 
-   integer, parameter, public :: heading_length = 40 !! Longest name of a column with its unit
    integer, parameter :: before = 3                  !! Columns before the ledger
    integer, parameter :: sums = 5                    !! Columns behind it: total and errors
-   integer, parameter :: all_books = before + entries + sums
+   integer, parameter :: all_ledger = before + size(ledger_entries) + sums
    integer, parameter :: all_errors = size(error_columns) !! Columns of an exact solution
    !> Columns that only those get who name them, with units; and their numbers.
    character(len=19), parameter :: further(13) = [character(len=19) :: "potential [J]", &
@@ -31,7 +31,7 @@ module output_history
    integer, parameter :: potential = 1, runout = 2, height = 3, front = 4, tail = 7, &
       stretch = 10
    character(len=*), parameter :: other_name = "mass_failed" !! Of failed_mass
-   integer, parameter :: every = all_books + all_errors + size(further)
+   integer, parameter :: every = all_ledger + all_errors + size(further)
    real(wp), parameter :: share = 0.99_wp            !! Of the mass, behind the run-out
 
    !> The columns of a history, by their numbers in the list of all there are.
@@ -63,13 +63,14 @@ contains
       integer :: n
 
       columns(:before) = [character(len=heading_length) :: "time [s]", "step", "dt [s]"]
-      do n = 1, entries
-         columns(before + n) = trim(entry_names(n))//" ["//trim(entry_units(n))//"]"
+      do n = 1, size(ledger_entries)
+         columns(before + n) = trim(ledger_entries(n)%name)//" ["//trim(ledger_entries(n)%unit)//"]"
       end do
-      columns(before + entries + 1:all_books) = [character(len=heading_length) :: "total [J]", &
+      columns(before + size(ledger_entries) + 1:all_ledger) = [character(len=heading_length) :: &
+         "total [J]", &
          "mass_error [1]", "momentum_error [1]", "angular_momentum_error [1]", "energy_error [1]"]
-      columns(all_books + 1:all_books + all_errors) = error_columns
-      columns(all_books + all_errors + 1:) = further
+      columns(all_ledger + 1:all_ledger + all_errors) = error_columns
+      columns(all_ledger + all_errors + 1:) = further
    end function all_columns
 
    !> The name in a heading.
@@ -96,8 +97,8 @@ contains
       integer :: last, n, k
 
       list = all_columns()
-      last = all_books
-      if (with_exact) last = all_books + all_errors
+      last = all_ledger
+      if (with_exact) last = all_ledger + all_errors
       allocate (columns%chosen(0))
       chosen = .false.
       call take(1, columns%chosen, chosen)
@@ -120,7 +121,7 @@ contains
          end if
          call take(k, columns%chosen, chosen)
       end do
-      columns%further = chosen(all_books + all_errors + 1:)
+      columns%further = chosen(all_ledger + all_errors + 1:)
    end subroutine choose_history
 
    !> Take a column, unless it is taken already.
@@ -157,9 +158,9 @@ contains
          if (near /= "") text = text//"; did you mean '"//near//"'?"
          return
       end if
-      if (number > all_books .and. number <= all_books + all_errors .and. .not. with_exact) &
+      if (number > all_ledger .and. number <= all_ledger + all_errors .and. .not. with_exact) &
          text = "needs &exact, a solution to compare with"
-      n = number - all_books - all_errors
+      n = number - all_ledger - all_errors
       if (n < 1) return
       if (n == potential .and. .not. with_gravity) text = "needs &effects gravity = .true."
       lacks = n == height .and. .not. grid%active(3)
@@ -189,13 +190,13 @@ contains
       values = 0.0_wp
       call simulation%ledger%balance(simulation%communicator, simulation%grid, &
          simulation%stores, simulation%materials, now)
-      values(:all_books) = [simulation%time, real(simulation%step, wp), simulation%dt, now%entry, &
+      values(:all_ledger) = [simulation%time, real(simulation%step, wp), simulation%dt, now%entry, &
          now%total, now%mass_error, now%momentum_error, now%angular_error, now%energy_error]
       if (allocated(simulation%exact)) then
          call take_errors(simulation)
-         values(all_books + 1:all_books + all_errors) = simulation%exact%error
+         values(all_ledger + 1:all_ledger + all_errors) = simulation%exact%error
       end if
-      associate (more => values(all_books + all_errors + 1:))
+      associate (more => values(all_ledger + all_errors + 1:))
          if (columns%further(potential)) more(potential) = potential_energy(simulation)
          if (columns%further(runout)) more(runout) = reach(simulation)
          if (any(columns%further(stretch:))) then
@@ -299,4 +300,4 @@ contains
       ends(2:4) = max(ends(2:4), store%position(p, :))
       ends(5:7) = max(ends(5:7), -store%position(p, :))
    end subroutine widen
-end module output_history
+end module output_history_columns

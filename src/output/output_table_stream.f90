@@ -1,0 +1,127 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> A stream that is one table, which grows by rows at each time.
+module output_table_stream
+   use base_communicator, only: communicator_t
+   use base_deck, only: deck_t
+   use base_error, only: error_t
+   use base_kinds, only: int64, wp
+   use base_text, only: brief
+   use io_history, only: history_t
+   use io_snapshot, only: snapshot_header_t
+   use output_stream, only: stream_t
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: table_stream_t
+
+   integer, parameter, public :: heading_length = 40 !! Longest name of a column with its unit
+   real(wp), parameter :: most_rows = 1.0e9_wp       !! A table with more needs --force
+
+   !> A table.
+   type, abstract, extends(stream_t) :: table_stream_t
+      type(history_t) :: table                       !! The file
+   contains
+      procedure(list_columns_i), deferred :: list_columns !! Names of the columns with units
+      procedure(write_rows_i), deferred :: write_rows !! Write the rows of the present time
+      procedure :: rows_of_time => table_rows_of_time !! Expected rows of one time
+      procedure :: open => table_open                !! Open the file
+      procedure :: write => table_write              !! Write rows
+      procedure :: close => table_close              !! Close the file
+      procedure :: limit => table_limit              !! Refuse implausible sizes
+      procedure :: list => table_list                !! For the summary
+   end type table_stream_t
+
+   abstract interface
+      !> Names of the columns with units, as "time [s]".
+      subroutine list_columns_i(self, columns)
+         import :: heading_length, table_stream_t
+         implicit none
+         class(table_stream_t), intent(in) :: self   !! The stream
+         character(len=heading_length), allocatable, intent(out) :: columns(:) !! The names
+      end subroutine list_columns_i
+
+      !> Write the rows of the present time. Collective.
+      subroutine write_rows_i(self, simulation, error)
+         import :: error_t, simulation_t, table_stream_t
+         implicit none
+         class(table_stream_t), intent(inout) :: self !! The stream
+         type(simulation_t), intent(inout) :: simulation !! The run
+         type(error_t), allocatable, intent(out) :: error !! The file cannot be written
+      end subroutine write_rows_i
+   end interface
+
+contains
+
+   !> Expected rows of one time. Most tables have one.
+   pure real(wp) function table_rows_of_time(self) result(rows)
+      class(table_stream_t), intent(in) :: self      !! The stream
+
+      rows = 1.0_wp
+   end function table_rows_of_time
+
+   !> Open the file; after a restart without the rows that are later than the checkpoint.
+   subroutine table_open(self, simulation, folder, header, restarted, note, error)
+      class(table_stream_t), intent(inout) :: self   !! The stream
+      type(simulation_t), intent(in) :: simulation   !! Ranks and present step
+      character(len=*), intent(in) :: folder         !! Folder of the results
+      type(snapshot_header_t), intent(in) :: header  !! Units of the columns
+      logical, intent(in) :: restarted               !! Does the run continue from a checkpoint?
+      character(len=:), allocatable, intent(out) :: note !! Empty
+      type(error_t), allocatable, intent(out) :: error !! The file cannot be written
+      character(len=heading_length), allocatable :: columns(:)
+
+      note = ""
+      self%table%units = header%units
+      call self%list_columns(columns)
+      call self%table%open(simulation%communicator, folder//"/"//self%file, &
+         columns, merge(simulation%step, -1_int64, restarted), error)
+   end subroutine table_open
+
+   !> Write the rows of the present time. Collective.
+   subroutine table_write(self, simulation, header, note, error)
+      class(table_stream_t), intent(inout) :: self   !! The stream
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(snapshot_header_t), intent(in) :: header  !! Not used
+      character(len=:), allocatable, intent(inout) :: note !! Not changed
+      type(error_t), allocatable, intent(out) :: error !! The file cannot be written
+
+      call simulation%timer%start(simulation%phase%ledger)
+      call self%write_rows(simulation, error)
+      call simulation%timer%stop(simulation%phase%ledger)
+   end subroutine table_write
+
+   !> Close the file.
+   subroutine table_close(self, communicator, error)
+      class(table_stream_t), intent(inout) :: self   !! The stream
+      type(communicator_t), intent(in) :: communicator !! Not used
+      type(error_t), allocatable, intent(out) :: error !! Never set
+
+      call self%table%close()
+   end subroutine table_close
+
+   !> Refuse implausible sizes.
+   subroutine table_limit(self, deck, particles, time_end, steps)
+      class(table_stream_t), intent(in) :: self      !! The stream
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      integer(int64), intent(in) :: particles        !! Not used
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      real(wp), intent(in) :: steps                  !! Expected number of steps
+      real(wp) :: rows
+
+      rows = self%schedule%expected(time_end, steps)*self%rows_of_time()
+      if (self%place == 0 .or. rows <= most_rows) return
+      call deck%complain("output", self%place, "would write "//brief(rows)// &
+         " rows; write less often, or continue with --force")
+   end subroutine table_limit
+
+   !> How the summary lists the stream.
+   pure subroutine table_list(self, key, file)
+      class(table_stream_t), intent(in) :: self      !! The stream
+      character(len=:), allocatable, intent(out) :: key !! For all tables
+      character(len=:), allocatable, intent(out) :: file !! The table
+
+      key = "history"
+      file = self%file
+   end subroutine table_list
+end module output_table_stream

@@ -1,0 +1,150 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Output of means over the particles of each cell: a file for each time.
+module stream_grid
+   use base_deck, only: deck_t, group_t
+   use base_error, only: error_t
+   use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
+   use base_text, only: brief
+   use io_grid, only: grid_write
+   use io_means, only: choose_means, mean_t
+   use io_pick, only: pick_rule_t
+   use io_snapshot, only: snapshot_header_t
+   use mesh_grid, only: grid_t
+   use output_field_names, only: declare_fields, read_fields
+   use output_selection, only: declare_selection, read_selection
+   use output_snapshot_stream, only: limit_files, snapshot_stream_t
+   use particle_store, only: store_t
+   use scene_shapes, only: named_shape_t
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: stream_grid_t
+
+   real(wp), parameter :: most_cells = 1.0e9_wp      !! A file with more needs --force
+   real(wp), parameter :: cell_bytes = 0.5_wp        !! A number of a cell, most of them empty
+
+   !> Fields on the grid.
+   type, extends(snapshot_stream_t) :: stream_grid_t
+      type(mean_t), allocatable :: means(:)          !! What is averaged
+      real(wp) :: cells = 0.0_wp                     !! Most cells of a file
+   contains
+      procedure :: about => grid_about               !! For the help
+      procedure :: ending => grid_ending             !! Of names
+      procedure :: declare => grid_declare           !! Keys
+      procedure :: read => grid_read                 !! Read them
+      procedure :: try_field => grid_try_field       !! Check a name
+      procedure :: limit => grid_limit               !! Refuse implausible sizes
+      procedure :: write_file => grid_write_file     !! Write a file
+      procedure :: bytes_of_file => grid_bytes_of_file !! Expected size
+   end type stream_grid_t
+
+contains
+
+   !> For the help of `kind`.
+   pure function grid_about(self) result(text)
+      class(stream_grid_t), intent(in) :: self       !! The stream
+      character(len=:), allocatable :: text
+
+      text = "means over the particles of each cell"
+   end function grid_about
+
+   !> What follows the case in names of files.
+   pure function grid_ending(self) result(text)
+      class(stream_grid_t), intent(in) :: self       !! The stream
+      character(len=:), allocatable :: text
+
+      text = "_g"
+   end function grid_ending
+
+   !> Declare the keys of the kind.
+   subroutine grid_declare(self, schema, kind)
+      class(stream_grid_t), intent(in) :: self       !! The stream
+      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
+
+      call declare_fields(schema, kind)
+      call declare_selection(schema, kind)
+      call self%declare_format(schema, kind)
+   end subroutine grid_declare
+
+   !> Read the keys of the kind.
+   subroutine grid_read(self, group, deck, simulation, shapes)
+      class(stream_grid_t), intent(inout) :: self    !! The stream
+      type(group_t), intent(in) :: group             !! Its &output
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(error_t), allocatable :: error
+
+      call read_fields(group, deck, simulation, self, self%fields)
+      ! read_fields has left out each name that would be an error here
+      call choose_means(simulation%stores, self%fields, .true., self%means, error)
+      call self%read_format(group)
+      call read_selection(group, deck, shapes, self%format%pick_rule_t)
+      self%cells = cells_in(simulation%grid, self%format%pick_rule_t)
+      self%series%of_grids = .true.
+   end subroutine grid_read
+
+   !> Try one name of the key `fields`.
+   subroutine grid_try_field(self, field, simulation, stores, error)
+      class(stream_grid_t), intent(in) :: self       !! The stream
+      character(len=*), intent(in) :: field          !! The name
+      type(simulation_t), intent(in) :: simulation   !! Not used
+      type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
+      type(error_t), allocatable, intent(out) :: error !! The field has no mean
+      type(mean_t), allocatable :: means(:)
+
+      call choose_means(stores, [field], .true., means, error)
+   end subroutine grid_try_field
+
+   !> Cells of the grid, in the region if there is one: no file has more.
+   pure real(wp) function cells_in(grid, rule) result(cells)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(pick_rule_t), intent(in) :: rule          !! Which particles
+      real(wp) :: lower(3), upper(3)
+
+      lower = grid%lower
+      upper = grid%upper
+      if (allocated(rule%region)) call rule%region%bounds(lower, upper)
+      lower = max(lower, grid%lower)
+      upper = min(upper, grid%upper)
+      cells = product(max((upper - lower)/grid%spacing, 1.0_wp), mask=grid%active)
+   end function cells_in
+
+   !> Refuse implausible sizes.
+   subroutine grid_limit(self, deck, particles, time_end, steps)
+      class(stream_grid_t), intent(in) :: self       !! The stream
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      integer(int64), intent(in) :: particles        !! In all bodies
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      real(wp), intent(in) :: steps                  !! Expected number of steps
+
+      if (self%cells > most_cells) call deck%complain("output", self%place, "would write up to "// &
+         brief(self%cells)//" cells at a time; give a region to stay in, or continue with --force")
+      call limit_files(deck, self%place, self%schedule%expected(time_end, steps), &
+         self%bytes_of_file(particles))
+   end subroutine grid_limit
+
+   !> Write a file. Collective.
+   subroutine grid_write_file(self, simulation, path, header, error)
+      class(stream_grid_t), intent(inout) :: self    !! The stream
+      type(simulation_t), intent(inout) :: simulation !! The run
+      character(len=*), intent(in) :: path           !! The file
+      type(snapshot_header_t), intent(in) :: header  !! Text and time for the file
+      type(error_t), allocatable, intent(out) :: error !! It cannot be written
+
+      call grid_write(simulation%communicator, path, simulation%grid, &
+         simulation%tiles%coordinate(:, :simulation%tiles%own), simulation%stores, &
+         self%means, self%format, header, error)
+   end subroutine grid_write_file
+
+   !> Expected size of a file [byte].
+   pure real(wp) function grid_bytes_of_file(self, particles) result(bytes)
+      class(stream_grid_t), intent(in) :: self       !! The stream
+      integer(int64), intent(in) :: particles        !! Not used
+
+      bytes = self%cells*real(sum(self%means%column%components), wp)*cell_bytes
+   end function grid_bytes_of_file
+end module stream_grid

@@ -1,0 +1,136 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Output of a history: a table with a row for each time, by default the whole ledger.
+module stream_history
+   use base_deck, only: deck_t, group_t
+   use base_error, only: error_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use output_field_names, only: declare_fields, read_fields
+   use output_history_columns, only: choose_history, history_columns_t, history_row
+   use output_stream, only: field_length
+   use output_table_stream, only: heading_length, table_stream_t
+   use particle_store, only: store_t
+   use scene_shapes, only: named_shape_t
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: stream_history_t
+
+   !> A history.
+   type, extends(table_stream_t) :: stream_history_t
+      type(history_columns_t) :: columns             !! What a row holds
+   contains
+      procedure :: about => history_about            !! For the help
+      procedure :: ending => history_ending          !! Of the name
+      procedure :: declare => history_declare        !! Keys
+      procedure :: read => history_read              !! Read them
+      procedure :: read_default => history_read_default !! Without &output
+      procedure :: default_count => history_default_count !! Rows without &output
+      procedure :: try_field => history_try_field    !! Check a name
+      procedure :: ledger_rows => history_ledger_rows !! For the time of a run
+      procedure :: list_columns => history_list_columns !! Names of columns
+      procedure :: write_rows => history_write_rows  !! Write a row
+   end type stream_history_t
+
+contains
+
+   !> For the help of `kind`.
+   pure function history_about(self) result(text)
+      class(stream_history_t), intent(in) :: self    !! The stream
+      character(len=:), allocatable :: text
+
+      text = "a table of the ledger over time"
+   end function history_about
+
+   !> What follows the case in the name of the file.
+   pure function history_ending(self) result(text)
+      class(stream_history_t), intent(in) :: self    !! The stream
+      character(len=:), allocatable :: text
+
+      text = "_history.csv"
+   end function history_ending
+
+   !> Declare the keys of the kind.
+   subroutine history_declare(self, schema, kind)
+      class(stream_history_t), intent(in) :: self    !! The stream
+      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
+
+      call declare_fields(schema, kind)
+   end subroutine history_declare
+
+   !> Read the keys of the kind.
+   subroutine history_read(self, group, deck, simulation, shapes)
+      class(stream_history_t), intent(inout) :: self !! The stream
+      type(group_t), intent(in) :: group             !! Its &output
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(named_shape_t), intent(in) :: shapes(:)   !! Not used
+      character(len=field_length), allocatable :: fields(:)
+      type(error_t), allocatable :: error
+
+      call read_fields(group, deck, simulation, self, fields)
+      ! read_fields has left out each name that would be an error here
+      call choose_history(fields, allocated(simulation%exact), simulation%grid, &
+         allocated(simulation%gravity), self%columns, error)
+   end subroutine history_read
+
+   !> Without &output the ledger is written.
+   subroutine history_read_default(self, simulation)
+      class(stream_history_t), intent(inout) :: self !! The stream
+      type(simulation_t), intent(in) :: simulation   !! For the columns that exist
+      type(error_t), allocatable :: error
+
+      call choose_history(["default"], allocated(simulation%exact), simulation%grid, &
+         allocated(simulation%gravity), self%columns, error)
+   end subroutine history_read_default
+
+   !> Rows without &output.
+   pure integer function history_default_count(self) result(number)
+      class(stream_history_t), intent(in) :: self    !! The stream
+
+      number = 100
+   end function history_default_count
+
+   !> Try one name of the key `fields`.
+   subroutine history_try_field(self, field, simulation, stores, error)
+      class(stream_history_t), intent(in) :: self    !! The stream
+      character(len=*), intent(in) :: field          !! The name
+      type(simulation_t), intent(in) :: simulation   !! Grid, gravity, exact solution
+      type(store_t), intent(inout) :: stores(:)      !! Not used
+      type(error_t), allocatable, intent(out) :: error !! There is no such column
+      type(history_columns_t) :: columns
+
+      call choose_history([field], allocated(simulation%exact), simulation%grid, &
+         allocated(simulation%gravity), columns, error)
+   end subroutine history_try_field
+
+   !> Rows with sums over all particles that a run will write.
+   pure real(wp) function history_ledger_rows(self, time_end, steps) result(number)
+      class(stream_history_t), intent(in) :: self    !! The stream
+      real(wp), intent(in) :: time_end               !! End of the run [s]
+      real(wp), intent(in) :: steps                  !! Expected number of steps
+
+      number = self%schedule%expected(time_end, steps)
+   end function history_ledger_rows
+
+   !> Names of the columns with units.
+   subroutine history_list_columns(self, columns)
+      class(stream_history_t), intent(in) :: self    !! The stream
+      character(len=heading_length), allocatable, intent(out) :: columns(:) !! The names
+
+      columns = self%columns%headings()
+   end subroutine history_list_columns
+
+   !> Write a row. Collective.
+   subroutine history_write_rows(self, simulation, error)
+      class(stream_history_t), intent(inout) :: self !! The stream
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(error_t), allocatable, intent(out) :: error !! The file cannot be written
+      real(wp), allocatable :: row(:)
+
+      call history_row(simulation, self%columns, row)
+      call self%table%row(simulation%communicator, row, error)
+   end subroutine history_write_rows
+end module stream_history
