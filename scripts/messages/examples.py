@@ -126,7 +126,7 @@ DECKS = {
     "expects-a-number": ("plain", "dx = 0.1", "dx = 1e", None),
     "expects-some-numbers": ("plain", "'metal' /", "'metal'  velocity = 100 /", "'metal'  velocity = 100 0 0 /"),
     "expects-up-to-some-numbers": ("sand", "every = 20", "times = now", "times = 0.1 0.5 1"),
-    "expects-a-whole-number": ("sand", "every = 20", "every = 2e1", None),
+    "expects-an-integer": ("sand", "every = 20", "every = 2e1", None),
     "expects-a-text-that-is-not-empty": ("plain", "'metal' /", "'metal'  packing = '' /", None),
     "misses-a-value-before-a-comma": ("plain", "'metal' /", "'metal'  velocity = 1,,3 /",
                                       "'metal'  velocity = 1, 0, 3 /"),
@@ -215,7 +215,7 @@ DECKS = {
         "'plane_strain'  method = 'mpm' /\n&method basis = 'gimp' /"),
     "of-exact-holds-for": (VORTEX, "  strength_model = 'neo_hookean'", "", None),
     "exact-gives-the": ("plain", "'metal' /", f"'metal'  velocity = 0 0 1 /\n{MODE} /", f"'metal' /\n{MODE} /"),
-    "can-fly-with-ends-free-free-only": (
+    "has-a-flight-speed-only-with-ends": (
         "plain", "'metal' /", f"'metal' /\n{MODE}  flight_speed = 2 /", f"'metal' /\n{MODE} /"),
     "is-of-the-material-of-a-body": (
         "plain", "'metal' /", f"'metal' /\n{SECOND}{MODE}  bodies = 'one' /",

@@ -173,7 +173,7 @@ SITUATIONS = {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'material[steel].young=200e9'"],
         "then": ["scree --check scene.nml --set 'material[metal].young=200e9'"],
         "see": ["deck.md#values-from-the-command-line"]},
-    "is-no-value": {
+    "is-not-a-value": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'time.t_end=1e-4 /'"],
         "then": ["scree --check scene.nml --set time.t_end=1e-4"],
         "see": ["deck.md#values-from-the-command-line"]},
@@ -193,16 +193,16 @@ SITUATIONS = {
     # examples and jobs
     "there-is-no-example": {"commands": ["scree --new two_disks my_discs"],
                             "then": ["scree --new two_discs my_discs"], "see": ["running.md#a-case-of-your-own"]},
-    "is-there-already-and-nothing-is-overwritten": {
+    "exists-and-is-not-overwritten": {
         "before": ["mkdir my_discs", "touch my_discs/notes.txt"], "commands": ["scree --new two_discs my_discs"],
         "then": ["scree --new two_discs other_discs"], "see": ["running.md#a-case-of-your-own"]},
-    "the-examples-are-not-there": {
+    "the-examples-are-not-in-the-folder": {
         "before": ['cp "$(command -v scree)" scree'], "text": "The program was copied alone to another folder:",
         "commands": ["./scree --list examples"], "see": ["running.md#a-case-of-your-own"]},
     "job-knows-slurm-and-pbs": {"files": {"scene.nml": BAR}, "commands": ["scree --job lsf scene.nml"],
                                 "then": ["scree --job slurm scene.nml > job.sh"],
                                 "see": ["running.md#a-batch-script"]},
-    "the-job-is-told-by-usr1": {
+    "the-scheduler-announces-the-end": {
         "files": {"scene.nml": BAR + "&checkpoint on_signal = 'TERM' /\n"}, "text": "With this line in the deck:",
         "shows": "&checkpoint on_signal = 'TERM' /", "commands": ["scree --job slurm scene.nml"],
         "right": "&checkpoint on_signal = 'TERM' 'USR1' /",
@@ -298,11 +298,11 @@ SITUATIONS = {
         "then": [("scree -q --restart scene.nml --set time.t_end=10",
                   "scree -q --restart scene.nml --set time.t_end=10 --set \"time.wall_limit='00:00:00'\"")],
         "see": ["running.md#signals"]},
-    "nothing-tells-when-the-job-ends": {
+    "the-end-of-the-job-is-not-known": {
         "files": {"scene.nml": BAR}, "text": "In a job that `squeue` does not know:",
         "commands": ["SLURM_JOB_ID=12 scree -q scene.nml --set \"time.wall_limit='slurm'\""],
         "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},
-    "this-is-no-job-of-slurm": {
+    "this-is-not-a-slurm-job": {
         "files": {"scene.nml": BAR}, "text": "Outside of a job:",
         "commands": ["scree -q scene.nml --set \"time.wall_limit='slurm'\""],
         "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> An error of one rank becomes the error of all, so that all leave together and none waits.
+!> Makes an error of one rank the error of all, so that all ranks stop together and none waits.
 module base_agreement
    use base_communicator, only: communicator_t
    use base_error, only: error_t, fail
@@ -11,11 +11,10 @@ module base_agreement
 
 contains
 
-   !> Give the error of the lowest rank that has one to all ranks. Collective.
-   !!
-   !! The message names the rank unless all ranks failed.
+   !> Distribute the error of the lowest rank that has one. The message names this rank unless all
+   !! ranks failed. Collective.
    subroutine agree(communicator, error)
-      type(communicator_t), intent(in) :: communicator       !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(error_t), allocatable, intent(inout) :: error     !! Own error in, common error out
       integer(int64), allocatable :: codes(:), letters(:), whole(:)
       integer(int64) :: own(1)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The ranks of a run and all that they say to each other. The only file that uses MPI.
+!> The ranks of a run and all communication between them. The only module that uses MPI.
 module base_communicator
    use base_kinds, only: int64, wp
    use base_process, only: set_default
@@ -15,51 +15,51 @@ module base_communicator
 
    public :: communicator_t, message_passing_version, posted_t, traffic_t
 
-   !> What a rank has said to the others so far, and how long it has waited for them.
+   !> Messages of a rank so far, and its waiting time.
    type :: traffic_t
       integer(int64) :: messages = 0                  !! Messages sent
       integer(int64) :: words = 0                     !! Words of 8 bytes in them
-      integer(int64) :: agreements = 0                !! Times that all ranks had to agree
+      integer(int64) :: agreements = 0                !! Collective calls
       real(wp) :: waiting = 0.0_wp                    !! Wall time in calls that wait [s]
    end type traffic_t
 
-   !> Messages on their way to few ranks.
+   !> Messages in transit to a few ranks.
    type :: posted_t
-      integer(int64), allocatable :: outgoing(:)      !! Their words, untouched until complete
-      type(mpi_request), allocatable, private :: sent(:) !! One each
-      integer, private :: tag = 0                     !! Which exchange
+      integer(int64), allocatable :: outgoing(:)      !! Their words, not changed until complete
+      type(mpi_request), allocatable, private :: sent(:) !! One request a message
+      integer, private :: tag = 0                     !! Tag of the exchange
    end type posted_t
 
    !> A group of ranks. Without `start` it is a group of one that never calls MPI.
    type :: communicator_t
       integer :: rank = 0                             !! This rank, from 0
       integer :: size = 1                             !! Number of ranks
-      type(mpi_comm), private :: handle = mpi_comm_world !! The ranks to MPI
-      integer, private :: round = 0                   !! Keeps neighbouring exchanges apart
-      type(traffic_t) :: traffic                      !! What was said
+      type(mpi_comm), private :: handle = mpi_comm_world !! Communicator of MPI
+      integer, private :: round = 0                   !! Distinguishes successive exchanges
+      type(traffic_t) :: traffic                      !! Counts of messages
    contains
-      procedure :: start => communicator_start        !! Join the run
-      procedure :: adopt => communicator_adopt        !! Take over a group that somebody else made
-      procedure :: finish => communicator_finish      !! Leave the run
+      procedure :: start => communicator_start        !! Start MPI
+      procedure :: adopt => communicator_adopt        !! Use an existing communicator
+      procedure :: finish => communicator_finish      !! Finish MPI
       procedure :: native => communicator_native      !! Handle for parallel HDF5
       procedure :: barrier => communicator_barrier    !! Wait for all
-      procedure :: minimum => communicator_minimum    !! Least number over the ranks
-      procedure :: maximum => communicator_maximum    !! Greatest number over the ranks
-      procedure :: maxima => communicator_maxima      !! Greatest numbers, element by element
-      procedure :: least => communicator_least        !! Least whole numbers, element by element
+      procedure :: minimum => communicator_minimum    !! Minimum over the ranks
+      procedure :: maximum => communicator_maximum    !! Maximum over the ranks
+      procedure :: maxima => communicator_maxima      !! Maxima, element by element
+      procedure :: least => communicator_least        !! Minima of integers, element by element
       procedure :: any => communicator_any            !! True if true on some rank
-      procedure :: total => communicator_total        !! Sum of whole numbers, element by element
+      procedure :: total => communicator_total        !! Sums of integers, element by element
       procedure :: before => communicator_before      !! Sum over the lower ranks
       procedure :: gather => communicator_gather      !! Concatenate over the ranks, on all of them
       procedure :: broadcast => communicator_broadcast !! Text of rank 0 to all
-      procedure :: exchange => communicator_exchange  !! Messages to few ranks, unknown to them
-      procedure :: post => communicator_post          !! First half of that: send
+      procedure :: exchange => communicator_exchange  !! Sparse exchange of messages
+      procedure :: post => communicator_post          !! First half of an exchange: send
       procedure :: complete => communicator_complete  !! Second half: receive
    end type communicator_t
 
 contains
 
-   !> Join the run. Open MPI without `mpirun` makes a group of one.
+   !> Start MPI. Without `mpirun` Open MPI makes a group of one rank.
    subroutine communicator_start(self)
       class(communicator_t), intent(out) :: self      !! The group of all ranks
       integer :: provided
@@ -73,10 +73,9 @@ contains
       call mpi_comm_size(self%handle, self%size)
    end subroutine communicator_start
 
-   !> Have Open MPI write files with ROMIO. Its own OMPIO makes a shared file pointer for every file
-   !! that it opens and now and then waits for ever on the semaphore of that; nothing here uses one.
-   !! It was met about once in thirty files on two ranks with Open MPI 4.1.4; see also issues 9656
-   !! of Open MPI and 1227 of HDF5. Whoever sets these words in the environment is obeyed.
+   !> Have Open MPI write files with ROMIO, unless the user has set these variables. Its own OMPIO
+   !! creates a shared file pointer for each file and sometimes blocks on its semaphore: about once
+   !! in thirty files with two ranks and Open MPI 4.1.4 (issues 9656 of Open MPI and 1227 of HDF5).
    subroutine prefer_romio()
       character(len=*), parameter :: words(2) = [character(len=31) :: &
          "OMPI_MCA_io_romio321_priority", "OMPI_MCA_io_romio341_priority"]
@@ -87,9 +86,9 @@ contains
       end do
    end subroutine prefer_romio
 
-   !> Take over a group that somebody else made: a program that Scree is a part of, or a test.
+   !> Use the communicator of a program that Scree is a part of, or of a test.
    subroutine communicator_adopt(self, handle)
-      class(communicator_t), intent(out) :: self      !! The group
+      class(communicator_t), intent(out) :: self
       integer, intent(in) :: handle                   !! Fortran handle of its MPI communicator
 
       self%handle%mpi_val = handle
@@ -97,9 +96,9 @@ contains
       call mpi_comm_size(self%handle, self%size)
    end subroutine communicator_adopt
 
-   !> Leave the run, if it was ever joined.
+   !> Finish MPI, if it was started.
    subroutine communicator_finish(self)
-      class(communicator_t), intent(inout) :: self    !! The group
+      class(communicator_t), intent(inout) :: self
       logical :: started
 
       self%rank = 0
@@ -108,9 +107,9 @@ contains
       if (started) call mpi_finalize()
    end subroutine communicator_finish
 
-   !> The handle of the group and an empty hint object, as whole numbers, for parallel HDF5.
+   !> The handle of the group and an empty hint object, as integers, for parallel HDF5.
    pure subroutine communicator_native(self, group, hints)
-      class(communicator_t), intent(in) :: self       !! The group
+      class(communicator_t), intent(in) :: self
       integer, intent(out) :: group                   !! Fortran handle of the communicator
       integer, intent(out) :: hints                   !! Fortran handle of the null info object
       type(mpi_info) :: none
@@ -122,14 +121,14 @@ contains
 
    !> Wait until all ranks are here.
    subroutine communicator_barrier(self)
-      class(communicator_t), intent(in) :: self       !! The group
+      class(communicator_t), intent(in) :: self
 
       if (self%size > 1) call mpi_barrier(self%handle)
    end subroutine communicator_barrier
 
-   !> Least of one number a rank.
+   !> Minimum of one number a rank.
    function communicator_minimum(self, value) result(least)
-      class(communicator_t), intent(in) :: self       !! The group
+      class(communicator_t), intent(in) :: self
       real(wp), intent(in) :: value                   !! Number of this rank
       real(wp) :: least
 
@@ -138,9 +137,9 @@ contains
          call mpi_allreduce(value, least, 1, mpi_double_precision, mpi_min, self%handle)
    end function communicator_minimum
 
-   !> Greatest of one number a rank.
+   !> Maximum of one number a rank.
    function communicator_maximum(self, value) result(greatest)
-      class(communicator_t), intent(in) :: self       !! The group
+      class(communicator_t), intent(in) :: self
       real(wp), intent(in) :: value                   !! Number of this rank
       real(wp) :: greatest
 
@@ -149,9 +148,9 @@ contains
          call mpi_allreduce(value, greatest, 1, mpi_double_precision, mpi_max, self%handle)
    end function communicator_maximum
 
-   !> Replace numbers by the greatest over the ranks.
+   !> Replace numbers by their maxima over the ranks.
    subroutine communicator_maxima(self, values)
-      class(communicator_t), intent(inout) :: self    !! The group
+      class(communicator_t), intent(inout) :: self
       real(wp), contiguous, intent(inout) :: values(:) !! Of this rank in, greatest out
       real(wp), allocatable :: greatest(:)
       integer(int64) :: begin
@@ -163,12 +162,12 @@ contains
          self%handle)
       values = greatest
       self%traffic%agreements = self%traffic%agreements + 1
-      call book_wait(self%traffic, begin)
+      call add_wait(self%traffic, begin)
    end subroutine communicator_maxima
 
-   !> Replace whole numbers by the least over the ranks.
+   !> Replace integers by their minima over the ranks.
    subroutine communicator_least(self, values)
-      class(communicator_t), intent(in) :: self       !! The group
+      class(communicator_t), intent(in) :: self
       integer(int64), contiguous, intent(inout) :: values(:) !! Of this rank in, least out
       integer(int64), allocatable :: least(:)
 
@@ -178,19 +177,19 @@ contains
       values = least
    end subroutine communicator_least
 
-   !> Add the time since a reading of the clock to that of waiting.
-   subroutine book_wait(traffic, begin)
-      type(traffic_t), intent(inout) :: traffic       !! The books
+   !> Add the time since `begin` to the waiting time.
+   subroutine add_wait(traffic, begin)
+      type(traffic_t), intent(inout) :: traffic       !! Gets the time
       integer(int64), intent(in) :: begin             !! Clock at the start
       integer(int64) :: now, rate
 
       call system_clock(now, rate)
       traffic%waiting = traffic%waiting + real(now - begin, wp)/real(rate, wp)
-   end subroutine book_wait
+   end subroutine add_wait
 
    !> True on all ranks if true on one of them.
    function communicator_any(self, value) result(some)
-      class(communicator_t), intent(in) :: self       !! The group
+      class(communicator_t), intent(in) :: self
       logical, intent(in) :: value                    !! Condition on this rank
       logical :: some
       integer(int64) :: counts(1)
@@ -200,9 +199,9 @@ contains
       some = counts(1) > 0
    end function communicator_any
 
-   !> Replace whole numbers by their sums over the ranks.
+   !> Replace integers by their sums over the ranks.
    subroutine communicator_total(self, values)
-      class(communicator_t), intent(in) :: self       !! The group
+      class(communicator_t), intent(in) :: self
       integer(int64), contiguous, intent(inout) :: values(:) !! Terms in, sums out
       integer(int64), allocatable :: sums(:)
 
@@ -212,9 +211,9 @@ contains
       values = sums
    end subroutine communicator_total
 
-   !> Sum of one whole number over the ranks below this one.
+   !> Sum of one integer over the ranks below this one.
    function communicator_before(self, value) result(lower)
-      class(communicator_t), intent(in) :: self       !! The group
+      class(communicator_t), intent(in) :: self
       integer(int64), intent(in) :: value             !! Term of this rank
       integer(int64) :: lower
 
@@ -226,7 +225,7 @@ contains
 
    !> Concatenate arrays in the order of the ranks; every rank gets the whole.
    subroutine communicator_gather(self, values, whole)
-      class(communicator_t), intent(in) :: self       !! The group
+      class(communicator_t), intent(in) :: self
       integer(int64), contiguous, intent(in) :: values(:)      !! Part of this rank
       integer(int64), allocatable, intent(out) :: whole(:)     !! All parts
       integer, allocatable :: counts(:), offsets(:)
@@ -253,7 +252,7 @@ contains
 
    !> Give the text of rank 0 to all ranks.
    subroutine communicator_broadcast(self, text)
-      class(communicator_t), intent(in) :: self       !! The group
+      class(communicator_t), intent(in) :: self
       character(len=:), allocatable, intent(inout) :: text !! In on rank 0, out on the others
       integer(int64) :: length(1)
 
@@ -268,11 +267,10 @@ contains
       call mpi_bcast(text, int(length(1)), mpi_character, 0, self%handle)
    end subroutine communicator_broadcast
 
-   !> Send messages to ranks that do not know that they will get one, and receive those to this
-   !! rank. What arrives is concatenated in the order of arrival, so the reader must put it in an
-   !! order of its own.
+   !> Send messages to ranks that do not expect them, and receive those to this rank. Incoming
+   !! messages are concatenated in the order of arrival, which varies: the caller must sort them.
    subroutine communicator_exchange(self, destination, length, outgoing, incoming)
-      class(communicator_t), intent(inout) :: self    !! The group
+      class(communicator_t), intent(inout) :: self
       integer, contiguous, intent(in) :: destination(:)        !! Rank of each message
       integer, contiguous, intent(in) :: length(:)             !! Words of each message
       integer(int64), contiguous, intent(in) :: outgoing(:)    !! Messages, one after the other
@@ -286,18 +284,17 @@ contains
       incoming = incoming(:words)
    end subroutine communicator_exchange
 
-   !> Send messages. Between this and `complete` there is time for other work, but not for another
-   !! exchange.
+   !> Send messages. Between this and `complete` other work is possible, but no other exchange.
    !!
    !! Non-blocking consensus: T. Hoefler, C. Siebert, A. Lumsdaine, "Scalable communication
    !! protocols for dynamic sparse data exchange", PPoPP 2010. A synchronous message is delivered
    !! once it is received; a rank whose messages are delivered enters a barrier, and when the
    !! barrier is over all messages of all ranks are.
    subroutine communicator_post(self, destination, length, posted)
-      class(communicator_t), intent(inout) :: self    !! The group
+      class(communicator_t), intent(inout) :: self
       integer, contiguous, intent(in) :: destination(:)        !! Rank of each message
       integer, contiguous, intent(in) :: length(:)             !! Words of each message
-      type(posted_t), intent(inout) :: posted         !! With the words, one message after another
+      type(posted_t), intent(inout) :: posted         !! With the words of all messages
       integer :: message, first
 
       self%round = 1 - self%round
@@ -314,9 +311,9 @@ contains
       self%traffic%words = self%traffic%words + first - 1
    end subroutine communicator_post
 
-   !> Receive what others sent to this rank since they posted.
+   !> Receive the messages to this rank.
    subroutine communicator_complete(self, posted, incoming, words)
-      class(communicator_t), intent(inout) :: self    !! The group
+      class(communicator_t), intent(inout) :: self
       type(posted_t), intent(inout) :: posted         !! From `post`
       integer(int64), allocatable, intent(inout) :: incoming(:) !! Grows as needed
       integer, intent(out) :: words                   !! Words that arrived
@@ -342,13 +339,13 @@ contains
          end if
       end do
       self%traffic%agreements = self%traffic%agreements + 1
-      call book_wait(self%traffic, begin)
+      call add_wait(self%traffic, begin)
    end subroutine communicator_complete
 
    !> Receive one message if one is waiting, and append it.
    subroutine receive_one(handle, tag, buffer, filled)
-      type(mpi_comm), intent(in) :: handle            !! The ranks
-      integer, intent(in) :: tag                      !! Which exchange
+      type(mpi_comm), intent(in) :: handle
+      integer, intent(in) :: tag                      !! Tag of the exchange
       integer(int64), allocatable, intent(inout) :: buffer(:) !! Grows as needed
       integer, intent(inout) :: filled                !! Words in use
       integer(int64), allocatable :: larger(:)

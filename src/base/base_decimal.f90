@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Decimal numbers of texts, looked at before they are converted: one that no real number holds
-!! would trap in a build with checks.
+!> Reads decimal numbers. Their magnitude is checked before the conversion, since an overflow is a
+!! floating point exception in a build with checks.
 module base_decimal
    use base_kinds, only: wp
    use base_text, only: number
@@ -9,19 +9,19 @@ module base_decimal
 
    public :: file_number, read_decimal
 
-   integer, parameter, public :: decimal_good = 0    !! It is read
-   integer, parameter, public :: decimal_none = 1    !! It is no number
-   integer, parameter, public :: decimal_large = 2   !! It is beyond 1e307
-   integer, parameter, public :: decimal_small = 3   !! It is below 1e-306, but not 0
+   integer, parameter, public :: decimal_good = 0    !! A valid number
+   integer, parameter, public :: decimal_none = 1    !! Not a number
+   integer, parameter, public :: decimal_large = 2   !! Above 1e307
+   integer, parameter, public :: decimal_small = 3   !! Below 1e-306, but not 0
 
    integer, parameter :: most = 306                  !! Greatest decimal magnitude
    character(len=*), parameter :: figures = "0123456789"
 
 contains
 
-   !> Read a number, its decimal exponent shifted. No letter but e, E, d and D is understood.
+   !> Read a number and shift its decimal exponent. Exponent letters are e, E, d and D.
    pure subroutine read_decimal(text, shift, value, verdict)
-      character(len=*), intent(in) :: text           !! What is written
+      character(len=*), intent(in) :: text           !! As written
       integer, intent(in) :: shift                   !! Added to the decimal exponent
       real(wp), intent(out) :: value                 !! The number, 0 if it cannot be read
       integer, intent(out) :: verdict                !! One of the constants above
@@ -60,11 +60,11 @@ contains
       if (status /= 0) verdict = decimal_none
    end subroutine read_decimal
 
-   !> Read a number of a file of another program; one too small to be told from 0 is 0.
+   !> Read a number from a file of another program; one below 1e-306 becomes 0.
    pure subroutine file_number(text, value, sound)
-      character(len=*), intent(in) :: text           !! What is written
-      real(wp), intent(out) :: value                 !! The number
-      logical, intent(out) :: sound                  !! Is it a number that can be had?
+      character(len=*), intent(in) :: text           !! As written
+      real(wp), intent(out) :: value                 !! Value of the text
+      logical, intent(out) :: sound                  !! Is it valid?
       integer :: verdict
 
       call read_decimal(text, 0, value, verdict)

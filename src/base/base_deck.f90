@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A deck: what the user asks for, read against the schema with all its faults found in one pass.
+!> An input deck, read against the schema with all its errors found in one pass.
 !!
-!! Usage: `read`, then checks of one's own with `complain` and `warn`, then `verdict`.
+!! Usage: `read`, further checks with `complain` and `warn`, then `verdict`.
 module base_deck
    use base_deck_check, only: check_groups, check_schema, label_of
    use base_deck_define, only: definitions_t
@@ -25,15 +25,15 @@ module base_deck
 
    public :: deck_t, group_t, unset_integer
 
-   !> The deck.
+   !> A deck.
    type :: deck_t
       character(len=:), allocatable :: file              !! Its name
-      integer :: system = system_si                      !! Units it is written in
-      type(schema_t), private :: schema                  !! What is allowed
-      type(problems_t) :: problems                       !! What is wrong
-      type(definitions_t), private :: definitions        !! Names that stand for numbers
+      integer :: system = system_si                      !! Units of its numbers
+      type(schema_t), private :: schema                  !! Keys that are allowed
+      type(problems_t) :: problems                       !! Errors and warnings
+      type(definitions_t), private :: definitions        !! Names of numbers
       type(group_t), allocatable, private :: groups(:)   !! All groups
-      type(deck_index_t), private :: index               !! Where they are
+      type(deck_index_t), private :: index               !! Their index
       type(text_t), allocatable, private :: files(:)     !! Its files in the order of reading
       integer, private :: written = 0                    !! Number of groups in the text
    contains
@@ -41,10 +41,10 @@ module base_deck
       procedure :: count => deck_count                   !! Number of groups of a kind
       procedure :: group => deck_group                   !! One group
       procedure :: named => deck_named                   !! Number of the group of a name
-      !> Note an error or a warning about a group, at the line of a key if it is given.
+      !> Record an error or a warning about a group, at the line of a key if it is given.
       generic :: complain => complain_of_group, complain_of_place
       generic :: warn => warn_of_group, warn_of_place    !! The same for a warning
-      !> Put the value that is used in the place of a default that depends on other keys.
+      !> Replace a default that depends on other keys by the value that is used.
       generic :: settle => settle_numbers, settle_number, sort_integer, sort_integers, &
          settle_switch, settle_text
       procedure :: errors => deck_errors                 !! Number of errors so far
@@ -63,14 +63,14 @@ module base_deck
 
 contains
 
-   !> Read a deck. What is wrong with it is noted in it; an error is a mistake in the schema.
+   !> Read a deck. Its errors are stored in it; `error` is a defect of the schema.
    subroutine deck_read(self, schema, text, file, overrides, error)
-      class(deck_t), intent(out) :: self                 !! The deck
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      class(deck_t), intent(out) :: self
+      type(schema_t), intent(in) :: schema               !! Keys that are allowed
       character(len=*), intent(in) :: text               !! All lines
       character(len=*), intent(in) :: file               !! Its name, for messages
       type(text_t), intent(in) :: overrides(:)           !! GROUP.KEY=VALUE of the command line
-      type(error_t), allocatable, intent(out) :: error   !! The schema is wrong
+      type(error_t), allocatable, intent(out) :: error   !! An error in the schema
       type(namelist_t) :: namelist
       type(group_t), allocatable :: groups(:)
       integer :: filled, i
@@ -104,9 +104,9 @@ contains
       call check_groups(schema, self%groups, self%index, file, self%problems)
    end subroutine deck_read
 
-   !> The system of units that the deck or the command line names; SI if that has a fault.
+   !> The system of units of the deck or of the command line; SI if it is not valid.
    integer function chosen_system(namelist, overrides) result(system)
-      type(namelist_t), intent(in) :: namelist           !! What is written
+      type(namelist_t), intent(in) :: namelist           !! As written
       type(text_t), intent(in) :: overrides(:)           !! GROUP.KEY=VALUE of the command line
       character(len=:), allocatable :: choice, group, key, name, value
       integer :: i, k
@@ -130,9 +130,9 @@ contains
       if (system == 0) system = system_si
    end function chosen_system
 
-   !> Add the groups that may be given once and were not, so that they have their defaults.
+   !> Add the groups that may be given once and are not, so that they have their defaults.
    subroutine add_absent(schema, file, groups, filled)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Keys that are allowed
       character(len=*), intent(in) :: file               !! Name of the deck
       type(group_t), intent(inout) :: groups(:)          !! All groups
       integer, intent(inout) :: filled                   !! Number of groups
@@ -152,7 +152,7 @@ contains
 
    !> Number of groups of a kind. One that may be given once always counts as one.
    pure integer function deck_count(self, name) result(count)
-      class(deck_t), intent(in) :: self                  !! The deck
+      class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! The kind, without &
 
       count = self%index%count(self%schema%find(name))
@@ -160,16 +160,16 @@ contains
 
    !> Index of a group in the list, 0 if there is none.
    pure integer function deck_locate(self, name, place) result(index)
-      class(deck_t), intent(in) :: self                  !! The deck
+      class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! The kind, without &
       integer, intent(in) :: place                       !! Number among those of its kind
 
       index = self%index%at(self%schema%find(name), place)
    end function deck_locate
 
-   !> One group. If there is none, it is one without values.
+   !> One group; a group without values if there is none.
    function deck_group(self, name, place) result(group)
-      class(deck_t), intent(in) :: self                  !! The deck
+      class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! The kind, without &
       integer, intent(in), optional :: place             !! Number among those of its kind, or 1
       type(group_t) :: group
@@ -190,7 +190,7 @@ contains
 
    !> Number of the group of a name among those of its kind, 0 if there is none.
    pure integer function deck_named(self, name, title) result(place)
-      class(deck_t), intent(in) :: self                  !! The deck
+      class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! The kind, without &
       character(len=*), intent(in) :: title              !! Value of its key `name`
       integer :: which
@@ -200,59 +200,58 @@ contains
       if (which > 0) place = self%groups(which)%place
    end function deck_named
 
-   !> Note an error about a group.
+   !> Record an error about a group.
    subroutine complain_of_group(self, group, message, key)
-      class(deck_t), intent(inout) :: self               !! The deck
-      type(group_t), intent(in) :: group                 !! The group
+      class(deck_t), intent(inout) :: self
+      type(group_t), intent(in) :: group
       character(len=*), intent(in) :: message            !! What is wrong and what to do
-      character(len=*), intent(in), optional :: key      !! The key whose line is told
+      character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
       call self%problems%error(group%file(key), group%line(key), label_of(group)//": "//message)
    end subroutine complain_of_group
 
-   !> Note an error about a group.
+   !> Record an error about a group.
    subroutine complain_of_place(self, name, place, message, key)
-      class(deck_t), intent(inout) :: self               !! The deck
+      class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! The kind, without &
       integer, intent(in) :: place                       !! Number among those of its kind
       character(len=*), intent(in) :: message            !! What is wrong and what to do
-      character(len=*), intent(in), optional :: key      !! The key whose line is told
+      character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
       call self%complain(self%group(name, place), message, key)
    end subroutine complain_of_place
 
-   !> Note a warning about a group.
+   !> Record a warning about a group.
    subroutine warn_of_group(self, group, message, key)
-      class(deck_t), intent(inout) :: self               !! The deck
-      type(group_t), intent(in) :: group                 !! The group
-      character(len=*), intent(in) :: message            !! What looks wrong and what to do
-      character(len=*), intent(in), optional :: key      !! The key whose line is told
+      class(deck_t), intent(inout) :: self
+      type(group_t), intent(in) :: group
+      character(len=*), intent(in) :: message            !! What may be wrong and what to do
+      character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
       call self%problems%warning(group%file(key), group%line(key), label_of(group)//": "//message)
    end subroutine warn_of_group
 
-   !> Note a warning about a group.
+   !> Record a warning about a group.
    subroutine warn_of_place(self, name, place, message, key)
-      class(deck_t), intent(inout) :: self               !! The deck
+      class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! The kind, without &
       integer, intent(in) :: place                       !! Number among those of its kind
-      character(len=*), intent(in) :: message            !! What looks wrong and what to do
-      character(len=*), intent(in), optional :: key      !! The key whose line is told
+      character(len=*), intent(in) :: message            !! What may be wrong and what to do
+      character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
       call self%warn(self%group(name, place), message, key)
    end subroutine warn_of_place
 
    !> Number of errors so far.
    pure integer function deck_errors(self) result(errors)
-      class(deck_t), intent(in) :: self                  !! The deck
-
+      class(deck_t), intent(in) :: self
       errors = self%problems%errors
    end function deck_errors
 
-   !> True if no error has been found in the groups of a kind, or in one of them, so that what they
-   !! say can be followed further although other groups have errors.
+   !> True without an error in the groups of a kind, or in one of them: then they can be checked
+   !! further although other groups have errors.
    pure logical function deck_sound(self, name, place) result(sound)
-      class(deck_t), intent(in) :: self                  !! The deck
+      class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! The kind, without &
       integer, intent(in), optional :: place             !! Number among those of its kind, or all
       integer :: first, last, seen, which
@@ -276,30 +275,29 @@ contains
 
    !> Number of warnings so far.
    pure integer function deck_warnings(self) result(warnings)
-      class(deck_t), intent(in) :: self                  !! The deck
-
+      class(deck_t), intent(in) :: self
       warnings = self%problems%warnings
    end function deck_warnings
 
    !> All errors and warnings in the order of the lines, and a last line with their count.
    function deck_report(self) result(text)
-      class(deck_t), intent(in) :: self                  !! The deck
+      class(deck_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = self%problems%report(self%files, self%written)
    end function deck_report
 
-   !> An error with the report if there were errors.
+   !> An error with the report, if there are errors.
    subroutine deck_verdict(self, error)
-      class(deck_t), intent(in) :: self                  !! The deck
-      type(error_t), allocatable, intent(out) :: error   !! The deck is wrong
+      class(deck_t), intent(in) :: self
+      type(error_t), allocatable, intent(out) :: error   !! The deck has errors
 
       if (self%errors() > 0) call fail(error, exit_input, self%report())
    end subroutine deck_verdict
 
    !> A number in the units of the deck, for messages.
    function deck_shown(self, value, unit_text) result(text)
-      class(deck_t), intent(in) :: self                  !! The deck
+      class(deck_t), intent(in) :: self
       real(wp), intent(in) :: value                      !! The number [SI]
       character(len=*), intent(in) :: unit_text          !! Its unit of SI
       character(len=:), allocatable :: text
@@ -310,9 +308,9 @@ contains
       text = brief(value*10.0_wp**(-unit%exponent(self%system)))
    end function deck_shown
 
-   !> The deck with all values that are used, in SI; it reads back to the same bits.
+   !> The deck with all values that are used, in SI; reading it gives the same bits.
    function deck_echo(self) result(text)
-      class(deck_t), intent(in) :: self                  !! The deck
+      class(deck_t), intent(in) :: self
       character(len=:), allocatable :: text
       integer :: i
 
@@ -327,10 +325,10 @@ contains
 
    !> Indices of a group and a key of a certain kind; 0 if there is no such key.
    pure function deck_slot(self, name, place, key, kind) result(slot)
-      class(deck_t), intent(in) :: self                  !! The deck
+      class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
-      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: key
       integer, intent(in) :: kind                        !! Kind of its values
       integer :: slot(2)
       integer :: group, index, rule
@@ -344,12 +342,12 @@ contains
       if (self%schema%groups(rule)%keys(index)%kind == kind) slot = [group, index]
    end function deck_slot
 
-   !> Settle several numbers.
+   !> Set the derived value of a key of numbers.
    pure subroutine settle_numbers(self, group, place, key, value)
-      class(deck_t), intent(inout) :: self               !! The deck
+      class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
-      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: key
       real(wp), intent(in) :: value(:)                   !! Its values [SI]
       integer :: slot(2)
 
@@ -361,23 +359,23 @@ contains
       end associate
    end subroutine settle_numbers
 
-   !> Settle one number.
+   !> Set the derived value of a key of one number.
    pure subroutine settle_number(self, group, place, key, value)
-      class(deck_t), intent(inout) :: self               !! The deck
+      class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
-      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: key
       real(wp), intent(in) :: value                      !! Its value [SI]
 
       call self%settle(group, place, key, [value])
    end subroutine settle_number
 
-   !> Settle several whole numbers.
+   !> Set the derived value of a key of integers.
    pure subroutine sort_integers(self, group, place, key, value)
-      class(deck_t), intent(inout) :: self               !! The deck
+      class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
-      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: key
       integer, intent(in) :: value(:)                    !! Its values
       integer :: slot(2)
 
@@ -389,23 +387,23 @@ contains
       end associate
    end subroutine sort_integers
 
-   !> Settle one whole number.
+   !> Set the derived value of a key of one integer.
    pure subroutine sort_integer(self, group, place, key, value)
-      class(deck_t), intent(inout) :: self               !! The deck
+      class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
-      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: key
       integer, intent(in) :: value                       !! Its value
 
       call self%settle(group, place, key, [value])
    end subroutine sort_integer
 
-   !> Settle a switch.
+   !> Set the derived value of a switch.
    pure subroutine settle_switch(self, group, place, key, value)
-      class(deck_t), intent(inout) :: self               !! The deck
+      class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
-      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: key
       logical, intent(in) :: value                       !! Its value
       integer :: slot(2)
 
@@ -417,12 +415,12 @@ contains
       end associate
    end subroutine settle_switch
 
-   !> Settle a text.
+   !> Set the derived value of a text.
    pure subroutine settle_text(self, group, place, key, value)
-      class(deck_t), intent(inout) :: self               !! The deck
+      class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
-      character(len=*), intent(in) :: key                !! The key
+      character(len=*), intent(in) :: key
       character(len=*), intent(in) :: value              !! Its value
       integer :: slot(2)
 
@@ -435,9 +433,9 @@ contains
       end associate
    end subroutine settle_text
 
-   !> Empty a value that was not given, before it gets the one that is used.
+   !> Clear a value that was not given, before the derived one is set.
    pure subroutine settle_value(value, places)
-      type(value_t), intent(inout) :: value              !! The value
+      type(value_t), intent(inout) :: value
       integer, intent(in) :: places                      !! Number of values
 
       value%settled = .true.

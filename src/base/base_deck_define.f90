@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Names for numbers, `&define v = 3.0 /`, and the expressions in braces that use them.
+!> Names of numbers, `&define v = 3.0 /`, and the expressions in braces that use them.
 !!
-!! An expression is replaced by its value as a decimal number with all its digits, so what follows
-!! treats it as if it had been written by hand, and reads the same bits.
+!! An expression is replaced by its value as a decimal number with all digits, so that it is read
+!! like a number in the deck, to the same bits.
 module base_deck_define
    use base_decimal, only: decimal_good, read_decimal
    use base_deck_problems, only: command_line, problems_t
@@ -25,24 +25,24 @@ module base_deck_define
       type(text_t), allocatable :: names(:)              !! In the order of the deck
       real(wp), allocatable :: values(:)                 !! Numbers in the units of the deck
       integer, allocatable, private :: lines(:)          !! Where they are defined
-      logical, allocatable, private :: faulty(:)         !! Their value has a fault that was told
+      logical, allocatable, private :: faulty(:)         !! Is their value a reported error?
       integer, private :: system = 1                     !! Units of the deck
       type(text_t), allocatable, private :: later(:)     !! All names of the deck
    contains
-      procedure :: read => definitions_read              !! Take them from a deck
+      procedure :: read => definitions_read              !! Read the definitions of a deck
       procedure :: resolve => definitions_resolve        !! Replace the expressions of a value
-      procedure, private :: take => definitions_take     !! Take one
+      procedure, private :: add => definitions_add       !! Add one definition
    end type definitions_t
 
 contains
 
-   !> Take all definitions of a deck, each after those before it.
+   !> Read all definitions of a deck. Each may use those before it.
    subroutine definitions_read(self, namelist, overrides, system, problems)
-      class(definitions_t), intent(out) :: self          !! The names
-      type(namelist_t), intent(in) :: namelist           !! What is written
+      class(definitions_t), intent(out) :: self
+      type(namelist_t), intent(in) :: namelist           !! As written
       type(text_t), intent(in) :: overrides(:)           !! GROUP.KEY=VALUE of the command line
       integer, intent(in) :: system                      !! Units of the numbers
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       integer :: i, k
 
       self%system = system
@@ -56,7 +56,7 @@ contains
       do i = 1, namelist%count
          if (namelist%blocks(i)%name /= group_name) cycle
          do k = 1, size(namelist%blocks(i)%pieces)
-            call self%take(namelist%blocks(i), namelist%blocks(i)%pieces(k), overrides, problems)
+            call self%add(namelist%blocks(i), namelist%blocks(i)%pieces(k), overrides, problems)
          end do
       end do
       do i = 1, size(overrides)
@@ -64,13 +64,13 @@ contains
       end do
    end subroutine definitions_read
 
-   !> Take one definition, or its value from the command line.
-   subroutine definitions_take(self, block, piece, overrides, problems)
+   !> Add one definition, with its value from the command line if there is one.
+   subroutine definitions_add(self, block, piece, overrides, problems)
       class(definitions_t), intent(inout) :: self        !! Gets the name
       type(block_t), intent(in) :: block                 !! Its group
-      type(piece_t), intent(in) :: piece                 !! What is written
+      type(piece_t), intent(in) :: piece                 !! As written
       type(text_t), intent(in) :: overrides(:)           !! GROUP.KEY=VALUE of the command line
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       type(piece_t) :: used
       character(len=:), allocatable :: fault, file, name
       real(wp) :: value
@@ -92,7 +92,7 @@ contains
          file = command_line
          line = 0
          if (used%broken) call problems%error(file, line, "&define: "//piece%key//" = "// &
-            overrides(i)%text(n + 1:)//"  <- is no value")
+            overrides(i)%text(n + 1:)//"  <- is not a value")
       end do
       value = 0.0_wp
       if (.not. used%broken) call self%resolve("&define", file, used, problems)
@@ -102,29 +102,29 @@ contains
          if (fault /= "") call problems%error(file, line, "&define: "//piece%key//" = "// &
             as_written(used%tokens)//"  <- "//fault)
       end if
-      ! a name with a fault is known all the same, so that its uses are not reported as well
+      ! a name with an error is known as well, so that its uses are not reported too
       call append(self%names, piece%key)
       self%values = [self%values, value]
       self%lines = [self%lines, piece%line]
       self%faulty = [self%faulty, used%broken]
-   end subroutine definitions_take
+   end subroutine definitions_add
 
-   !> What is wrong with a name; empty if it is right.
+   !> The error in a name; empty if it is valid.
    subroutine check_name(self, piece, fault)
       class(definitions_t), intent(in) :: self           !! The names before it
-      type(piece_t), intent(in) :: piece                 !! What is written
+      type(piece_t), intent(in) :: piece                 !! As written
       character(len=:), allocatable, intent(out) :: fault !! Follows the group
       integer :: i
 
       fault = ""
       associate (name => piece%key)
          if (piece%subscript /= "") then
-            fault = name//piece%subscript//": a name stands for one number; use a name for each"
+            fault = name//piece%subscript//": a name has one number; use a name for each"
          else if (verify(name, letters_of_names) > 0 .or. scan(name, "0123456789_") == 1) then
-            fault = "'"//name//"' is no name; names begin with a letter and go on with "// &
-               "letters, figures and _"
+            fault = "'"//name//"' is not a name; names begin with a letter and continue with "// &
+               "letters, digits and _"
          else if (is_reserved(name)) then
-            fault = "'"//name//"' is taken: expressions know it already; use another name"
+            fault = "'"//name//"' is the name of a function or constant; use another name"
          end if
          do i = 1, size(self%names)
             if (self%names(i)%text == name .and. fault == "") fault = name// &
@@ -133,7 +133,7 @@ contains
       end associate
    end subroutine check_name
 
-   !> The command line changes definitions that there are.
+   !> Report a value of the command line for a name without a definition.
    subroutine check_override(self, text, problems)
       type(definitions_t), intent(in) :: self            !! All names
       character(len=*), intent(in) :: text               !! GROUP.KEY=VALUE
@@ -167,10 +167,10 @@ contains
 
    !> The number of a definition, in the units of the deck.
    subroutine read_value(tokens, system, value, fault)
-      type(token_t), intent(in) :: tokens(:)             !! A number and perhaps its unit
+      type(token_t), intent(in) :: tokens(:)             !! A number, with or without a unit
       integer, intent(in) :: system                      !! Units of the deck
-      real(wp), intent(out) :: value                     !! The number
-      character(len=:), allocatable, intent(out) :: fault !! What is wrong, empty if nothing is
+      real(wp), intent(out) :: value                     !! In the units of the deck
+      character(len=:), allocatable, intent(out) :: fault !! Error, empty if there is none
       character(len=:), allocatable :: digits, unit
       type(written_unit_t) :: given
       type(unit_t) :: own
@@ -178,7 +178,7 @@ contains
       integer :: i, verdict
 
       value = 0.0_wp
-      fault = "expects one number, perhaps with a unit; expressions stand in braces, such as {2*pi}"
+      fault = "expects one number, with or without a unit; expressions need braces, such as {2*pi}"
       if (size(tokens) == 0) return
       if (any(tokens%quoted) .or. any(tokens%comma)) return
       call split_unit(tokens(1)%text, digits, unit)
@@ -200,13 +200,13 @@ contains
       if (abs(given%factor - 1.0_wp) > 0.0_wp) value = value*given%factor
    end subroutine read_value
 
-   !> Replace the expressions of a value by their numbers. One with a fault breaks the piece.
+   !> Replace the expressions of a value by their numbers. An error marks the piece as broken.
    subroutine definitions_resolve(self, label, file, piece, problems, within)
-      class(definitions_t), intent(in) :: self           !! The names
+      class(definitions_t), intent(in) :: self
       character(len=*), intent(in) :: label              !! The group, for messages
       character(len=*), intent(in) :: file               !! Where
-      type(piece_t), intent(inout) :: piece              !! What is written
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(piece_t), intent(inout) :: piece              !! As written
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       logical, intent(in), optional :: within            !! Also expressions within texts
       character(len=:), allocatable :: fault, where_is
       real(wp) :: value
@@ -239,11 +239,11 @@ contains
 
    !> Replace the expressions within texts by their numbers in brackets.
    subroutine resolve_texts(self, label, file, piece, problems)
-      type(definitions_t), intent(in) :: self            !! The names
+      type(definitions_t), intent(in) :: self
       character(len=*), intent(in) :: label              !! The group, for messages
       character(len=*), intent(in) :: file               !! Where
-      type(piece_t), intent(inout) :: piece              !! What is written
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(piece_t), intent(inout) :: piece              !! As written
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       character(len=:), allocatable :: fault
       real(wp) :: value
       integer :: closing, i, opening, place
@@ -269,12 +269,12 @@ contains
 
    !> The value of one expression.
    subroutine compute(self, text, value, fault, place, faulty)
-      class(definitions_t), intent(in) :: self           !! The names
+      class(definitions_t), intent(in) :: self
       character(len=*), intent(in) :: text               !! Without its braces
       real(wp), intent(out) :: value                     !! The value, 0 if there is none
-      character(len=:), allocatable, intent(out) :: fault !! What is wrong, empty if nothing is
-      integer, intent(out) :: place                      !! Letter of the mistake
-      logical, intent(out) :: faulty                     !! It uses a name whose fault was told
+      character(len=:), allocatable, intent(out) :: fault !! Error, empty if there is none
+      integer, intent(out) :: place                      !! Position of the error
+      logical, intent(out) :: faulty !! Does it use a name whose error was reported?
       type(formula_t) :: formula
       integer :: i
 

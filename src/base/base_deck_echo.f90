@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A deck written out again: all values that were used, in SI, to the last bit.
+!> Writes the resolved deck: all values that are used, in SI, to the last bit.
 module base_deck_echo
    use base_deck_check, only: applies
    use base_deck_group, only: group_t
@@ -12,16 +12,16 @@ module base_deck_echo
 
    public :: echo
 
-   integer, parameter :: comment_column = 48             !! Where comments begin if there is room
+   integer, parameter :: comment_column = 48             !! Column of comments after short lines
    integer, parameter :: longest_row = 100               !! Longer lists are broken
 
 contains
 
    !> The groups as a deck.
    function echo(schema, groups, index) result(text)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Keys that are allowed
       type(group_t), intent(in) :: groups(:)             !! All groups
-      type(deck_index_t), intent(in) :: index            !! Where they are
+      type(deck_index_t), intent(in) :: index            !! Their index
       character(len=:), allocatable :: text
       type(buffer_t) :: buffer
       integer :: i, rule
@@ -37,10 +37,10 @@ contains
 
    !> One group.
    subroutine echo_group(schema, rule, groups, index, which, buffer)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Keys that are allowed
       integer, intent(in) :: rule                        !! Index of its rule
       type(group_t), intent(in) :: groups(:)             !! All groups
-      type(deck_index_t), intent(in) :: index            !! Where they are
+      type(deck_index_t), intent(in) :: index            !! Their index
       integer, intent(in) :: which                       !! Index of the group
       type(buffer_t), intent(inout) :: buffer            !! Gets the text
       integer :: k
@@ -60,7 +60,7 @@ contains
 
    !> One key.
    subroutine echo_key(key, value, buffer)
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       type(value_t), intent(in) :: value                 !! Its value
       type(buffer_t), intent(inout) :: buffer            !! Gets the text
       character(len=:), allocatable :: line, word
@@ -93,7 +93,7 @@ contains
 
    !> A text with its quotes doubled.
    pure function doubled(text) result(more)
-      character(len=*), intent(in) :: text               !! As it is
+      character(len=*), intent(in) :: text               !! Text without quotes
       character(len=:), allocatable :: more
       integer :: i
 

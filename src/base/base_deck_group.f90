@@ -10,27 +10,27 @@ module base_deck_group
 
    public :: group_t
 
-   integer, parameter, public :: unset_integer = -huge(1)  !! A whole number that was never set
+   integer, parameter, public :: unset_integer = -huge(1) !! Value of an integer key that is not set
 
-   !> One group. Keys that are not declared are like keys without a value.
+   !> One group. Undeclared keys are like keys without a value.
    type :: group_t
       character(len=:), allocatable :: group             !! Which group, without &
       character(len=:), allocatable :: title             !! Value of its key `name`, or empty
       character(len=:), allocatable :: path              !! File where it begins
       integer :: place = 0                               !! Number among the groups of its kind
       integer :: first_line = 0                          !! Line where it begins, 0: not in the deck
-      logical :: present = .false.                       !! It is in the deck
-      logical :: broken = .false.                        !! Parts of it may have been lost
+      logical :: present = .false.                       !! Is it in the deck?
+      logical :: broken = .false.                        !! May keys be missing after an error?
       type(value_t), allocatable :: values(:)            !! (key of the schema)
    contains
       !> Value of a key; `unset`, `unset_integer`, .false. or an empty text if it has none.
       generic :: get => get_number, get_numbers, get_integer, get_integers, get_switch, get_text, &
          get_texts
-      !> All values of a key that takes up to so many; an array without elements if it has none.
+      !> All values of a key with a variable number of them; an array of size 0 if it has none.
       generic :: list => list_numbers, list_integers, list_texts
-      procedure :: given => group_given                  !! The user gave the key a value
-      procedure :: known => group_known                  !! The key has a value, given or default
-      procedure :: valid => group_valid                  !! No error was found in these keys
+      procedure :: given => group_given                  !! Is the key given in the deck?
+      procedure :: known => group_known                  !! Has the key a value, given or default?
+      procedure :: valid => group_valid                  !! Are these keys without an error?
       procedure :: count => group_count                  !! Number of values of a key
       procedure :: line => group_line                    !! Line of a key or of the group
       procedure :: file => group_file                    !! File of a key or of the group
@@ -44,18 +44,18 @@ contains
 
    !> Index of a key, 0 if there is none of that name.
    pure integer function group_find(self, key) result(place)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
 
       do place = size(self%values), 1, -1
          if (self%values(place)%key == key) return
       end do
    end function group_find
 
-   !> True if the user gave a key a value, in the deck or on the command line.
+   !> True if a key is given, in the deck or on the command line.
    pure logical function group_given(self, key) result(given)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       integer :: place
 
       place = self%find(key)
@@ -65,16 +65,16 @@ contains
 
    !> True if a key has a value, given or default.
    pure logical function group_known(self, key) result(known)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
 
       known = self%count(key) > 0
    end function group_known
 
-   !> True if no error was found in any of some keys, so that their values can be compared.
+   !> True if no key of a list has an error, so that their values can be compared.
    pure logical function group_valid(self, keys) result(valid)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: keys(:)            !! The keys
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: keys(:)            !! Names of keys
       integer :: i, place
 
       valid = .true.
@@ -87,8 +87,8 @@ contains
 
    !> Number of values of a key.
    pure integer function group_count(self, key) result(count)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       integer :: place
 
       count = 0
@@ -97,10 +97,10 @@ contains
       if (self%values(place)%valid) count = self%values(place)%count()
    end function group_count
 
-   !> Line of a key that was given, or else of the group.
+   !> Line of a key that is given, or else of the group.
    pure integer function group_line(self, key) result(line)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in), optional :: key      !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in), optional :: key
       integer :: place
 
       line = self%first_line
@@ -110,10 +110,10 @@ contains
       if (self%values(place)%given) line = self%values(place)%line
    end function group_line
 
-   !> File of a key that was given, or else of the group.
+   !> File of a key that is given, or else of the group.
    pure function group_file(self, key) result(file)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in), optional :: key      !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in), optional :: key
       character(len=:), allocatable :: file
       integer :: place
 
@@ -126,8 +126,8 @@ contains
 
    !> One number.
    pure subroutine get_number(self, key, value)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       real(wp), intent(out) :: value                     !! Its value [SI]
       real(wp), allocatable :: values(:)
 
@@ -138,8 +138,8 @@ contains
 
    !> Several numbers.
    pure subroutine get_numbers(self, key, value)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       real(wp), intent(out) :: value(:)                  !! Its values [SI]
       real(wp), allocatable :: values(:)
       integer :: filled
@@ -152,8 +152,8 @@ contains
 
    !> All numbers.
    pure subroutine list_numbers(self, key, value)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       real(wp), allocatable, intent(out) :: value(:)     !! Its values [SI]
       integer :: place
 
@@ -164,10 +164,10 @@ contains
          value = self%values(place)%numbers(:self%count(key))
    end subroutine list_numbers
 
-   !> One whole number.
+   !> One integer.
    pure subroutine get_integer(self, key, value)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       integer, intent(out) :: value                      !! Its value
       integer, allocatable :: values(:)
 
@@ -176,10 +176,10 @@ contains
       if (size(values) > 0) value = values(1)
    end subroutine get_integer
 
-   !> Several whole numbers.
+   !> Several integers.
    pure subroutine get_integers(self, key, value)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       integer, intent(out) :: value(:)                   !! Its values
       integer, allocatable :: values(:)
       integer :: filled
@@ -190,10 +190,10 @@ contains
       value(:filled) = values(:filled)
    end subroutine get_integers
 
-   !> All whole numbers.
+   !> All integers.
    pure subroutine list_integers(self, key, value)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       integer, allocatable, intent(out) :: value(:)      !! Its values
       integer :: place
 
@@ -206,8 +206,8 @@ contains
 
    !> A switch.
    pure subroutine get_switch(self, key, value)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       logical, intent(out) :: value                      !! Its value
       integer :: place
 
@@ -219,8 +219,8 @@ contains
 
    !> One text.
    pure subroutine get_text(self, key, value)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       character(len=:), allocatable, intent(out) :: value !! Its value
       type(text_t), allocatable :: values(:)
 
@@ -231,8 +231,8 @@ contains
 
    !> Several texts, all as long as the longest.
    pure subroutine get_texts(self, key, value)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       character(len=:), allocatable, intent(out) :: value(:) !! Its values
       type(text_t), allocatable :: values(:)
       integer :: i, longest
@@ -250,8 +250,8 @@ contains
 
    !> All texts.
    pure subroutine list_texts(self, key, value)
-      class(group_t), intent(in) :: self                 !! The group
-      character(len=*), intent(in) :: key                !! The key
+      class(group_t), intent(in) :: self
+      character(len=*), intent(in) :: key
       type(text_t), allocatable, intent(out) :: value(:) !! Its values
       integer :: count, i, place
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Where the groups of a deck are, by kind, by name and by line, so that a deck of many groups is
-!! read in a time that grows little faster than their number.
+!> Index of the groups of a deck by kind, name and line. With it the time to read a deck grows only
+!! a little faster than the number of groups.
 module base_deck_index
    use base_deck_group, only: group_t
    use base_hash, only: hash_text
@@ -19,7 +19,7 @@ module base_deck_index
       integer, allocatable, private :: member(:)         !! Groups, sorted by kind
       integer, allocatable, private :: nameless(:)       !! (kind) Groups without a name
       integer(int64), allocatable, private :: key(:)     !! Hashes of kinds and names, sorted
-      integer, allocatable, private :: owner(:)          !! The groups of these
+      integer, allocatable, private :: owner(:)          !! Groups of these hashes
    contains
       procedure :: build => index_build                  !! Sort the groups
       procedure :: count => index_count                  !! Number of groups of a kind
@@ -30,9 +30,9 @@ module base_deck_index
 
 contains
 
-   !> Sort the groups. Their number, order, kinds, names and lines must stay as they are.
+   !> Sort the groups. Their number, order, kinds, names and lines must not change afterwards.
    subroutine index_build(self, schema, groups)
-      class(deck_index_t), intent(out) :: self           !! The index
+      class(deck_index_t), intent(out) :: self
       type(schema_t), intent(in) :: schema               !! Declares all kinds
       type(group_t), intent(in) :: groups(:)             !! All groups
       integer(int64) :: key(size(groups))
@@ -88,14 +88,14 @@ contains
    !> Hash of a kind and a name.
    pure integer(int64) function key_of(group, title) result(key)
       character(len=*), intent(in) :: group              !! The kind, without &
-      character(len=*), intent(in) :: title              !! The name
+      character(len=*), intent(in) :: title              !! Its name
 
       key = hash_text(trim(group)//" "//trim(title))
    end function key_of
 
    !> Number of groups of a kind.
    pure integer function index_count(self, kind) result(count)
-      class(deck_index_t), intent(in) :: self            !! The index
+      class(deck_index_t), intent(in) :: self
       integer, intent(in) :: kind                        !! The kind, 0 = none
 
       count = 0
@@ -104,7 +104,7 @@ contains
 
    !> Index of a group in the list, 0 if there is none.
    pure integer function index_at(self, kind, place) result(which)
-      class(deck_index_t), intent(in) :: self            !! The index
+      class(deck_index_t), intent(in) :: self
       integer, intent(in) :: kind                        !! The kind, 0 = none
       integer, intent(in) :: place                       !! Number among those of its kind
 
@@ -115,10 +115,10 @@ contains
 
    !> Index of the first group of a kind that has a name, 0 if there is none.
    pure integer function index_named(self, groups, group, title) result(which)
-      class(deck_index_t), intent(in) :: self            !! The index
+      class(deck_index_t), intent(in) :: self
       type(group_t), intent(in) :: groups(:)             !! The groups that it was built from
       character(len=*), intent(in) :: group              !! The kind, without &
-      character(len=*), intent(in) :: title              !! The name
+      character(len=*), intent(in) :: title              !! Its name
       integer(int64) :: key
       integer :: low, high, middle
 
@@ -143,8 +143,8 @@ contains
 
    !> Has each group of a kind a name?
    pure logical function index_all_named(self, kind) result(named)
-      class(deck_index_t), intent(in) :: self            !! The index
-      integer, intent(in) :: kind                        !! The kind
+      class(deck_index_t), intent(in) :: self
+      integer, intent(in) :: kind                        !! Index of the kind
 
       named = self%nameless(kind) == 0
    end function index_all_named

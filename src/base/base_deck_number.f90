@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Numbers of a deck made those of SI, by the unit behind them or by the units of the deck.
+!> Converts numbers of a deck to SI, from the unit after them or from the units of the deck.
 module base_deck_number
    use base_constants, only: pi
    use base_decimal, only: decimal_good, decimal_none, read_decimal
@@ -15,8 +15,8 @@ module base_deck_number
    !> One value as written, repeat counts resolved.
    type :: item_t
       character(len=:), allocatable :: text              !! Without quotes
-      logical :: quoted = .false.                        !! It stood in quotes
-      character(len=:), allocatable :: unit              !! Unit behind a number, or empty
+      logical :: quoted = .false.                        !! Was it in quotes?
+      character(len=:), allocatable :: unit              !! Unit after a number, or empty
    end type item_t
 
    real(wp), parameter :: radian = pi/180.0_wp           !! A degree in radians
@@ -25,11 +25,11 @@ contains
 
    !> Convert a number with its own unit, or in that of the deck.
    subroutine convert_number(key, item, system, number_read, complaint)
-      type(key_t), intent(in) :: key                     !! The key
-      type(item_t), intent(in) :: item                   !! What is written
-      integer, intent(in) :: system                      !! Units of what has none of its own
+      type(key_t), intent(in) :: key
+      type(item_t), intent(in) :: item                   !! As written
+      integer, intent(in) :: system                      !! Units of numbers without a unit
       real(wp), intent(out) :: number_read               !! The number [SI]
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
       type(written_unit_t) :: own
       real(wp) :: exponent, factor
 
@@ -54,10 +54,10 @@ contains
       call check_range(key, number_read, complaint)
    end subroutine convert_number
 
-   !> What is wrong with a unit behind the number of a key; empty if it fits.
+   !> The error in the unit after the number of a key; empty if it fits.
    function unfit_unit(key, own, written) result(complaint)
-      type(key_t), intent(in) :: key                     !! The key
-      type(written_unit_t), intent(in) :: own            !! The unit
+      type(key_t), intent(in) :: key
+      type(written_unit_t), intent(in) :: own
       character(len=*), intent(in) :: written            !! The same as written
       character(len=:), allocatable :: complaint
       real(wp), parameter :: grain = 1.0e-9_wp           ! rounding of a sum of powers
@@ -97,10 +97,10 @@ contains
 
    !> Read a number, its decimal exponent shifted.
    subroutine read_number(text, shift, number_read, complaint)
-      character(len=*), intent(in) :: text               !! What is written
+      character(len=*), intent(in) :: text               !! As written
       integer, intent(in) :: shift                       !! Added to the decimal exponent
       real(wp), intent(out) :: number_read               !! The number [SI]
-      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is no number
+      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is not a number
       integer :: verdict
 
       call read_decimal(text, shift, number_read, verdict)
@@ -116,9 +116,9 @@ contains
 
    !> Check the range of a number.
    subroutine check_range(key, value, complaint)
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       real(wp), intent(in) :: value                      !! The number [SI]
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
       type(text_t), allocatable :: parts(:)
       logical :: inside
 
@@ -136,11 +136,11 @@ contains
       if (key%hint /= "") complaint = complaint//"; "//key%hint
    end subroutine check_range
 
-   !> Read a whole number.
+   !> Read an integer.
    subroutine read_integer(text, whole, complaint)
-      character(len=*), intent(in) :: text               !! What is written
-      integer, intent(out) :: whole                      !! The number
-      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is no whole number
+      character(len=*), intent(in) :: text               !! As written
+      integer, intent(out) :: whole                      !! Value of the text
+      character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is not an integer
       character(len=*), parameter :: figures = "0123456789"
       integer(int64) :: long
       integer :: first, status
@@ -159,7 +159,7 @@ contains
 
    !> What a key expects.
    function expectation(key) result(text)
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       character(len=:), allocatable :: text
       character(len=16) :: one, several
 
@@ -168,8 +168,8 @@ contains
          one = "a number"
          several = "numbers"
       case (kind_integer)
-         one = "a whole number"
-         several = "whole numbers"
+         one = "an integer"
+         several = "integers"
       case (kind_logical)
          text = "expects .true. or .false."
          return

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Presets of a deck: they give the keys of their group that the deck does not give and that apply.
+!> Applies presets: values for the keys of a group that the deck does not give and that apply.
 module base_deck_preset
    use base_deck_check, only: applies
    use base_deck_group, only: group_t
@@ -15,12 +15,12 @@ module base_deck_preset
 
 contains
 
-   !> Apply the presets that the groups ask for. Words that choose models stand first in a preset,
-   !! so that what belongs to them applies.
+   !> Apply the presets of all groups. The words that choose models come first in a preset, so that
+   !! the keys of these models apply.
    subroutine apply_presets(schema, index, problems, groups)
-      type(schema_t), intent(in) :: schema               !! What is allowed
-      type(deck_index_t), intent(in) :: index            !! Where the groups are
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(schema_t), intent(in) :: schema               !! Keys that are allowed
+      type(deck_index_t), intent(in) :: index            !! Index of the groups
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       type(group_t), intent(inout) :: groups(:)          !! All groups, with their defaults
       character(len=:), allocatable :: name
       integer :: i, p, e
@@ -39,13 +39,13 @@ contains
       end do
    end subroutine apply_presets
 
-   !> Apply one value, unless the deck knows better.
+   !> Apply one value, unless the deck gives it.
    subroutine apply(schema, index, entry, which, problems, groups)
-      type(schema_t), intent(in) :: schema               !! What is allowed
-      type(deck_index_t), intent(in) :: index            !! Where the groups are
-      type(preset_entry_t), intent(in) :: entry          !! The value
+      type(schema_t), intent(in) :: schema               !! Keys that are allowed
+      type(deck_index_t), intent(in) :: index            !! Index of the groups
+      type(preset_entry_t), intent(in) :: entry
       integer, intent(in) :: which                       !! Index of the group
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       type(group_t), intent(inout) :: groups(:)          !! All groups
       type(key_t) :: key
       type(value_t) :: value
@@ -57,7 +57,7 @@ contains
       line = groups(which)%line("preset")
       if (place == 0) then
          call problems%error(groups(which)%file("preset"), line, "the preset gives "// &
-            entry%key//", which is no key")
+            entry%key//", which is not a key")
          return
       end if
       if (groups(which)%given(entry%key)) return
@@ -78,10 +78,10 @@ contains
       groups(which)%values(place) = value
    end subroutine apply
 
-   !> True if GROUP.KEY is .true., or nothing is asked for.
-   logical function switched_on(schema, places, switch, groups) result(on)
-      type(schema_t), intent(in) :: schema               !! What is allowed
-      type(deck_index_t), intent(in) :: places           !! Where the groups are
+   !> True if GROUP.KEY is .true. or empty.
+   logical function switched_on(schema, group_index, switch, groups) result(on)
+      type(schema_t), intent(in) :: schema               !! Keys that are allowed
+      type(deck_index_t), intent(in) :: group_index        !! Index of the groups
       character(len=*), intent(in) :: switch             !! GROUP.KEY or empty
       type(group_t), intent(in) :: groups(:)             !! All groups
       integer :: i, kind, dot
@@ -90,9 +90,9 @@ contains
       dot = index(switch, ".")
       if (on .or. dot == 0) return
       kind = schema%find(switch(:dot - 1))
-      do i = 1, places%count(kind)
+      do i = 1, group_index%count(kind)
          if (on) return
-         call groups(places%at(kind, i))%get(switch(dot + 1:), on)
+         call groups(group_index%at(kind, i))%get(switch(dot + 1:), on)
       end do
    end function switched_on
 end module base_deck_preset

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What is wrong with a deck: collected as it is found, told in the order of the lines.
+!> Errors and warnings of a deck, reported together in the order of the lines.
 module base_deck_problems
    use base_text, only: buffer_t, number, text_t
    implicit none
@@ -7,14 +7,14 @@ module base_deck_problems
 
    public :: problems_t
 
-   !> Name of the file that stands for `--set`.
+   !> File name of values from the command line.
    character(len=*), parameter, public :: command_line = "command line"
-   integer, parameter :: most_told = 200                 !! Longer reports are cut
+   integer, parameter :: most_reported = 200                 !! Longer reports are cut
 
-   !> A body that stands for many, so that a mistake in it would be found in each of its copies.
+   !> A repeated body, whose errors would be found in each of its copies.
    type :: repeated_t
-      character(len=:), allocatable :: body              !! Its name begins those of copies
-      character(len=:), allocatable :: region            !! Name of the region that is repeated too
+      character(len=:), allocatable :: body !! Name, the start of the names of its copies
+      character(len=:), allocatable :: region !! Name of its region, which is repeated too
       integer :: copies = 0                              !! How many
    end type repeated_t
 
@@ -24,30 +24,31 @@ module base_deck_problems
       integer :: line = 0                                !! Line of the file, 0 = none
       logical :: is_error = .true.                       !! Or else a warning
       character(len=:), allocatable :: text              !! What is wrong and what to do
-      character(len=:), allocatable :: common            !! Of copies: the text without what differs
-      integer :: copies = 1                              !! How many copies it holds for
+      character(len=:), allocatable :: common            !! Part of the text that all copies share
+      integer :: copies = 1                              !! Number of copies with this message
    end type problem_t
 
    !> All errors and warnings of a deck.
    type :: problems_t
       integer :: errors = 0                              !! Number of errors
       integer :: warnings = 0                            !! Number of warnings
-      type(problem_t), allocatable, private :: entries(:) !! As found; longer than what is in use
-      type(repeated_t), allocatable, private :: repeated(:) !! Bodies that stand for many
+      !> As found; may be longer than the number of entries
+      type(problem_t), allocatable, private :: entries(:)
+      type(repeated_t), allocatable, private :: repeated(:) !! Repeated bodies
    contains
       procedure :: repeat => problems_repeat             !! Report copies of a body as one
-      procedure :: error => problems_error               !! Something that stops the run
-      procedure :: warning => problems_warning           !! Something that looks wrong
+      procedure :: error => problems_error               !! Record an error
+      procedure :: warning => problems_warning           !! Record a warning
       procedure :: report => problems_report             !! All as text, in the order of the lines
-      procedure :: within => problems_within             !! An error in some lines of a file
-      procedure :: about => problems_about               !! An error that belongs to no line
+      procedure :: within => problems_within !! Is there an error in some lines of a file?
+      procedure :: about => problems_about               !! Is there an error without a line?
    end type problems_t
 
 contains
 
-   !> Note an error.
+   !> Record an error.
    pure subroutine problems_error(self, file, line, text)
-      class(problems_t), intent(inout) :: self           !! The list
+      class(problems_t), intent(inout) :: self
       character(len=*), intent(in) :: file               !! Where it is
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       character(len=*), intent(in) :: text               !! What is wrong and what to do
@@ -59,9 +60,9 @@ contains
       call note(self, file, line, .true., text)
    end subroutine problems_error
 
-   !> Note a warning.
+   !> Record a warning.
    pure subroutine problems_warning(self, file, line, text)
-      class(problems_t), intent(inout) :: self           !! The list
+      class(problems_t), intent(inout) :: self
       character(len=*), intent(in) :: file               !! Where it is
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       character(len=*), intent(in) :: text               !! What is wrong and what to do
@@ -75,7 +76,7 @@ contains
 
    !> True if there is an error in some lines of a file.
    pure logical function problems_within(self, file, first, last) result(found)
-      class(problems_t), intent(in) :: self              !! The list
+      class(problems_t), intent(in) :: self
       character(len=*), intent(in) :: file               !! Name of the file
       integer, intent(in) :: first                       !! First line
       integer, intent(in) :: last                        !! Last line
@@ -90,10 +91,11 @@ contains
       end do
    end function problems_within
 
-   !> True if there is an error that begins with a word and belongs to no line, as it came with the
-   !! command line or is about what is missing.
+   !> True if there is an error without a line whose text begins with a word: an error of the
+   !! command
+   !! line, or of something that is missing.
    pure logical function problems_about(self, word) result(found)
-      class(problems_t), intent(in) :: self              !! The list
+      class(problems_t), intent(in) :: self
       character(len=*), intent(in) :: word               !! Such as &grid
       integer :: i
 
@@ -106,10 +108,10 @@ contains
       end do
    end function problems_about
 
-   !> From now on what is wrong with the copies of a body, NAME_1, NAME_2 and so on, and of their
-   !! regions, which have the same names, is reported once.
+   !> From now on report an error in the copies of a body, NAME_1, NAME_2 and so on, or in their
+   !! regions, which have the same names, only once.
    pure subroutine problems_repeat(self, body, region, copies)
-      class(problems_t), intent(inout) :: self           !! The list
+      class(problems_t), intent(inout) :: self
       character(len=*), intent(in) :: body               !! Name of the body
       character(len=*), intent(in) :: region             !! Name of its region
       integer, intent(in) :: copies                      !! How many there are
@@ -126,14 +128,14 @@ contains
       call move_alloc(longer, self%repeated)
    end subroutine problems_repeat
 
-   !> Add a message to the one that another copy of the same body got already, if there is one.
+   !> Join a message with that of another copy of the same body, if there is one.
    pure subroutine join_copies(self, file, line, is_error, text, joined)
-      class(problems_t), intent(inout) :: self           !! The list
+      class(problems_t), intent(inout) :: self
       character(len=*), intent(in) :: file               !! Where it is
       integer, intent(in) :: line                        !! Line of the file
       logical, intent(in) :: is_error                    !! Or else a warning
-      character(len=*), intent(in) :: text               !! The message
-      logical, intent(out) :: joined                     !! False: it is to be noted
+      character(len=*), intent(in) :: text               !! Its text
+      logical, intent(out) :: joined                     !! False: it is a new entry
       character(len=:), allocatable :: label, rest
       integer :: i, which
 
@@ -154,13 +156,13 @@ contains
       end do
    end subroutine join_copies
 
-   !> The label that the copies of a body have in common, and what is said behind it.
+   !> Split a message of a repeated body into the label that its copies share and the rest.
    pure subroutine take_copy_apart(repeated, text, which, label, rest)
-      type(repeated_t), intent(in) :: repeated(:)        !! Bodies that stand for many
+      type(repeated_t), intent(in) :: repeated(:)        !! Repeated bodies
       character(len=*), intent(in) :: text               !! A message
       integer, intent(out) :: which                      !! Which of them, 0 = none
       character(len=:), allocatable, intent(out) :: label !! Such as &body 'name'
-      character(len=:), allocatable, intent(out) :: rest !! The message behind the label
+      character(len=:), allocatable, intent(out) :: rest !! The message after the label
       character(len=9), parameter :: kinds(2) = ["&body '  ", "&region '"]
       character(len=:), allocatable :: name
       integer :: first, kind, last
@@ -183,14 +185,14 @@ contains
 
    !> True for NAME_2, NAME_2_1 and so on.
    pure logical function is_copy(name, body) result(yes)
-      character(len=*), intent(in) :: name               !! Perhaps that of a copy
-      character(len=*), intent(in) :: body               !! Name of what is repeated
+      character(len=*), intent(in) :: name               !! Name of a group
+      character(len=*), intent(in) :: body               !! Name of the repeated body
 
       yes = index(name, body//"_") == 1
       if (yes) yes = verify(name(len(body) + 1:), "_0123456789") == 0
    end function is_copy
 
-   !> A message with a sign for each number, so that those of copies can be compared.
+   !> A message with a placeholder for each number, so that those of copies can be compared.
    pure function without_numbers(text) result(words)
       character(len=*), intent(in) :: text               !! A message
       character(len=:), allocatable :: words
@@ -210,9 +212,9 @@ contains
       end do
    end function without_numbers
 
-   !> Text of an entry, with how many copies it holds for.
-   pure function told(self, entry) result(text)
-      class(problems_t), intent(in) :: self              !! The list
+   !> Text of an entry, with the number of copies.
+   pure function entry_text(self, entry) result(text)
+      class(problems_t), intent(in) :: self
       type(problem_t), intent(in) :: entry               !! One of its entries
       character(len=:), allocatable :: text, label, rest
       integer :: which
@@ -228,11 +230,11 @@ contains
                number(all_copies)//" copies)"
          end if
       end associate
-   end function told
+   end function entry_text
 
    !> Append an entry.
    pure subroutine note(self, file, line, is_error, text)
-      class(problems_t), intent(inout) :: self           !! The list; the counts are right already
+      class(problems_t), intent(inout) :: self           !! The list, with the new counts
       character(len=*), intent(in) :: file               !! Where it is
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       logical, intent(in) :: is_error                    !! Or else a warning
@@ -259,7 +261,7 @@ contains
       if (which > 0) self%entries(filled)%common = label//without_numbers(rest)
    end subroutine note
 
-   !> Hand an entry on.
+   !> Move an entry.
    pure subroutine move(from, to)
       type(problem_t), intent(inout) :: from             !! Emptied
       type(problem_t), intent(inout) :: to               !! Filled
@@ -274,7 +276,7 @@ contains
 
    !> All errors and warnings, one a line, file by file in the order of the lines, and their count.
    function problems_report(self, files, groups) result(text)
-      class(problems_t), intent(in) :: self              !! The list
+      class(problems_t), intent(in) :: self
       type(text_t), intent(in) :: files(:)               !! The files in the order of reading
       integer, intent(in) :: groups                      !! Number of groups in them
       character(len=:), allocatable :: text
@@ -283,19 +285,19 @@ contains
       integer :: i
 
       call sort(self, files, order)
-      do i = 1, min(size(order), most_told)
-         call tell(self%entries(order(i)), told(self, self%entries(order(i))), buffer)
+      do i = 1, min(size(order), most_reported)
+         call add_entry(self%entries(order(i)), entry_text(self, self%entries(order(i))), buffer)
       end do
-      if (size(order) > most_told) &
-         call buffer%line("and "//number(size(order) - most_told)//" more")
+      if (size(order) > most_reported) &
+         call buffer%line("and "//number(size(order) - most_reported)//" more")
       call buffer%add(files(1)%text//": "//number(groups)//" groups, "//number(self%errors)// &
          " errors, "//number(self%warnings)//" warnings")
       text = buffer%content()
    end function problems_report
 
    !> One entry as a line.
-   subroutine tell(problem, text, buffer)
-      type(problem_t), intent(in) :: problem             !! The entry
+   subroutine add_entry(problem, text, buffer)
+      type(problem_t), intent(in) :: problem
       character(len=*), intent(in) :: text               !! Its text
       type(buffer_t), intent(inout) :: buffer            !! Where to append it
 
@@ -306,11 +308,11 @@ contains
       else
          call buffer%line(" warning: "//text)
       end if
-   end subroutine tell
+   end subroutine add_entry
 
    !> Order of the entries: by file, then by line, then as found. Merges ever longer runs.
    subroutine sort(self, files, order)
-      type(problems_t), intent(in) :: self               !! The list
+      type(problems_t), intent(in) :: self
       type(text_t), intent(in) :: files(:)               !! The files in the order of reading
       integer, allocatable, intent(out) :: order(:)      !! Entry by place
       integer, allocatable :: merged(:), place(:)
@@ -365,9 +367,9 @@ contains
       end do
    end subroutine merge_runs
 
-   !> Place of a file in the order of reading; what is no file comes last.
+   !> Index of a file in the order of reading; texts that are not files come last.
    pure integer function place_of(file, files) result(place)
-      character(len=*), intent(in) :: file               !! The file
+      character(len=*), intent(in) :: file               !! Its name
       type(text_t), intent(in) :: files(:)               !! The files in the order of reading
 
       do place = 1, size(files)

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Bodies that stand for a row or a lattice of bodies, `repeat = 4, 3, 1  repeat_step = 2, 2, 0`.
+!> Rows and lattices of equal bodies, `repeat = 4, 3, 1  repeat_step = 2, 2, 0`.
 !!
-!! Each copy becomes a body of its own in a region of its own, moved by its `translate`, so nothing
-!! that follows knows of the repetition, and the echo of the deck holds all copies.
+!! Each copy becomes a body with a region of its own, displaced by `translate`. No later code
+!! depends
+!! on the repetition, and the echo of the deck lists all copies.
 module base_deck_repeat
    use base_deck_check, only: label_of
    use base_deck_group, only: group_t
@@ -16,14 +17,14 @@ module base_deck_repeat
 
    public :: repeat_groups
 
-   integer, parameter :: most_copies = 10000             !! More are hardly meant
+   integer, parameter :: most_copies = 10000             !! More are taken for a mistake
 
 contains
 
-   !> Put the copies of repeated bodies and of their regions into the list of groups.
+   !> Add the copies of repeated bodies and of their regions to the list of groups.
    subroutine repeat_groups(schema, problems, groups)
-      type(schema_t), intent(in) :: schema               !! What is allowed
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(schema_t), intent(in) :: schema               !! Keys that are allowed
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       type(group_t), allocatable, intent(inout) :: groups(:) !! All groups, defaults filled
       type(group_t), allocatable :: longer(:)
       integer, allocatable :: copies(:)
@@ -52,7 +53,7 @@ contains
       call renumber(groups)
    end subroutine repeat_groups
 
-   !> True if some body is to be repeated.
+   !> True if a body is repeated.
    pure logical function any_repeated(groups) result(yes)
       type(group_t), intent(in) :: groups(:)             !! All groups
       integer :: i
@@ -63,11 +64,11 @@ contains
       end do
    end function any_repeated
 
-   !> Number of copies of a body, 1 where the deck is wrong.
+   !> Number of copies of a body, 1 after an error.
    subroutine count_copies(body, problems, copies)
-      type(group_t), intent(in) :: body                  !! The body
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
-      integer, intent(out) :: copies                     !! How many bodies it stands for
+      type(group_t), intent(in) :: body
+      type(problems_t), intent(inout) :: problems        !! Gets errors
+      integer, intent(out) :: copies                     !! Number of bodies
       character(len=1), parameter :: axes(3) = ["x", "y", "z"]
       real(wp) :: step(3)
       integer :: k, times(3)
@@ -91,10 +92,10 @@ contains
       copies = product(times)
    end subroutine count_copies
 
-   !> Index of the region that a body names, 0 if there is none.
+   !> Index of the region of a body, 0 if there is none.
    pure integer function region_of(groups, body) result(which)
       type(group_t), intent(in) :: groups(:)             !! All groups
-      type(group_t), intent(in) :: body                  !! The body
+      type(group_t), intent(in) :: body
       character(len=:), allocatable :: name
 
       call body%get("region", name)
@@ -103,10 +104,10 @@ contains
       end do
    end function region_of
 
-   !> Make the first copy of a body of its last entry, and append the others with their regions.
+   !> Replace a body by its first copy, and append the others with their regions.
    subroutine add_copies(schema, body, region, groups, filled)
-      type(schema_t), intent(in) :: schema               !! What is allowed
-      type(group_t), intent(in) :: body                  !! The body
+      type(schema_t), intent(in) :: schema               !! Keys that are allowed
+      type(group_t), intent(in) :: body
       type(group_t), intent(in) :: region                !! Its region
       type(group_t), intent(inout) :: groups(:)          !! All groups
       integer, intent(inout) :: filled                   !! Number of groups
@@ -142,11 +143,11 @@ contains
       end do
    end subroutine add_copies
 
-   !> Give a copy its name; it is not repeated any more.
+   !> Name a copy, and remove its repetition.
    subroutine name_copy(schema, name, body)
-      type(schema_t), intent(in) :: schema               !! What is allowed
-      character(len=*), intent(in) :: name               !! The name
-      type(group_t), intent(inout) :: body               !! The copy
+      type(schema_t), intent(in) :: schema               !! Keys that are allowed
+      character(len=*), intent(in) :: name               !! Its name
+      type(group_t), intent(inout) :: body
       character(len=11), parameter :: keys(2) = ["repeat     ", "repeat_step"]
       character(len=:), allocatable :: complaint
       integer :: k, place, rule
@@ -160,20 +161,20 @@ contains
       end do
    end subroutine name_copy
 
-   !> Put one text in the place of that of a key.
+   !> Replace the text of a key.
    subroutine put_text(group, key, text)
-      type(group_t), intent(inout) :: group              !! The group
-      character(len=*), intent(in) :: key                !! The key
-      character(len=*), intent(in) :: text               !! The text
+      type(group_t), intent(inout) :: group
+      character(len=*), intent(in) :: key
+      character(len=*), intent(in) :: text               !! Its new text
       integer :: place
 
       place = group%find(key)
       group%values(place)%texts(1)%text = text
    end subroutine put_text
 
-   !> Put a displacement in the place of that of a region.
+   !> Replace the displacement of a region.
    subroutine put_shift(region, shift)
-      type(group_t), intent(inout) :: region             !! The region
+      type(group_t), intent(inout) :: region
       real(wp), intent(in) :: shift(3)                   !! [m]
       integer :: place
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Values of keys: strict conversion of what is written into numbers, switches and texts in SI.
+!> Values of keys: strict conversion of text into numbers, switches and texts in SI.
 module base_deck_value
    use base_deck_number, only: check_range, convert_number, expectation, item_t, read_integer
    use base_kinds, only: wp
@@ -23,23 +23,22 @@ module base_deck_value
       integer :: line = 0                                !! Line of the key
       character(len=:), allocatable :: file              !! File of the key
       logical, allocatable :: filled(:)                  !! (place) Has a value
-      real(wp), allocatable :: numbers(:)                !! (place) If it is a key of numbers [SI]
-      integer, allocatable :: integers(:)                  !! (place) If it is one of whole numbers
-      logical, allocatable :: switches(:)                !! (place) If it is a switch
-      type(text_t), allocatable :: texts(:)              !! (place) If it is one of texts
+      real(wp), allocatable :: numbers(:)                !! (place) Of a key of numbers [SI]
+      integer, allocatable :: integers(:)                  !! (place) Of a key of integers
+      logical, allocatable :: switches(:)                !! (place) Of a switch
+      type(text_t), allocatable :: texts(:)              !! (place) Of a key of texts
    contains
       procedure :: count => value_count                  !! Number of values
    end type value_t
 
-   integer, parameter :: longest_text = 240              !! Fits into a line with its quotes doubled
+   integer, parameter :: longest_text = 240 !! Fits into a line even with all quotes doubled
    character(len=*), parameter :: points_at = "  <- "    !! Between value and complaint
 
 contains
 
-   !> Number of values: the places up to the last one filled.
+   !> Number of values: index of the last place with a value.
    pure integer function value_count(self) result(count)
-      class(value_t), intent(in) :: self                 !! The value
-
+      class(value_t), intent(in) :: self
       count = 0
       if (.not. allocated(self%filled)) return
       do count = size(self%filled), 1, -1
@@ -47,11 +46,11 @@ contains
       end do
    end function value_count
 
-   !> Make the default of a key its value.
+   !> Set the value of a key to its default.
    subroutine read_default(key, value, complaint)
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       type(value_t), intent(out) :: value                !! Its value
-      character(len=:), allocatable, intent(out) :: complaint !! Empty if all is well
+      character(len=:), allocatable, intent(out) :: complaint !! Empty without an error
       type(token_t), allocatable :: tokens(:)
       type(text_t), allocatable :: words(:)
       integer :: i
@@ -77,19 +76,19 @@ contains
       call convert(key, tokens, 0, system_si, value, complaint)
    end subroutine read_default
 
-   !> Convert what is written into values in SI.
+   !> Convert text into values in SI.
    subroutine convert(key, tokens, subscript, system, value, complaint)
-      type(key_t), intent(in) :: key                     !! The key
-      type(token_t), intent(in) :: tokens(:)             !! What is written
+      type(key_t), intent(in) :: key
+      type(token_t), intent(in) :: tokens(:)             !! As written
       integer, intent(in) :: subscript                   !! First place to fill, 0 = all
-      integer, intent(in) :: system                      !! Units of what is written
+      integer, intent(in) :: system                      !! Units of numbers without a unit
       type(value_t), intent(inout) :: value              !! Gets the values
-      character(len=:), allocatable, intent(out) :: complaint !! Empty if all is well
+      character(len=:), allocatable, intent(out) :: complaint !! Empty without an error
       type(item_t), allocatable :: items(:)
       integer :: first, i, places
 
       complaint = ""
-      call make_room(key, value)
+      call allocate_values(key, value)
       first = max(subscript, 1)
       places = key%places - first + 1
       call expand(key, tokens, places, items, complaint)
@@ -111,12 +110,12 @@ contains
       if (complaint(1:1) /= " ") complaint = points_at//complaint
    end subroutine convert
 
-   !> What is wrong if there are more values than places.
+   !> The error if there are more values than places.
    function too_many(key, subscript, tokens, items) result(complaint)
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       integer, intent(in) :: subscript                   !! First place to fill, 0 = all
-      type(token_t), intent(in) :: tokens(:)             !! What is written
-      type(item_t), intent(in) :: items(:)               !! The values
+      type(token_t), intent(in) :: tokens(:)             !! As written
+      type(item_t), intent(in) :: items(:)
       character(len=:), allocatable :: complaint
       integer :: i
 
@@ -134,9 +133,9 @@ contains
       end do
    end function too_many
 
-   !> Make the arrays of a value.
-   subroutine make_room(key, value)
-      type(key_t), intent(in) :: key                     !! The key
+   !> Allocate the arrays of a value.
+   subroutine allocate_values(key, value)
+      type(key_t), intent(in) :: key
       type(value_t), intent(inout) :: value              !! Gets the arrays unless it has them
 
       if (.not. allocated(value%filled)) allocate (value%filled(key%places), source=.false.)
@@ -150,15 +149,15 @@ contains
       case default
          if (.not. allocated(value%texts)) allocate (value%texts(key%places))
       end select
-   end subroutine make_room
+   end subroutine allocate_values
 
-   !> Resolve commas and repeat counts such as 3*0.0. Counts beyond the places are not carried out.
+   !> Resolve commas and repeat counts such as 3*0.0. Counts above the number of places are cut.
    subroutine expand(key, tokens, places, items, complaint)
-      type(key_t), intent(in) :: key                     !! The key
-      type(token_t), intent(in) :: tokens(:)             !! What is written
+      type(key_t), intent(in) :: key
+      type(token_t), intent(in) :: tokens(:)             !! As written
       integer, intent(in) :: places                      !! Number of places to fill
-      type(item_t), allocatable, intent(out) :: items(:) !! The values
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      type(item_t), allocatable, intent(out) :: items(:)
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
       type(item_t) :: item
       logical :: after_comma
       integer :: before, copies, i, mark, pending
@@ -207,18 +206,17 @@ contains
       end do
    end subroutine expand
 
-   !> True if a word behind a number is its unit.
+   !> True if a word after a number is its unit.
    pure logical function is_unit(key, token) result(yes)
-      type(key_t), intent(in) :: key                     !! The key
-      type(token_t), intent(in) :: token                 !! The word
-
+      type(key_t), intent(in) :: key
+      type(token_t), intent(in) :: token
       yes = key%kind == kind_real .and. .not. (token%quoted .or. token%formula .or. token%comma)
       if (yes) yes = begins_unit(token%raw)
    end function is_unit
 
-   !> What is wrong if some numbers of a list have a unit and others, that are not 0, have none.
+   !> The error if some numbers of a list have a unit and others, except 0, have none.
    function mixed_units(items) result(complaint)
-      type(item_t), intent(in) :: items(:)               !! The numbers
+      type(item_t), intent(in) :: items(:)
       character(len=:), allocatable :: complaint
       logical :: bare, united
       integer :: i
@@ -233,14 +231,14 @@ contains
             scan(items(i)%text(:scan(items(i)%text//"e", "eEdD") - 1), "123456789") > 0
       end do
       if (bare .and. united) complaint = &
-         "has numbers with and without a unit; write one behind each number that is not 0"
+         "has numbers with and without a unit; write one after each number that is not 0"
    end function mixed_units
 
-   !> Count the values that follow when there are too many anyway.
+   !> Count the values that follow if there are too many, for the message.
    subroutine add_rest(key, items, tokens)
-      type(key_t), intent(in) :: key                     !! The key
-      type(item_t), allocatable, intent(inout) :: items(:) !! The values
-      type(token_t), intent(in) :: tokens(:)             !! What follows
+      type(key_t), intent(in) :: key
+      type(item_t), allocatable, intent(inout) :: items(:)
+      type(token_t), intent(in) :: tokens(:)             !! Values that follow
       type(item_t) :: item
       integer :: i
 
@@ -255,7 +253,7 @@ contains
 
    !> Append a value.
    subroutine add_item(items, item)
-      type(item_t), allocatable, intent(inout) :: items(:) !! The values
+      type(item_t), allocatable, intent(inout) :: items(:)
       type(item_t), intent(in) :: item                   !! The new last one
       type(item_t), allocatable :: longer(:)
 
@@ -265,9 +263,9 @@ contains
       call move_alloc(longer, items)
    end subroutine add_item
 
-   !> Repeat count before the asterisk: 1 if there is none, 0 if it is no whole number above 0.
+   !> Repeat count before the asterisk: 1 if there is none, 0 if it is not valid.
    pure integer function copies_of(text) result(copies)
-      character(len=*), intent(in) :: text               !! What stands before the asterisk
+      character(len=*), intent(in) :: text               !! Text before the asterisk
       integer :: status
 
       copies = 1
@@ -281,12 +279,12 @@ contains
 
    !> Convert one value.
    subroutine convert_item(key, item, system, place, value, complaint)
-      type(key_t), intent(in) :: key                     !! The key
-      type(item_t), intent(in) :: item                   !! What is written
-      integer, intent(in) :: system                      !! Units of what is written
-      integer, intent(in) :: place                       !! Where it goes
+      type(key_t), intent(in) :: key
+      type(item_t), intent(in) :: item                   !! As written
+      integer, intent(in) :: system                      !! Units of numbers without a unit
+      integer, intent(in) :: place                       !! Index of the value
       type(value_t), intent(inout) :: value              !! Gets the value
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
 
       if (item%quoted .neqv. key%kind == kind_text) then
          complaint = expectation(key)
@@ -319,10 +317,10 @@ contains
 
    !> Check a text against the words that are allowed, in letters of either case.
    subroutine check_words(key, written, text, complaint)
-      type(key_t), intent(in) :: key                     !! The key
-      character(len=*), intent(in) :: written            !! What is written
-      character(len=:), allocatable, intent(out) :: text !! The text
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      type(key_t), intent(in) :: key
+      character(len=*), intent(in) :: written            !! As written
+      character(len=:), allocatable, intent(out) :: text !! In the case of the key
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
       character(len=:), allocatable :: near
       integer :: i
 

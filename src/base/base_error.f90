@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Errors are values: a procedure that can fail returns one, and only the driver prints and stops.
+!> Errors are values: a procedure that can fail returns one, and only the program prints and stops.
 module base_error
    implicit none
    private
@@ -8,15 +8,16 @@ module base_error
 
    !> The exit codes of the program, a part of its interface.
    integer, parameter, public :: exit_success = 0      !! Finished
-   integer, parameter, public :: exit_input = 2        !! Deck or command line wrong
+   integer, parameter, public :: exit_input = 2        !! Error in the deck or command line
    integer, parameter, public :: exit_file = 3         !! Missing, unreadable, disk full, HDF5
-   integer, parameter, public :: exit_physics = 4      !! NaN, step too small, left closed domain
+   !> NaN, time step too small, particle outside the grid
+   integer, parameter, public :: exit_physics = 4
    integer, parameter, public :: exit_internal = 5     !! A defect of the program
-   integer, parameter, public :: exit_again = 75       !! Stopped on purpose, checkpoint written
+   integer, parameter, public :: exit_again = 75       !! Stopped with a checkpoint: run again
 
-   !> What went wrong. Not allocated means that all is well.
+   !> An error. Not allocated means that there is none.
    type :: error_t
-      integer :: code = exit_internal                  !! Exit code that this error leads to
+      integer :: code = exit_internal                  !! Exit code of the program
       character(len=:), allocatable :: message         !! One or more lines for the user
    end type error_t
 
@@ -26,7 +27,7 @@ contains
    pure subroutine fail(error, code, message)
       type(error_t), allocatable, intent(out) :: error !! Allocated on return
       integer, intent(in) :: code                      !! One of the exit codes above
-      character(len=*), intent(in) :: message          !! What is wrong and what to do instead
+      character(len=*), intent(in) :: message          !! What is wrong and what to do
 
       allocate (error)
       error%code = code

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Sums of real numbers without any rounding but the last, so that no order of terms matters.
+!> Sums of real numbers with a single rounding at the end, independent of the order of the terms.
 !!
-!! A sum is one long whole number in units of the smallest real number, 2^-1074, cut into limbs of
+!! A sum is a long integer in units of the smallest real number, 2^-1074, cut into limbs of
 !! 32 bits: U. Kulisch, "Very fast and exact accumulation of products", Computing 91 (2011) 397.
 module base_exact_sum
    use base_communicator, only: communicator_t
@@ -13,8 +13,8 @@ module base_exact_sum
 
    public :: exact_sum_t
 
-   integer, parameter :: top = 68                        !! Last limb, room for 2^70 greatest terms
-   integer, parameter, public :: exact_sum_words = top + 4 !! Whole numbers that hold a sum
+   integer, parameter :: top = 68 !! Last limb; capacity for 2^70 greatest terms
+   integer, parameter, public :: exact_sum_words = top + 4 !! Integers that store a sum
    integer, parameter :: mantissa_bits = 52              !! Stored bits of a real number
    integer(int64), parameter :: limb_mask = 2_int64**32 - 1_int64
    integer(int64), parameter :: hidden_bit = 2_int64**52
@@ -24,7 +24,7 @@ module base_exact_sum
    !> A sum.
    type :: exact_sum_t
       integer(int64), private :: limbs(0:top) = 0_int64  !! Signed digits of base 2^32
-      integer(int64), private :: odd(3) = 0_int64        !! Terms that were NaN, infinite, -infinite
+      integer(int64), private :: special(3) = 0_int64 !! Terms that were NaN, infinite, -infinite
       integer(int64), private :: terms = 0_int64         !! Terms since the last carry
    contains
       procedure :: add => exact_sum_add                  !! Add one number
@@ -32,17 +32,17 @@ module base_exact_sum
       procedure :: merge => exact_sum_merge              !! Add another sum
       procedure :: over_ranks => exact_sum_over_ranks    !! Add the sums of all ranks
       procedure :: value => exact_sum_value              !! The sum, correctly rounded
-      procedure :: clear => exact_sum_clear              !! Begin anew
-      procedure :: save => exact_sum_save                !! The sum as whole numbers
-      procedure :: load => exact_sum_load                !! The sum from whole numbers
+      procedure :: clear => exact_sum_clear              !! Set to zero
+      procedure :: save => exact_sum_save                !! The sum as integers
+      procedure :: load => exact_sum_load                !! The sum from integers
    end type exact_sum_t
 
 contains
 
    !> Add one number.
    pure subroutine exact_sum_add(self, number)
-      class(exact_sum_t), intent(inout) :: self          !! The sum
-      real(wp), intent(in) :: number                     !! The term
+      class(exact_sum_t), intent(inout) :: self
+      real(wp), intent(in) :: number                     !! Term to add
       integer(int64) :: bits, mantissa, sign_mask, low
       integer :: exponent_field, limb, shift
 
@@ -50,7 +50,7 @@ contains
       exponent_field = int(ibits(bits, mantissa_bits, 11))
       mantissa = ibits(bits, 0, mantissa_bits)
       if (exponent_field == 2047) then
-         call add_odd(self%odd, mantissa /= 0_int64, bits < 0_int64)
+         call count_special(self%special, mantissa /= 0_int64, bits < 0_int64)
          return
       end if
       if (exponent_field > 0) then
@@ -72,25 +72,25 @@ contains
       if (self%terms >= most_terms) call carry(self)
    end subroutine exact_sum_add
 
-   !> Count a term that is no finite number.
-   pure subroutine add_odd(odd, undefined, negative)
-      integer(int64), intent(inout) :: odd(3)            !! Counts
-      logical, intent(in) :: undefined                   !! Not a number
-      logical, intent(in) :: negative                    !! Sign of an infinite term
+   !> Count a term that is not finite.
+   pure subroutine count_special(special, undefined, negative)
+      integer(int64), intent(inout) :: special(3)            !! Counts
+      logical, intent(in) :: undefined                   !! Is it NaN?
+      logical, intent(in) :: negative                    !! Is it negative?
 
       if (undefined) then
-         odd(1) = odd(1) + 1_int64
+         special(1) = special(1) + 1_int64
       else if (negative) then
-         odd(3) = odd(3) + 1_int64
+         special(3) = special(3) + 1_int64
       else
-         odd(2) = odd(2) + 1_int64
+         special(2) = special(2) + 1_int64
       end if
-   end subroutine add_odd
+   end subroutine count_special
 
    !> Add all numbers of an array.
    pure subroutine exact_sum_add_all(self, numbers)
-      class(exact_sum_t), intent(inout) :: self          !! The sum
-      real(wp), intent(in) :: numbers(:)                 !! The terms
+      class(exact_sum_t), intent(inout) :: self
+      real(wp), intent(in) :: numbers(:)                 !! Terms to add
       integer :: index
 
       do index = 1, size(numbers)
@@ -98,9 +98,9 @@ contains
       end do
    end subroutine exact_sum_add_all
 
-   !> Bring all limbs but the last to 0 ... 2^32 - 1.
+   !> Carry between limbs, so that all but the last are 0 ... 2^32 - 1.
    pure subroutine carry(self)
-      class(exact_sum_t), intent(inout) :: self          !! The sum
+      class(exact_sum_t), intent(inout) :: self
       integer :: limb
 
       do limb = 0, top - 1
@@ -112,12 +112,12 @@ contains
 
    !> Add another sum.
    pure subroutine exact_sum_merge(self, other)
-      class(exact_sum_t), intent(inout) :: self          !! The sum
+      class(exact_sum_t), intent(inout) :: self
       type(exact_sum_t), intent(in) :: other             !! What is added
 
       if (self%terms + other%terms + 1_int64 >= most_terms) call carry(self)
       self%limbs = self%limbs + other%limbs
-      self%odd = self%odd + other%odd
+      self%special = self%special + other%special
       self%terms = self%terms + other%terms + 1_int64
       if (self%terms >= most_terms) call carry(self)
    end subroutine exact_sum_merge
@@ -125,7 +125,7 @@ contains
    !> Add the sums of all ranks; every rank gets the whole. Collective.
    subroutine exact_sum_over_ranks(self, communicator)
       class(exact_sum_t), intent(inout) :: self          !! Part of this rank in, whole out
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64) :: words(exact_sum_words)
 
       call self%save(words)
@@ -136,18 +136,19 @@ contains
 
    !> The sum, rounded once, to nearest and ties to even.
    pure function exact_sum_value(self) result(number)
-      class(exact_sum_t), intent(in) :: self             !! The sum
+      class(exact_sum_t), intent(in) :: self
       real(wp) :: number
       type(exact_sum_t) :: work
       logical :: negative
 
-      if (self%odd(1) > 0_int64 .or. (self%odd(2) > 0_int64 .and. self%odd(3) > 0_int64)) then
+      if (self%special(1) > 0_int64 .or. (self%special(2) > 0_int64 .and. self%special(3) > &
+         0_int64)) then
          number = ieee_value(number, ieee_quiet_nan)
          return
       end if
-      if (self%odd(2) > 0_int64) number = ieee_value(number, ieee_positive_inf)
-      if (self%odd(3) > 0_int64) number = ieee_value(number, ieee_negative_inf)
-      if (any(self%odd > 0_int64)) return
+      if (self%special(2) > 0_int64) number = ieee_value(number, ieee_positive_inf)
+      if (self%special(3) > 0_int64) number = ieee_value(number, ieee_negative_inf)
+      if (any(self%special > 0_int64)) return
       work%limbs = self%limbs
       call carry(work)
       negative = work%limbs(top) < 0_int64
@@ -159,7 +160,7 @@ contains
       if (negative) number = -number
    end function exact_sum_value
 
-   !> A long whole number that is not negative, rounded to a real number.
+   !> A non-negative long integer, rounded to a real number.
    pure function rounded(limbs) result(number)
       integer(int64), intent(in) :: limbs(0:top)         !! Digits of base 2^32
       real(wp) :: number
@@ -189,10 +190,10 @@ contains
       number = transfer(shiftl(int(last, int64), mantissa_bits) + mantissa, number)
    end function rounded
 
-   !> The 53 bits from a place upwards.
+   !> The 53 bits from a given bit upwards.
    pure function cut(limbs, last) result(bits)
       integer(int64), intent(in) :: limbs(0:top)         !! Digits of base 2^32
-      integer, intent(in) :: last                        !! Lowest bit wanted
+      integer, intent(in) :: last                        !! Lowest bit
       integer(int64) :: bits
       integer :: limb, shift
 
@@ -204,34 +205,33 @@ contains
       bits = ibits(bits, 0, mantissa_bits + 1)
    end function cut
 
-   !> Begin anew.
+   !> Set the sum to zero.
    pure subroutine exact_sum_clear(self)
-      class(exact_sum_t), intent(inout) :: self          !! The sum
-
+      class(exact_sum_t), intent(inout) :: self
       self%limbs = 0_int64
-      self%odd = 0_int64
+      self%special = 0_int64
       self%terms = 0_int64
    end subroutine exact_sum_clear
 
-   !> The sum as whole numbers; equal sums give equal numbers.
+   !> The sum as integers; equal sums give equal numbers.
    pure subroutine exact_sum_save(self, words)
-      class(exact_sum_t), intent(in) :: self             !! The sum
+      class(exact_sum_t), intent(in) :: self
       integer(int64), intent(out) :: words(exact_sum_words) !! Its limbs and counts
       type(exact_sum_t) :: work
 
       work%limbs = self%limbs
       call carry(work)
       words(:top + 1) = work%limbs
-      words(top + 2:) = self%odd
+      words(top + 2:) = self%special
    end subroutine exact_sum_save
 
-   !> The sum from whole numbers.
+   !> The sum from integers.
    pure subroutine exact_sum_load(self, words)
-      class(exact_sum_t), intent(inout) :: self          !! The sum
+      class(exact_sum_t), intent(inout) :: self
       integer(int64), intent(in) :: words(exact_sum_words) !! From `save`, or the sum of several
 
       self%limbs = words(:top + 1)
-      self%odd = words(top + 2:)
+      self%special = words(top + 2:)
       self%terms = 1_int64
    end subroutine exact_sum_load
 end module base_exact_sum

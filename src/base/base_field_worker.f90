@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Work that is done on every field of a particle store, whatever fields it holds.
+!> Base type of operations on all fields of a particle store.
 !!
-!! A store walks its registry and shows each allocated field to a worker. Resizing, sorting,
-!! packing, output and restart are workers, so a new field is one component and one line.
+!! A store passes each allocated field of its registry to a worker. Resizing, sorting, packing,
+!! output and restart are workers, so a new field is one component and one line.
 module base_field_worker
    use base_kinds, only: int64, wp
    implicit none
@@ -13,9 +13,9 @@ module base_field_worker
    !> One operation on all fields.
    type, abstract :: field_worker_t
    contains
-      procedure(scalar_i), deferred :: scalar   !! Does the work on a field of numbers
-      procedure(vector_i), deferred :: vector   !! Does the work on a field of vectors or tensors
-      procedure(whole_i), deferred :: whole     !! Does the work on a field of whole numbers
+      procedure(scalar_i), deferred :: scalar   !! Works on a field of real numbers
+      procedure(vector_i), deferred :: vector   !! Works on a field of vectors or tensors
+      procedure(whole_i), deferred :: whole     !! Works on a field of integers
    end type field_worker_t
 
    abstract interface

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Formulas of a deck such as `v*sind(30)`: cut once into a list of operations, then evaluated.
+!> Formulas of a deck such as `v*sind(30)`: compiled once into a list of operations, then evaluated.
 !!
 !! Operators are + - * / ** with the precedence of Fortran; `**` binds to the right, and -2**2 is
-!! -4. Each operation is one of double precision in the order that this gives.
+!! -4. All operations are in double precision, in this order.
 module base_formula
    use base_constants, only: pi
    use base_decimal, only: decimal_good, read_decimal
@@ -18,32 +18,32 @@ module base_formula
    integer, parameter :: code_constant = 1           !! Push a constant
    integer, parameter :: code_variable = 2           !! Push a variable
    integer, parameter :: code_negate = 3             !! Change the sign of the top
-   integer, parameter :: code_operator = 10          !! And above: + - * / ^ on the top two
-   integer, parameter :: code_function = 20          !! And above: functions
+   integer, parameter :: code_operator = 10          !! First code above: + - * / ^ on the top two
+   integer, parameter :: code_function = 20          !! First code above: functions
    character(len=*), parameter :: operators = "+-*/^"
    character(len=*), parameter :: figures = "0123456789"
 
-   !> A formula, ready to be evaluated.
+   !> A compiled formula.
    type :: formula_t
       integer, private :: count = 0                      !! Number of operations
       integer, private :: depth = 0                      !! Greatest number of values at a time
       integer, allocatable, private :: code(:)           !! (operation) What it does
       integer, allocatable, private :: operand(:)        !! (operation) Which variable
-      integer, allocatable, private :: place(:)          !! (operation) Letter of the text
+      integer, allocatable, private :: place(:)          !! (operation) Position in the text
       real(wp), allocatable, private :: constant(:)      !! (operation) A constant
    contains
-      procedure :: compile => formula_compile            !! Make it of a text
+      procedure :: compile => formula_compile            !! Compile a text
       procedure :: evaluate => formula_evaluate          !! Its value for values of the variables
-      procedure :: uses => formula_uses                  !! It depends on some variable
+      procedure :: uses => formula_uses                  !! Does it depend on some variables?
    end type formula_t
 
-   !> The text and how far it has been read.
+   !> State of the parser.
    type :: parser_t
       character(len=:), allocatable :: text              !! Small letters
       integer :: at = 1                                  !! Next letter
-      integer :: stack = 0                               !! Values that are left so far
-      type(text_t), allocatable :: names(:)              !! The variables
-      character(len=:), allocatable :: fault             !! First mistake, empty if there is none
+      integer :: stack = 0                               !! Values on the stack so far
+      type(text_t), allocatable :: names(:)              !! Names of the variables
+      character(len=:), allocatable :: fault             !! First error, empty if there is none
       integer :: fault_place = 0                         !! Its letter
    end type parser_t
 
@@ -56,13 +56,13 @@ contains
       yes = name == "pi" .or. function_index(name) > 0
    end function is_reserved
 
-   !> Make a formula of a text.
+   !> Compile a text.
    subroutine formula_compile(self, text, names, fault, place)
-      class(formula_t), intent(out) :: self              !! The formula
+      class(formula_t), intent(out) :: self
       character(len=*), intent(in) :: text               !! Without braces
       type(text_t), intent(in) :: names(:)               !! The variables, in small letters
-      character(len=:), allocatable, intent(out) :: fault !! What is wrong, empty if nothing is
-      integer, intent(out) :: place                      !! Letter of the mistake
+      character(len=:), allocatable, intent(out) :: fault !! Error, empty if there is none
+      integer, intent(out) :: place                      !! Position of the error
       type(parser_t) :: parser
 
       parser%text = lower(text)//" "
@@ -72,19 +72,19 @@ contains
          source=0)
       allocate (self%constant(len(text) + 1), source=0.0_wp)
       if (text == "") then
-         call blame(parser, "the expression is empty")
+         call set_fault(parser, "the expression is empty")
       else
          call parse_sum(self, parser)
-         if (next_letter(parser) /= " ") call blame(parser, "cannot follow here: '"// &
+         if (next_letter(parser) /= " ") call set_fault(parser, "cannot follow here: '"// &
             parser%text(parser%at:parser%at)//"'"//advice(parser%text(parser%at:parser%at)))
       end if
       call move_alloc(parser%fault, fault)
       place = parser%fault_place
    end subroutine formula_compile
 
-   !> What to write in the place of a letter that no formula has.
+   !> Advice for a character that is not valid at its position.
    pure function advice(letter) result(text)
-      character(len=1), intent(in) :: letter             !! The letter
+      character(len=1), intent(in) :: letter             !! Character at its position
       character(len=:), allocatable :: text
 
       text = ""
@@ -94,22 +94,22 @@ contains
       if (is_letter(letter) .or. scan(letter, figures//"(") == 1) text = "; is an operator missing?"
    end function advice
 
-   !> Note the first mistake, at the present letter; nothing is read after it.
-   pure subroutine blame(parser, fault, place)
-      type(parser_t), intent(inout) :: parser            !! The text
-      character(len=*), intent(in) :: fault              !! What is wrong
-      integer, intent(in), optional :: place             !! Its letter, if not the present one
+   !> Record the first error and end the parsing.
+   pure subroutine set_fault(parser, fault, place)
+      type(parser_t), intent(inout) :: parser
+      character(len=*), intent(in) :: fault              !! Errors and warnings
+      integer, intent(in), optional :: place             !! Its position, default: the current one
 
       if (parser%fault /= "") return
       parser%fault = fault
       parser%fault_place = parser%at
       if (present(place)) parser%fault_place = place
       parser%at = len(parser%text)
-   end subroutine blame
+   end subroutine set_fault
 
-   !> The next letter that is no blank; a blank at the end.
+   !> The next character that is not blank; a blank at the end.
    character(len=1) function next_letter(parser) result(letter)
-      type(parser_t), intent(inout) :: parser            !! Goes on to this letter
+      type(parser_t), intent(inout) :: parser            !! Moves to this character
 
       do while (parser%at < len(parser%text))
          if (parser%text(parser%at:parser%at) > " ") exit
@@ -118,15 +118,15 @@ contains
       letter = parser%text(parser%at:parser%at)
    end function next_letter
 
-   !> Append an operation. `gain` is the number of values that it adds.
+   !> Append an operation.
    subroutine emit(self, parser, code, gain, place, constant, operand)
-      type(formula_t), intent(inout) :: self             !! The formula
+      type(formula_t), intent(inout) :: self
       type(parser_t), intent(inout) :: parser            !! Counts the values
       integer, intent(in) :: code                        !! What it does
-      integer, intent(in) :: gain                        !! 1, 0 or -1
+      integer, intent(in) :: gain                        !! Change of the stack: 1, 0 or -1
       integer, intent(in) :: place                       !! Letter of the text
-      real(wp), intent(in), optional :: constant         !! If it is one
-      integer, intent(in), optional :: operand           !! If it is a variable
+      real(wp), intent(in), optional :: constant         !! Value of a constant
+      integer, intent(in), optional :: operand           !! Index of a variable
 
       if (parser%fault /= "") return
       self%count = self%count + 1
@@ -138,10 +138,10 @@ contains
       self%depth = max(self%depth, parser%stack)
    end subroutine emit
 
-   !> Terms with + and - between them.
+   !> Parse terms with + and - between them.
    recursive subroutine parse_sum(self, parser)
       type(formula_t), intent(inout) :: self             !! Gets the operations
-      type(parser_t), intent(inout) :: parser            !! The text
+      type(parser_t), intent(inout) :: parser
       character(len=1) :: sign
       integer :: place
 
@@ -156,10 +156,10 @@ contains
       end do
    end subroutine parse_sum
 
-   !> Factors with * and / between them.
+   !> Parse factors with * and / between them.
    recursive subroutine parse_product(self, parser)
       type(formula_t), intent(inout) :: self             !! Gets the operations
-      type(parser_t), intent(inout) :: parser            !! The text
+      type(parser_t), intent(inout) :: parser
       character(len=1) :: sign
       integer :: place
 
@@ -174,10 +174,10 @@ contains
       end do
    end subroutine parse_product
 
-   !> A power, perhaps with signs before it, which bind less than the power.
+   !> Parse a power with optional signs, which bind less than the power.
    recursive subroutine parse_signed(self, parser)
       type(formula_t), intent(inout) :: self             !! Gets the operations
-      type(parser_t), intent(inout) :: parser            !! The text
+      type(parser_t), intent(inout) :: parser
       integer :: place
 
       select case (next_letter(parser))
@@ -194,10 +194,10 @@ contains
       end select
    end subroutine parse_signed
 
-   !> A value, perhaps with ** and its exponent.
+   !> Parse a value with an optional exponent.
    recursive subroutine parse_power(self, parser)
       type(formula_t), intent(inout) :: self             !! Gets the operations
-      type(parser_t), intent(inout) :: parser            !! The text
+      type(parser_t), intent(inout) :: parser
       integer :: place
 
       call parse_value(self, parser)
@@ -209,10 +209,10 @@ contains
       call emit(self, parser, code_operator + index(operators, "^"), -1, place)
    end subroutine parse_power
 
-   !> A number, a name, a function, or a sum in brackets.
+   !> Parse a number, a name, a function, or a sum in brackets.
    recursive subroutine parse_value(self, parser)
       type(formula_t), intent(inout) :: self             !! Gets the operations
-      type(parser_t), intent(inout) :: parser            !! The text
+      type(parser_t), intent(inout) :: parser
       character(len=1) :: letter
       integer :: opening
 
@@ -227,29 +227,30 @@ contains
       else if (scan(letter, figures//".") == 1) then
          call parse_number(self, parser)
       else if (letter == " ") then
-         call blame(parser, "ends where a number or a name is missing")
+         call set_fault(parser, "ends where a number or a name is missing")
       else
-         call blame(parser, "a number or a name is missing before '"//letter//"'"//advice(letter))
+         call set_fault(parser, &
+            "a number or a name is missing before '"//letter//"'"//advice(letter))
       end if
    end subroutine parse_value
 
-   !> The closing bracket that belongs to an opening one.
+   !> Parse the closing bracket of an opening one.
    subroutine close_bracket(parser, opening)
-      type(parser_t), intent(inout) :: parser            !! The text
+      type(parser_t), intent(inout) :: parser
       integer, intent(in) :: opening                     !! Letter of the opening one
 
       if (parser%fault /= "") return
       if (next_letter(parser) == ")") then
          parser%at = parser%at + 1
       else if (next_letter(parser) == " ") then
-         call blame(parser, "the bracket ( is not closed", opening)
+         call set_fault(parser, "the bracket ( is not closed", opening)
       else
-         call blame(parser, "cannot follow here: '"//next_letter(parser)//"'"// &
+         call set_fault(parser, "cannot follow here: '"//next_letter(parser)//"'"// &
             advice(next_letter(parser)))
       end if
    end subroutine close_bracket
 
-   !> A number without a sign.
+   !> Parse a number without a sign.
    subroutine parse_number(self, parser)
       type(formula_t), intent(inout) :: self             !! Gets the operation
       type(parser_t), intent(inout) :: parser            !! At its first figure
@@ -268,14 +269,14 @@ contains
       end if
       call read_decimal(parser%text(first:last), 0, value, verdict)
       if (verdict /= decimal_good) then
-         call blame(parser, "is no number: "//parser%text(first:last))
+         call set_fault(parser, "is not a number: "//parser%text(first:last))
          return
       end if
       call emit(self, parser, code_constant, 1, first, constant=value)
       parser%at = last + 1
    end subroutine parse_number
 
-   !> A variable, a constant, or a function with its arguments.
+   !> Parse a variable, a constant, or a function with its arguments.
    recursive subroutine parse_name(self, parser)
       type(formula_t), intent(inout) :: self             !! Gets the operations
       type(parser_t), intent(inout) :: parser            !! At its first letter
@@ -302,19 +303,21 @@ contains
       if (name == "pi") then
          call emit(self, parser, code_constant, 1, first, constant=pi)
       else if (which > 0) then
-         call blame(parser, name//" needs its argument in brackets, such as "//name//"(x)", first)
+         call set_fault(parser, name//" needs its argument in brackets, such as "//name//"(x)", &
+            first)
       else if (next_letter(parser) == "(") then
-         call blame(parser, "no function '"//name//"'"//near_names(name, functions_known()), first)
+         call set_fault(parser, "no function '"//name//"'"//suggestion(name, function_list()), &
+            first)
       else
-         call blame(parser, "no name '"//name//"'"//near_names(name, names_known(parser)), first)
+         call set_fault(parser, "no name '"//name//"'"//suggestion(name, name_list(parser)), first)
       end if
    end subroutine parse_name
 
-   !> The arguments of a function in their brackets.
+   !> Parse the arguments of a function.
    recursive subroutine parse_function(self, parser, name, which, first)
       type(formula_t), intent(inout) :: self             !! Gets the operations
       type(parser_t), intent(inout) :: parser            !! At the opening bracket
-      character(len=*), intent(in) :: name               !! The function
+      character(len=*), intent(in) :: name               !! Name of the function
       integer, intent(in) :: which                       !! Its index
       integer, intent(in) :: first                       !! First letter of its name
       integer :: given, opening, wanted
@@ -332,27 +335,27 @@ contains
       end do
       call close_bracket(parser, opening)
       if (wanted == takes_any) then
-         if (given < 2) call blame(parser, name//" needs at least 2 arguments", first)
+         if (given < 2) call set_fault(parser, name//" needs at least 2 arguments", first)
       else if (given /= wanted) then
-         call blame(parser, name//" takes "//number(wanted)//" argument"// &
+         call set_fault(parser, name//" takes "//number(wanted)//" argument"// &
             trim(merge("s", " ", wanted > 1))//", not "//number(given), first)
       else
          call emit(self, parser, code_function + which, 1 - wanted, first)
       end if
    end subroutine parse_function
 
-   !> A question behind a message if a name is near.
-   function near_names(name, names) result(question)
+   !> Suggestion of a name that is close.
+   function suggestion(name, names) result(question)
       character(len=*), intent(in) :: name               !! As written
-      type(text_t), intent(in) :: names(:)               !! Those that there are
+      type(text_t), intent(in) :: names(:)               !! Valid names
       character(len=:), allocatable :: question
 
       question = closest(name, names)
       if (question /= "") question = "; did you mean '"//question//"'?"
-   end function near_names
+   end function suggestion
 
    !> All functions.
-   function functions_known() result(names)
+   function function_list() result(names)
       type(text_t), allocatable :: names(:)
       integer :: n
 
@@ -360,20 +363,20 @@ contains
       do n = 1, size(function_names)
          call append(names, trim(function_names(n)))
       end do
-   end function functions_known
+   end function function_list
 
    !> All variables and constants.
-   function names_known(parser) result(names)
+   function name_list(parser) result(names)
       type(parser_t), intent(in) :: parser               !! Knows the variables
       type(text_t), allocatable :: names(:)
 
       names = parser%names
       call append(names, "pi")
-   end function names_known
+   end function name_list
 
    !> True if a formula depends on one of some variables.
    pure logical function formula_uses(self, marked) result(yes)
-      class(formula_t), intent(in) :: self               !! The formula
+      class(formula_t), intent(in) :: self
       logical, intent(in) :: marked(:)                   !! (variable) Is it one of them?
       integer :: n
 
@@ -383,13 +386,13 @@ contains
       end do
    end function formula_uses
 
-   !> The value of a formula that has been compiled without a mistake.
+   !> The value of a formula that was compiled without an error.
    subroutine formula_evaluate(self, variables, value, fault, place)
-      class(formula_t), intent(in) :: self               !! The formula
+      class(formula_t), intent(in) :: self
       real(wp), intent(in) :: variables(:)               !! Values in the order of the names
       real(wp), intent(out) :: value                     !! The result, 0 if there is none
       character(len=:), allocatable, intent(out) :: fault !! Not allocated if there is a result
-      integer, intent(out) :: place                      !! Letter of the operation at fault
+      integer, intent(out) :: place                      !! Position of the operation with the error
       real(wp) :: stack(max(self%depth, 1))
       integer :: n, top
 

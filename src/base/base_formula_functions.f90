@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Functions and operators of formulas. What has no finite result is an error, found before the
-!! processor would trap.
+!> Functions and operators of formulas. Operations without a finite result are errors, found before
+!! a floating point exception.
 module base_formula_functions
    use base_constants, only: pi
    use base_kinds, only: wp
@@ -15,7 +15,8 @@ module base_formula_functions
       "floor", "ceiling", "nint", "atan2", "min", "max"]
    integer, parameter, public :: takes_any = -1      !! Two arguments or more
    real(wp), parameter :: most = 1.0e307_wp          !! Greater results are an error
-   real(wp), parameter :: most_whole = 1.0e15_wp     !! Greatest number with exact integers around
+   !> Above this, real numbers need not be exact integers
+   real(wp), parameter :: most_whole = 1.0e15_wp
 
 contains
 
@@ -78,7 +79,7 @@ contains
    !> Replace a base by its power.
    pure subroutine raise(base, exponent, fault)
       real(wp), intent(inout) :: base                !! The base, then the power
-      real(wp), intent(in) :: exponent               !! The exponent
+      real(wp), intent(in) :: exponent               !! Exponent of the power
       character(len=:), allocatable, intent(inout) :: fault !! Allocated if there is no result
       real(wp) :: size
       logical :: odd, whole
@@ -144,16 +145,16 @@ contains
       case ("max")
          first = max(first, second)
       case ("floor", "ceiling", "nint", "abs")
-         first = stepped(function_names(which), first)
+         first = rounded_value(function_names(which), first)
       case default
          call apply_angle(function_names(which), first, fault)
       end select
    end subroutine apply_function
 
-   !> An integer near a number, or its size.
-   pure real(wp) function stepped(name, value) result(near)
-      character(len=*), intent(in) :: name           !! The function
-      real(wp), intent(in) :: value                  !! The number
+   !> Rounded or absolute value of a number.
+   pure real(wp) function rounded_value(name, value) result(near)
+      character(len=*), intent(in) :: name           !! Name of the function
+      real(wp), intent(in) :: value                  !! Its argument
 
       near = value
       if (name == "abs") near = abs(value)
@@ -161,11 +162,11 @@ contains
       near = anint(value)
       if (name == "floor" .and. near > value) near = near - 1.0_wp
       if (name == "ceiling" .and. near < value) near = near + 1.0_wp
-   end function stepped
+   end function rounded_value
 
    !> Replace an argument by the value of a function of angles.
    pure subroutine apply_angle(name, value, fault)
-      character(len=*), intent(in) :: name           !! The function
+      character(len=*), intent(in) :: name           !! Name of the function
       real(wp), intent(inout) :: value               !! The angle, then the value
       character(len=:), allocatable, intent(inout) :: fault !! Allocated if there is no result
       real(wp) :: below

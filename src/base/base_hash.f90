@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Hashes of bits that add up, so that the hash of a set depends on no order.
+!> Hashes that are added, so that the hash of a set does not depend on the order of its elements.
 !!
-!! Every value is mixed with a key that says what and whose it is, and the hashes are added. Sums
-!! wrap round, which this file relies on (the build gives it the option that allows that).
+!! Each value is mixed with a key of its field and owner. Sums overflow and wrap around; the build
+!! compiles this file with -fwrapv for that.
 module base_hash
    use base_kinds, only: int32, int64, wp
    implicit none
@@ -17,7 +17,7 @@ module base_hash
 
 contains
 
-   !> Spread the bits of a number over a whole word: the finaliser of splitmix64.
+   !> Mix the bits of a word: the finaliser of splitmix64.
    !!
    !! G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number generators",
    !! OOPSLA 2014.
@@ -31,16 +31,16 @@ contains
       mixed = ieor(mixed, shiftr(mixed, 31))
    end function mix
 
-   !> Sum of two hashes, wrapped round.
+   !> Sum of two hashes, with wrap-around.
    elemental function add_hash(first, second) result(hash)
-      integer(int64), intent(in) :: first               !! One hash
-      integer(int64), intent(in) :: second              !! Another one
+      integer(int64), intent(in) :: first               !! First hash
+      integer(int64), intent(in) :: second              !! Second hash
       integer(int64) :: hash
 
       hash = first + second
    end function add_hash
 
-   !> Hash of a text, blanks at its end included.
+   !> Hash of a text, with its trailing blanks.
    pure function hash_text(text) result(hash)
       character(len=*), intent(in) :: text              !! Any text
       integer(int64) :: hash
@@ -54,9 +54,9 @@ contains
 
    !> Sum of the hashes of real numbers, each keyed by its owner.
    pure function hash_reals(key, owners, values) result(hash)
-      integer(int64), intent(in) :: key                 !! What the numbers are
-      integer(int64), contiguous, intent(in) :: owners(:) !! Whose they are
-      real(wp), contiguous, intent(in) :: values(:)     !! The numbers
+      integer(int64), intent(in) :: key                 !! Key of the field
+      integer(int64), contiguous, intent(in) :: owners(:) !! Identities of the owners
+      real(wp), contiguous, intent(in) :: values(:)     !! Values of the field
       integer(int64) :: hash
       integer :: index
 
@@ -66,11 +66,11 @@ contains
       end do
    end function hash_reals
 
-   !> Sum of the hashes of whole numbers, each keyed by its owner.
+   !> Sum of the hashes of integers, each keyed by its owner.
    pure function hash_integers(key, owners, values) result(hash)
-      integer(int64), intent(in) :: key                 !! What the numbers are
-      integer(int64), contiguous, intent(in) :: owners(:) !! Whose they are
-      integer(int64), contiguous, intent(in) :: values(:) !! The numbers
+      integer(int64), intent(in) :: key                 !! Key of the field
+      integer(int64), contiguous, intent(in) :: owners(:) !! Identities of the owners
+      integer(int64), contiguous, intent(in) :: values(:) !! Values of the field
       integer(int64) :: hash
       integer :: index
 

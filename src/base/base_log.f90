@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The log: what rank 0 tells on the screen and in a file.
+!> The log of rank 0 on the screen and in a file.
 module base_log
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
@@ -9,27 +9,27 @@ module base_log
 
    public :: log_t, progress_heading, progress_line, progress_t
 
-   !> Levels. A line is kept if its level is not above that of the log.
+   !> Levels. A line is written if its level is not above that of the log.
    integer, parameter, public :: log_error = 0, log_warn = 1, log_info = 2, log_debug = 3
    integer, parameter :: no_unit = 0                     !! No file is open
 
-   !> Where lines go. Without `open` lines go to the screen only, as on rank 0.
+   !> A log. Before `open` lines go only to the screen.
    type :: log_t
-      integer :: level = log_info                        !! Greatest level kept
+      integer :: level = log_info                        !! Greatest level written
       integer :: warnings = 0                            !! Warnings so far
-      logical, private :: speaks = .true.                !! This rank writes
-      logical, private :: screen = .true.                !! To the screen too
-      integer, private :: unit = no_unit                 !! The file
+      logical, private :: writes = .true.                !! Does this rank write?
+      logical, private :: screen = .true.                !! Also to the screen?
+      integer, private :: unit = no_unit                 !! Unit of the file
    contains
       procedure :: open => log_open                      !! Choose rank, file and level
-      procedure :: error => log_print_error              !! Something stops the run
-      procedure :: warn => log_print_warning             !! Something looks wrong
+      procedure :: error => log_print_error              !! Errors
+      procedure :: warn => log_print_warning             !! Warnings
       procedure :: info => log_print_info                !! Progress and results
       procedure :: debug => log_print_debug              !! Details, never on the screen
       procedure :: close => log_close                    !! Close the file
    end type log_t
 
-   !> What a line of progress shows.
+   !> Content of a line of progress.
    type :: progress_t
       real(wp) :: wall = 0.0_wp                          !! Wall time so far [s]
       real(wp) :: time = 0.0_wp                          !! Simulated time [s]
@@ -40,26 +40,26 @@ module base_log
       real(wp) :: energy_error = 0.0_wp                  !! Relative error of the energy ledger
       integer(int64) :: particles = 0                    !! On all ranks
       real(wp) :: updates_per_second = 0.0_wp            !! Particle updates a second [1/s]
-      real(wp) :: seconds_left = 0.0_wp                  !! Wall time to go [s], negative: unknown
+      real(wp) :: seconds_left = 0.0_wp !! Remaining wall time [s], negative: not known
    end type progress_t
 
 contains
 
-   !> Choose which rank this is, the file, and what is kept.
+   !> Open the log of a rank.
    subroutine log_open(self, rank, path, level, quiet, error)
-      class(log_t), intent(inout) :: self                !! The log
-      integer, intent(in) :: rank                        !! Only rank 0 speaks
-      character(len=*), intent(in), optional :: path     !! File, written anew
-      integer, intent(in), optional :: level             !! Greatest level kept
+      class(log_t), intent(inout) :: self
+      integer, intent(in) :: rank                        !! Only rank 0 writes
+      character(len=*), intent(in), optional :: path     !! File, replaced
+      integer, intent(in), optional :: level             !! Greatest level written
       logical, intent(in), optional :: quiet             !! Screen shows warnings and errors only
       type(error_t), allocatable, intent(out) :: error   !! The file cannot be written
       character(len=256) :: reason
       integer :: status
 
-      self%speaks = rank == 0
+      self%writes = rank == 0
       if (present(level)) self%level = level
       if (present(quiet)) self%screen = .not. quiet
-      if (.not. present(path) .or. .not. self%speaks) return
+      if (.not. present(path) .or. .not. self%writes) return
       call self%close()
       open (newunit=self%unit, file=path, action="write", status="replace", iostat=status, &
          iomsg=reason)
@@ -68,49 +68,49 @@ contains
       call fail(error, exit_file, "cannot write the log: "//trim(reason))
    end subroutine log_open
 
-   !> Something stops the run. Goes to the standard error stream, quiet or not.
+   !> Write an error, also to the standard error stream, quiet or not.
    subroutine log_print_error(self, text)
-      class(log_t), intent(inout) :: self                !! The log
+      class(log_t), intent(inout) :: self
       character(len=*), intent(in) :: text               !! One or more lines
 
-      if (.not. self%speaks) return
+      if (.not. self%writes) return
       call put(error_unit, text)
       call keep(self, text)
    end subroutine log_print_error
 
-   !> Something looks wrong. Goes to the standard error stream, quiet or not.
+   !> Write a warning, also to the standard error stream, quiet or not.
    subroutine log_print_warning(self, text)
-      class(log_t), intent(inout) :: self                !! The log
+      class(log_t), intent(inout) :: self
       character(len=*), intent(in) :: text               !! One or more lines
 
       self%warnings = self%warnings + 1
-      if (.not. self%speaks .or. self%level < log_warn) return
+      if (.not. self%writes .or. self%level < log_warn) return
       call put(error_unit, text)
       call keep(self, text)
    end subroutine log_print_warning
 
-   !> Progress and results.
+   !> Write progress and results.
    subroutine log_print_info(self, text)
-      class(log_t), intent(inout) :: self                !! The log
+      class(log_t), intent(inout) :: self
       character(len=*), intent(in) :: text               !! One or more lines
 
-      if (.not. self%speaks .or. self%level < log_info) return
+      if (.not. self%writes .or. self%level < log_info) return
       if (self%screen) call put(output_unit, text)
       call keep(self, text)
    end subroutine log_print_info
 
-   !> Details for the file only.
+   !> Write details, only to the file.
    subroutine log_print_debug(self, text)
-      class(log_t), intent(inout) :: self                !! The log
+      class(log_t), intent(inout) :: self
       character(len=*), intent(in) :: text               !! One or more lines
 
-      if (.not. self%speaks .or. self%level < log_debug) return
+      if (.not. self%writes .or. self%level < log_debug) return
       call keep(self, text)
    end subroutine log_print_debug
 
    !> Close the file.
    subroutine log_close(self)
-      class(log_t), intent(inout) :: self                !! The log
+      class(log_t), intent(inout) :: self
       integer :: status
 
       if (self%unit == no_unit) return
@@ -119,10 +119,11 @@ contains
       if (status /= 0) call put(error_unit, "warning: the end of the log is lost")
    end subroutine log_close
 
-   !> Write to the file, if there is one. A log that cannot grow, say on a full disk, is given up:
-   !! the run itself must not end for it.
+   !> Write to the file, if there is one. After a write error, such as a full disk, the file is
+   !! closed
+   !! and the run continues.
    subroutine keep(self, text)
-      class(log_t), intent(inout) :: self                !! The log
+      class(log_t), intent(inout) :: self
       character(len=*), intent(in) :: text               !! One or more lines
       integer :: status
 
@@ -132,10 +133,10 @@ contains
       if (status == 0) return
       close (self%unit, iostat=status)
       self%unit = no_unit
-      call put(error_unit, "warning: the log cannot be written; it goes on here only")
+      call put(error_unit, "warning: the log cannot be written; it continues only here")
    end subroutine keep
 
-   !> Write to a standard stream at once. A closed stream is no reason to stop.
+   !> Write to a standard stream and flush it. A closed stream is not an error.
    subroutine put(unit, text)
       integer, intent(in) :: unit                        !! A standard stream
       character(len=*), intent(in) :: text               !! One or more lines
@@ -155,7 +156,7 @@ contains
 
    !> One line of progress.
    function progress_line(progress) result(text)
-      type(progress_t), intent(in) :: progress           !! Present state
+      type(progress_t), intent(in) :: progress           !! Current state
       character(len=:), allocatable :: text
       character(len=120) :: line
       real(wp) :: share
@@ -169,9 +170,9 @@ contains
       text = trim(line)
    end function progress_line
 
-   !> A span of time as h:mm:ss.
+   !> A duration as h:mm:ss.
    function duration(seconds) result(text)
-      real(wp), intent(in) :: seconds                    !! Negative if unknown [s]
+      real(wp), intent(in) :: seconds                    !! Negative if not known [s]
       character(len=9) :: text
       integer(int64) :: whole
 

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Cuts namelist text into groups and pieces `key = value`, each with its file and line.
+!> Splits namelist text into groups and assignments `key = value`, each with its file and line.
 !!
-!! Compilers report a fault in a namelist by the wrong name, without a line, or not at all. Here
-!! every fault is found, belongs to one line, and does not hide the next one. Quoted texts end in
-!! the line in which they begin. The text may hold marks that say from which file and line the next
-!! line is, so that included files travel in one text.
+!! Compilers report an error in a namelist with the wrong name, without a line, or not at all. Here
+!! each error is found, has a line, and does not hide the next one. A quoted text ends in the line
+!! in which it begins. Marks in the text give the file and line of the next line, so that included
+!! files can be part of one text.
 module base_namelist
    use base_deck_problems, only: problems_t
    use base_namelist_words, only: lexeme_t, scanner_t, word_broken, word_comma, word_equals, &
@@ -15,35 +15,35 @@ module base_namelist
 
    public :: as_written, block_t, namelist_t, piece_t, token_t
 
-   !> One value of a piece.
+   !> One value of an assignment.
    type :: token_t
       character(len=:), allocatable :: raw               !! As written
       character(len=:), allocatable :: text              !! The same without its quotes
-      logical :: quoted = .false.                        !! It stood in quotes
-      logical :: comma = .false.                         !! It is no value but a comma
-      logical :: formula = .false.                       !! It is an expression in braces
+      logical :: quoted = .false.                        !! Was it in quotes?
+      logical :: comma = .false.                         !! Is it a comma?
+      logical :: formula = .false.                       !! Is it an expression in braces?
       integer :: line = 0                                !! Line of the file
-      integer :: column = 0                              !! Place of its first letter in the line
+      integer :: column = 0                              !! Column of its first character
    end type token_t
 
    !> One `key = value`.
    type :: piece_t
       character(len=:), allocatable :: key               !! Small letters
-      character(len=:), allocatable :: subscript         !! What stood in brackets after the key
+      character(len=:), allocatable :: subscript         !! Text in brackets after the key
       integer :: line = 0                                !! Line of the key
-      logical :: broken = .false.                        !! Its fault has been reported
+      logical :: broken = .false.                        !! Has its error been reported?
       type(token_t), allocatable :: tokens(:)            !! Values and commas
    end type piece_t
 
    !> One group.
    type :: block_t
       character(len=:), allocatable :: name              !! Small letters
-      character(len=:), allocatable :: file              !! Where it is
+      character(len=:), allocatable :: file              !! Its file
       integer :: line = 0                                !! Line of its name
       integer :: first = 0                               !! Its first letter in the text
       integer :: last = 0                                !! Its last letter in the text
-      logical :: broken = .false.                        !! Parts of it may be lost
-      type(piece_t), allocatable :: pieces(:)            !! What it holds
+      logical :: broken = .false.                        !! May parts be missing after an error?
+      type(piece_t), allocatable :: pieces(:)            !! Its assignments
    end type block_t
 
    !> All groups of a text.
@@ -52,45 +52,45 @@ module base_namelist
       type(block_t), allocatable :: blocks(:)            !! The groups; longer than `count`
       type(text_t), allocatable :: files(:)              !! The files in the order of reading
    contains
-      procedure :: scan => namelist_scan                 !! Cut a text into groups
+      procedure :: scan => namelist_scan                 !! Split a text into groups
    end type namelist_t
 
 contains
 
-   !> Cut a text into groups.
+   !> Split a text into groups.
    subroutine namelist_scan(self, text, file, problems)
-      class(namelist_t), intent(out) :: self             !! The groups
-      character(len=*), intent(in) :: text               !! The deck
+      class(namelist_t), intent(out) :: self
+      character(len=*), intent(in) :: text               !! All lines
       character(len=*), intent(in) :: file               !! Its name, for messages
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       type(scanner_t) :: scanner
       type(lexeme_t) :: found
-      logical :: told
+      logical :: reported
       integer :: line
 
       call append(self%files, file)
       allocate (self%blocks(16))
       call scanner%start(text, file)
-      told = .false.
+      reported = .false.
       line = 0
       do
          call scanner%next(found, problems)
          if (found%kind == word_nothing) exit
          if (found%kind == word_group) then
             call scan_group(self, scanner, found, problems)
-            told = .false.
+            reported = .false.
             line = scanner%line
-         else if (.not. told) then
+         else if (.not. reported) then
             call report_stray(scanner, found, found%line == line, problems)
-            told = .true.
+            reported = .true.
          end if
          call remember(self%files, scanner%file)
       end do
    end subroutine namelist_scan
 
-   !> Say that there is text outside the groups, once between two groups.
+   !> Report text outside the groups, once between two groups.
    subroutine report_stray(scanner, found, after_slash, problems)
-      type(scanner_t), intent(in) :: scanner             !! The text
+      type(scanner_t), intent(in) :: scanner
       type(lexeme_t), intent(in) :: found                !! First word outside
       logical, intent(in) :: after_slash                 !! A group ended in its line
       type(problems_t), intent(inout) :: problems        !! Gets the error
@@ -104,10 +104,10 @@ contains
       end if
    end subroutine report_stray
 
-   !> Note a file unless it is known.
+   !> Add a file to the list unless it is there.
    subroutine remember(files, file)
       type(text_t), allocatable, intent(inout) :: files(:) !! The known ones
-      character(len=*), intent(in) :: file               !! Perhaps a new one
+      character(len=*), intent(in) :: file               !! Name of a file
       integer :: i
 
       do i = size(files), 1, -1
@@ -116,12 +116,12 @@ contains
       call append(files, file)
    end subroutine remember
 
-   !> Read one group up to its slash, or to what shows that the slash is missing.
+   !> Read one group up to its slash, or to where the slash must be missing.
    subroutine scan_group(self, scanner, head, problems)
       class(namelist_t), intent(inout) :: self           !! Gets the group
-      type(scanner_t), intent(inout) :: scanner          !! Behind the name of the group
+      type(scanner_t), intent(inout) :: scanner          !! After the name of the group
       type(lexeme_t), intent(in) :: head                 !! The name of the group
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       type(block_t) :: group
       type(lexeme_t), allocatable :: words(:)
       integer :: filled
@@ -165,7 +165,7 @@ contains
 
    !> Append a group to the list.
    subroutine add_block(self, group)
-      class(namelist_t), intent(inout) :: self           !! The list
+      class(namelist_t), intent(inout) :: self
       type(block_t), intent(inout) :: group              !! Emptied
       type(block_t), allocatable :: longer(:)
       integer :: i
@@ -181,7 +181,7 @@ contains
       call move_block(group, self%blocks(self%count))
    end subroutine add_block
 
-   !> Hand a group on.
+   !> Move a group.
    subroutine move_block(from, to)
       type(block_t), intent(inout) :: from               !! Emptied
       type(block_t), intent(inout) :: to                 !! Filled
@@ -195,12 +195,12 @@ contains
       to%broken = from%broken
    end subroutine move_block
 
-   !> Cut the words of a group into its pieces: each `=` makes the word before it a key.
+   !> Split the words of a group into assignments: the word before each `=` is a key.
    subroutine cut_pieces(group, scanner, words, problems)
-      type(block_t), intent(inout) :: group              !! Gets the pieces
-      type(scanner_t), intent(in) :: scanner             !! The text
+      type(block_t), intent(inout) :: group              !! Gets the assignments
+      type(scanner_t), intent(in) :: scanner
       type(lexeme_t), intent(in) :: words(:)             !! All words of the group
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       integer, allocatable :: key_at(:), value_at(:)
       integer :: i, last, pieces
 
@@ -231,7 +231,7 @@ contains
 
    !> Index of the first word of the key before an equals sign; that of the sign if there is none.
    integer function key_before(scanner, words, equals, last) result(first)
-      type(scanner_t), intent(in) :: scanner             !! The text
+      type(scanner_t), intent(in) :: scanner
       type(lexeme_t), intent(in) :: words(:)             !! All words of the group
       integer, intent(in) :: equals                      !! Index of the equals sign
       integer, intent(in) :: last                        !! Index of the equals sign before it, or 0
@@ -245,14 +245,14 @@ contains
       if (words(first - 1)%kind == word_plain) first = first - 1
    end function key_before
 
-   !> Make one piece of its key and its values.
+   !> Make an assignment of its key and values.
    subroutine cut_piece(group, place, scanner, key, values, problems)
-      type(block_t), intent(inout) :: group              !! The group, its pieces allocated
-      integer, intent(in) :: place                       !! Which piece
-      type(scanner_t), intent(in) :: scanner             !! The text
+      type(block_t), intent(inout) :: group !! The group, with its assignments allocated
+      integer, intent(in) :: place                       !! Index of the assignment
+      type(scanner_t), intent(in) :: scanner
       type(lexeme_t), intent(in) :: key(:)               !! Words of the key and the equals sign
       type(lexeme_t), intent(in) :: values(:)            !! Words of the value
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       character(len=:), allocatable :: name
       integer :: bracket, i, total
 
@@ -284,10 +284,9 @@ contains
 
    !> Make a value of a word.
    subroutine make_token(scanner, word, token)
-      type(scanner_t), intent(in) :: scanner             !! The text
-      type(lexeme_t), intent(in) :: word                 !! The word
-      type(token_t), intent(out) :: token                !! The value
-
+      type(scanner_t), intent(in) :: scanner
+      type(lexeme_t), intent(in) :: word
+      type(token_t), intent(out) :: token
       token%raw = scanner%letters(word%first, word%last)
       token%text = token%raw
       token%comma = word%kind == word_comma
@@ -298,10 +297,10 @@ contains
       if (token%quoted) token%text = unquote(token%raw)
    end subroutine make_token
 
-   !> Values and commas as they are written.
+   !> Values and commas as written.
    pure function as_written(tokens, most) result(text)
-      type(token_t), intent(in) :: tokens(:)             !! The value
-      integer, intent(in), optional :: most              !! Letters after which it may end
+      type(token_t), intent(in) :: tokens(:)
+      integer, intent(in), optional :: most !! Number of letters after which it may be cut
       character(len=:), allocatable :: text
       integer :: i
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Cuts namelist text into words: the letters, quotes, commas and signs that groups are made of.
+!> Splits namelist text into words: names, quoted texts, commas and other signs.
 module base_namelist_words
    use base_deck_problems, only: problems_t
    use base_text, only: is_letter, number, shortened
@@ -22,34 +22,34 @@ module base_namelist_words
    character(len=1), parameter :: mark = achar(1)        !! Begins a line that names file and line
    character(len=1), parameter :: newline = achar(10)
 
-   !> One word: its kind and its place.
+   !> One word: its kind and position.
    type :: lexeme_t
       integer :: kind = word_nothing                     !! One of the constants above
       integer :: first = 0                               !! First letter in the text
       integer :: last = 0                                !! Last letter in the text
       integer :: line = 0                                !! Line of the file
-      integer :: column = 0                              !! Place of the first letter in its line
+      integer :: column = 0                              !! Column of its first character
    end type lexeme_t
 
-   !> The text and how far it has been read.
+   !> A text and the position of the scanner in it.
    type :: scanner_t
-      character(len=:), allocatable :: file              !! File of the present line
-      integer :: line = 1                                !! Present line
+      character(len=:), allocatable :: file              !! File of the current line
+      integer :: line = 1                                !! Current line
       character(len=:), allocatable :: inside            !! Name of the open group, for messages
-      character(len=:), allocatable, private :: text     !! The whole
+      character(len=:), allocatable, private :: text     !! All lines
       integer, private :: at = 1                         !! Next letter
-      integer, private :: line_start = 1                 !! First letter of the present line
+      integer, private :: line_start = 1                 !! First letter of the current line
    contains
       procedure :: start => scanner_start                !! Begin with a text
       procedure :: next => scanner_next                  !! Next word
       procedure :: back => scanner_back                  !! Go back to before a word
       procedure :: letters => scanner_letters            !! Part of the text
-      procedure :: rest_of_line => scanner_rest_of_line  !! What follows in the line, for messages
+      procedure :: rest_of_line => scanner_rest_of_line  !! Rest of the line, for messages
    end type scanner_t
 
 contains
 
-   !> A line that says where the lines after it come from.
+   !> A mark with the file and number of the next line.
    pure function file_mark(file, line) result(text)
       character(len=*), intent(in) :: file               !! Name of the file
       integer, intent(in) :: line                        !! Line of the file that comes next
@@ -60,7 +60,7 @@ contains
 
    !> Begin with a text.
    subroutine scanner_start(self, text, file)
-      class(scanner_t), intent(out) :: self              !! The scanner
+      class(scanner_t), intent(out) :: self
       character(len=*), intent(in) :: text               !! The whole text
       character(len=*), intent(in) :: file               !! File of its first line
 
@@ -72,7 +72,7 @@ contains
 
    !> Part of the text.
    pure function scanner_letters(self, first, last) result(letters)
-      class(scanner_t), intent(in) :: self               !! The scanner
+      class(scanner_t), intent(in) :: self
       integer, intent(in) :: first                       !! First letter
       integer, intent(in) :: last                        !! Last letter
       character(len=:), allocatable :: letters
@@ -80,9 +80,9 @@ contains
       letters = self%text(first:last)
    end function scanner_letters
 
-   !> What follows in the line, cut if it is long.
+   !> Rest of the line, cut if it is long.
    pure function scanner_rest_of_line(self, first) result(letters)
-      class(scanner_t), intent(in) :: self               !! The scanner
+      class(scanner_t), intent(in) :: self
       integer, intent(in) :: first                       !! First letter
       character(len=:), allocatable :: letters
       integer, parameter :: most = 40
@@ -96,9 +96,9 @@ contains
       letters = shortened(self%text(first:last), most)
    end function scanner_rest_of_line
 
-   !> Go back to before a word of the present line.
+   !> Go back to the position before a word of the current line.
    subroutine scanner_back(self, word)
-      class(scanner_t), intent(inout) :: self            !! The scanner
+      class(scanner_t), intent(inout) :: self
       type(lexeme_t), intent(in) :: word                 !! The last word
 
       self%at = word%first
@@ -106,9 +106,9 @@ contains
 
    !> Next word. In a group the end of an included file gives nothing, so that no group crosses it.
    subroutine scanner_next(self, word, problems)
-      class(scanner_t), intent(inout) :: self            !! The scanner
-      type(lexeme_t), intent(out) :: word                !! The word
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      class(scanner_t), intent(inout) :: self
+      type(lexeme_t), intent(out) :: word
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       logical :: crossed
 
       call skip_blanks(self, crossed, problems)
@@ -141,11 +141,11 @@ contains
       self%at = word%last + 1
    end subroutine scanner_next
 
-   !> Pass blanks, comments and ends of lines.
+   !> Skip blanks, comments and line ends.
    subroutine skip_blanks(self, crossed, problems)
-      class(scanner_t), intent(inout) :: self            !! The scanner
-      logical, intent(out) :: crossed                    !! In a group another file begins here
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      class(scanner_t), intent(inout) :: self
+      logical, intent(out) :: crossed !! Does another file begin here within a group?
+      type(problems_t), intent(inout) :: problems        !! Gets errors
 
       crossed = .false.
       do while (self%at <= len(self%text))
@@ -170,7 +170,7 @@ contains
    !> Go to the next line.
    subroutine end_line(self, problems)
       class(scanner_t), intent(inout) :: self            !! At the end of a line
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Gets errors
 
       if (self%at - self%line_start > longest_line + 1) then
          call problems%error(self%file, self%line, "the line is longer than "// &
@@ -182,9 +182,9 @@ contains
       call skip_marks(self)
    end subroutine end_line
 
-   !> Obey the marks at the begin of a line.
+   !> Read the marks at the start of a line.
    subroutine skip_marks(self)
-      class(scanner_t), intent(inout) :: self            !! At the begin of a line
+      class(scanner_t), intent(inout) :: self            !! At the start of a line
       integer :: blank, last, status
 
       do while (self%at <= len(self%text))
@@ -203,8 +203,8 @@ contains
    !> Read a text in quotes. It ends in its line; if not, the line is lost and this is reported.
    subroutine read_quoted(self, word, problems)
       class(scanner_t), intent(in) :: self               !! At the opening quote
-      type(lexeme_t), intent(inout) :: word              !! The word, its begin known
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(lexeme_t), intent(inout) :: word              !! The word, with its start
+      type(problems_t), intent(inout) :: problems        !! Gets errors
       integer :: at
 
       at = self%at + 1
@@ -229,8 +229,8 @@ contains
    !> Read an expression in braces. It ends in its line; if not, the line is lost.
    subroutine read_formula(self, word, problems)
       class(scanner_t), intent(in) :: self               !! At the opening brace
-      type(lexeme_t), intent(inout) :: word              !! The word, its begin known
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(lexeme_t), intent(inout) :: word              !! The word, with its start
+      type(problems_t), intent(inout) :: problems        !! Gets errors
 
       word%last = self%at + scan(self%text(self%at:), "}"//newline) - 1
       word%kind = word_formula
@@ -242,11 +242,11 @@ contains
          self%rest_of_line(self%at)//"; an expression ends with } in its line")
    end subroutine read_formula
 
-   !> Read anything else, up to a blank or sign; blanks and commas in brackets belong to it, and so
-   !! does the slash of a unit such as km/s.
+   !> Read any other word up to a blank or sign. Blanks and commas in brackets are a part of it, and
+   !! so is the slash of a unit such as km/s.
    subroutine read_plain(self, word)
       class(scanner_t), intent(in) :: self               !! At its first letter
-      type(lexeme_t), intent(inout) :: word              !! The word, its begin known
+      type(lexeme_t), intent(inout) :: word              !! The word, with its start
       integer :: at, closing
 
       word%kind = word_plain

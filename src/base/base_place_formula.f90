@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Formulas of the place, such as `100*x` for a velocity, made those of SI.
+!> Formulas of the position, such as `100*x` for a velocity, converted to SI.
 !!
-!! A deck gives x, y, z and the result in its units. The formula is written anew for SI, with powers
-!! of ten at the places and at the result; what the run evaluates is what the echo shows.
+!! In a deck x, y, z and the result are in its units. The formula is rewritten for SI, with powers
+!! of
+!! ten at the coordinates and at the result; the echo shows the formula that is evaluated.
 module base_place_formula
    use base_formula, only: formula_t
    use base_schema, only: key_t
@@ -17,25 +18,26 @@ module base_place_formula
 
 contains
 
-   !> Make a formula of the place of a text. The values of x, y, z are evaluated in this order.
+   !> Compile a formula of the position. Its variables are x, y, z in this order.
    subroutine compile_place_formula(text, formula, fault, place)
       character(len=*), intent(in) :: text               !! As written
-      type(formula_t), intent(out) :: formula            !! The formula
-      character(len=:), allocatable, intent(out) :: fault !! What is wrong, empty if nothing is
-      integer, intent(out) :: place                      !! Letter of the mistake
+      type(formula_t), intent(out) :: formula
+      character(len=:), allocatable, intent(out) :: fault !! Error, empty if there is none
+      integer, intent(out) :: place                      !! Position of the error
       type(text_t), allocatable :: names(:)
 
       call split(variables, names)
       call formula%compile(text, names, fault, place)
    end subroutine compile_place_formula
 
-   !> Write the formula of a key for SI.
+   !> Rewrite the formula of a key for SI.
    subroutine convert_formula(key, system, longest, text, complaint)
       type(key_t), intent(in) :: key                     !! The key; its unit is that of the result
       integer, intent(in) :: system                      !! Units of the deck
-      integer, intent(in) :: longest                     !! Letters that the echo can hold
-      character(len=:), allocatable, intent(inout) :: text !! The formula
-      character(len=:), allocatable, intent(inout) :: complaint !! Empty if all is well
+      integer, intent(in) :: longest                     !! Longest text of the echo
+      !> Formula in the units of the deck, then in SI
+      character(len=:), allocatable, intent(inout) :: text
+      character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
       type(formula_t) :: formula
       type(unit_t) :: length
       character(len=:), allocatable :: fault, letters, written
@@ -57,7 +59,7 @@ contains
          if (is_letter(letters(place:place))) then
             last = place + verify(letters(place:), "abcdefghijklmnopqrstuvwxyz0123456789_") - 2
          else if (scan(letters(place:place), "0123456789.") == 1) then
-            ! the exponent of a number is no variable
+            ! the e of an exponent is not a variable
             last = place + verify(letters(place:), "0123456789.ed") - 2
          end if
          if (index(" "//variables//" ", " "//letters(place:last)//" ") > 0) then

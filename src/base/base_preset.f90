@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Presets are values of a group that a deck may ask for by name. They are lines of text,
+!> A preset is a set of values for a group that a deck requests by name. It is written in SI as
 !!
-!!    preset NAME: what it is
-!!    key = value | where it is from | condition
+!!    preset NAME: title
+!!    key = value | source | condition
 !!
-!! in SI. The condition is empty, `unless KEY KEY`, for a value that gives way to other keys, or
-!! `with GROUP.KEY`, for one that needs a switch.
+!! The condition is empty, `unless KEY KEY` for a value that other keys replace, or `with GROUP.KEY`
+!! for a value that needs a switch.
 module base_preset
    use base_text, only: split, text_t
    implicit none
@@ -15,10 +15,10 @@ module base_preset
 
    !> One value.
    type, public :: preset_entry_t
-      character(len=:), allocatable :: key               !! The key
+      character(len=:), allocatable :: key               !! Name of the key
       character(len=:), allocatable :: value             !! In SI, values with blanks between them
-      character(len=:), allocatable :: source            !! Where it is from
-      type(text_t), allocatable :: unless(:)             !! Keys it gives way to
+      character(len=:), allocatable :: source            !! Source
+      type(text_t), allocatable :: unless(:)             !! Keys that replace it
       character(len=:), allocatable :: switch            !! GROUP.KEY it needs, or empty
    end type preset_entry_t
 
@@ -26,18 +26,18 @@ module base_preset
    type :: preset_t
       character(len=:), allocatable :: group             !! Group it belongs to
       character(len=:), allocatable :: name              !! Its name
-      character(len=:), allocatable :: title             !! What it is
+      character(len=:), allocatable :: title             !! Title
       type(preset_entry_t), allocatable :: entries(:)    !! In the order of applying
    end type preset_t
 
 contains
 
-   !> Read presets. The lines are a part of the program and are taken as right; a test reads them
-   !! all.
+   !> Read presets. The lines are a part of the program and are not checked here; a unit test reads
+   !! all of them.
    subroutine read_presets(group, lines, presets)
       character(len=*), intent(in) :: group              !! Group they belong to
-      character(len=*), intent(in) :: lines(:)           !! The lines
-      type(preset_t), allocatable, intent(out) :: presets(:) !! The presets
+      character(len=*), intent(in) :: lines(:)           !! Text of the presets
+      type(preset_t), allocatable, intent(out) :: presets(:)
       character(len=*), parameter :: head = "preset "
       integer :: i, n, m
 
@@ -63,7 +63,7 @@ contains
 
    !> Add one value.
    subroutine add_entry(line, preset)
-      character(len=*), intent(in) :: line               !! The line
+      character(len=*), intent(in) :: line               !! Text of the value
       type(preset_t), intent(inout) :: preset            !! Gets the value
       type(preset_entry_t), allocatable :: longer(:)
       type(text_t), allocatable :: words(:)

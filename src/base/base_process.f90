@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> This process to the system: its environment, the cores it may use, the ranks beside it.
-! allow(C071): the texts of C have no length of their own
+!> This process: its environment variables, the cores and ranks of its node, its restart.
+! allow(C071): texts of C have no length
 module base_process
    use base_text, only: text_t
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_long, c_null_char, c_null_ptr, &
@@ -14,17 +14,17 @@ module base_process
    integer(c_int), parameter :: cores_online = 84        !! _SC_NPROCESSORS_ONLN of Linux
 
    interface
-      !> Give the environment of this process a word, unless it has it and `overwrite` is 0.
+      !> Set an environment variable of this process, unless it is set and `overwrite` is 0.
       function c_setenv(name, value, overwrite) bind(c, name="setenv") result(status)
          import :: c_char, c_int
          implicit none
          character(kind=c_char), intent(in) :: name(*)   !! Null terminated
          character(kind=c_char), intent(in) :: value(*)  !! Null terminated
-         integer(c_int), value :: overwrite              !! 0: leave what is there
+         integer(c_int), value :: overwrite              !! 0: keep the old value
          integer(c_int) :: status
       end function c_setenv
 
-      !> Begin a program in this process, which keeps its number, files and environment.
+      !> Replace the program of this process, which keeps its number, files and environment.
       function c_execv(path, arguments) bind(c, name="execv") result(status)
          import :: c_char, c_int, c_ptr
          implicit none
@@ -37,33 +37,33 @@ module base_process
       function c_sysconf(name) bind(c, name="sysconf") result(value)
          import :: c_int, c_long
          implicit none
-         integer(c_int), value :: name                   !! Which
+         integer(c_int), value :: name                   !! Its name
          integer(c_long) :: value
       end function c_sysconf
    end interface
 
 contains
 
-   !> True if the environment has a word that is not empty.
+   !> True if an environment variable is set and not empty.
    logical function is_set(name) result(found)
-      character(len=*), intent(in) :: name               !! The word
+      character(len=*), intent(in) :: name               !! Name of the variable
       integer :: length, status
 
       call get_environment_variable(name, length=length, status=status)
       found = status == 0 .and. length > 0
    end function is_set
 
-   !> Give the environment a word, unless the user has set it. A process without memory for it goes
-   !! on without.
+   !> Set an environment variable, unless the user has set it. Without memory for it, it stays
+   !! unset.
    subroutine set_default(name, value)
-      character(len=*), intent(in) :: name               !! The word
+      character(len=*), intent(in) :: name               !! Name of the variable
       character(len=*), intent(in) :: value              !! Its value
       integer(c_int) :: ignored
 
       ignored = c_setenv(name//c_null_char, value//c_null_char, 0_c_int)
    end subroutine set_default
 
-   !> Number of ranks on this machine, as the launcher says before MPI is started; 1 if it does not.
+   !> Number of ranks on this node from the environment of the launcher, before MPI starts; else 1.
    integer function ranks_here() result(ranks)
       character(len=*), parameter :: words(2) = [character(len=26) :: &
          "OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"]
@@ -79,18 +79,19 @@ contains
       ranks = 1
    end function ranks_here
 
-   !> Number of cores for all ranks on this machine. A rank that the launcher has bound sees its own
-   !! cores only.
+   !> Number of cores for all ranks on this node. A rank that the launcher has bound sees only its
+   !! own
+   !! cores, so then all cores of the node count.
    integer function cores_here() result(cores)
       cores = omp_get_num_procs()
       if (is_set("OMPI_MCA_orte_bound_at_launch")) cores = max(cores, int(c_sysconf(cores_online)))
    end function cores_here
 
-   !> Begin this program again in the same process, so that its libraries read the environment
-   !! anew. Returns only if that is not possible.
+   !> Restart this program in the same process, so that its libraries read the environment again.
+   !! Returns only if that is not possible.
    subroutine restart_process(path, name, arguments)
-      character(len=*), intent(in) :: path               !! The program
-      character(len=*), intent(in) :: name               !! As it was called
+      character(len=*), intent(in) :: path               !! Path of the program
+      character(len=*), intent(in) :: name               !! Name under which it was called
       type(text_t), intent(in) :: arguments(:)           !! Of the command line
       character(len=:), allocatable, target :: letters
       type(c_ptr), allocatable :: pointers(:)

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Random numbers without a state: each is a function of the seed, of whose it is, and of its place.
+!> Counter-based random numbers: each is a function of the seed, its owner, and its index.
 !!
-!! So no number depends on ranks, threads, the order of particles, or a restart. Sums and products
-!! wrap round, which this file relies on (the build gives it the option that allows that).
+!! They do not depend on ranks, threads, the order of particles, or a restart. Sums and products
+!! overflow and wrap around; the build compiles this file with -fwrapv for that.
 module base_random
    use base_constants, only: pi
    use base_hash, only: mix
@@ -17,18 +17,18 @@ contains
    !> Sixty-four random bits.
    elemental function random_bits(seed, identity, draw) result(bits)
       integer(int64), intent(in) :: seed                !! Seed of the run
-      integer(int64), intent(in) :: identity            !! Whose number this is
-      integer(int64), intent(in) :: draw                !! Which number of this owner
+      integer(int64), intent(in) :: identity            !! Identity of the owner
+      integer(int64), intent(in) :: draw                !! Index of the number
       integer(int64) :: bits
 
       bits = mix(mix(mix(seed) + identity) + draw)
    end function random_bits
 
-   !> A number between 0 and 1, both excluded, evenly distributed.
+   !> A uniformly distributed number in the open interval (0, 1).
    elemental function random_uniform(seed, identity, draw) result(number)
       integer(int64), intent(in) :: seed                !! Seed of the run
-      integer(int64), intent(in) :: identity            !! Whose number this is
-      integer(int64), intent(in) :: draw                !! Which number of this owner
+      integer(int64), intent(in) :: identity            !! Identity of the owner
+      integer(int64), intent(in) :: draw                !! Index of the number
       real(wp) :: number
 
       number = (real(shiftr(random_bits(seed, identity, draw), 12), wp) + 0.5_wp)*2.0_wp**(-52)
@@ -37,8 +37,8 @@ contains
    !> A normally distributed number of mean 0 and variance 1 (Box and Muller 1958).
    elemental function random_normal(seed, identity, draw) result(number)
       integer(int64), intent(in) :: seed                !! Seed of the run
-      integer(int64), intent(in) :: identity            !! Whose number this is
-      integer(int64), intent(in) :: draw                !! Which number of this owner
+      integer(int64), intent(in) :: identity            !! Identity of the owner
+      integer(int64), intent(in) :: draw                !! Index of the number
       real(wp) :: number
       real(wp) :: angle, radius
 

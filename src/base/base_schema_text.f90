@@ -154,7 +154,7 @@ contains
       case (kind_real)
          one = "number"
       case (kind_integer)
-         one = "whole number"
+         one = "integer"
       case (kind_logical)
          one = ".true./.false."
       case default

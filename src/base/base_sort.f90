@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Sorting of keys.
+!> Sorts keys.
 module base_sort
    use base_kinds, only: int64
    implicit none
@@ -9,7 +9,7 @@ module base_sort
 
 contains
 
-   !> Order that sorts keys: key(order) ascends, equal keys keep their order. Merge sort.
+   !> Order in which keys ascend; equal keys keep their order. Merge sort.
    pure function sort_order(key) result(order)
       integer(int64), intent(in) :: key(:)            !! In any order
       integer :: order(size(key))

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Lists of texts, the nearest of several words, and numbers that read back bit for bit.
+!> Lists of texts, spelling suggestions, and numbers as text that reads back to the same bits.
 module base_text
    use base_kinds, only: int64, wp
    implicit none
@@ -8,15 +8,15 @@ module base_text
    public :: append, brief, buffer_t, closest, closest_meaning, distance, is_letter, join, lower, &
       number, shortened, size_text, split, text_t
 
-   !> A text of any length, so that arrays of texts can be made.
+   !> A text of any length, for arrays of texts.
    type :: text_t
-      character(len=:), allocatable :: text              !! The letters
+      character(len=:), allocatable :: text              !! Any number of letters
    end type text_t
 
-   !> A long text that grows without being copied each time.
+   !> A text that grows without a copy for each addition.
    type :: buffer_t
       integer, private :: filled = 0                     !! Letters in use
-      character(len=:), allocatable, private :: letters  !! Longer than what is in use
+      character(len=:), allocatable, private :: letters  !! Buffer, longer than the text
    contains
       procedure :: add => buffer_add                     !! Append letters
       procedure :: line => buffer_line                   !! Append a line
@@ -34,7 +34,7 @@ contains
 
    !> Append letters to a buffer.
    pure subroutine buffer_add(self, letters)
-      class(buffer_t), intent(inout) :: self             !! The buffer
+      class(buffer_t), intent(inout) :: self
       character(len=*), intent(in) :: letters            !! What to append
       character(len=:), allocatable :: longer
       integer :: needed
@@ -52,7 +52,7 @@ contains
 
    !> Append a line, with its end, to a buffer.
    pure subroutine buffer_line(self, letters)
-      class(buffer_t), intent(inout) :: self             !! The buffer
+      class(buffer_t), intent(inout) :: self
       character(len=*), intent(in) :: letters            !! The line without its end
 
       call self%add(letters)
@@ -61,7 +61,7 @@ contains
 
    !> All letters of a buffer.
    pure function buffer_content(self) result(letters)
-      class(buffer_t), intent(in) :: self                !! The buffer
+      class(buffer_t), intent(in) :: self
       character(len=:), allocatable :: letters
 
       letters = ""
@@ -92,7 +92,7 @@ contains
       yes = ("a" <= letter .and. letter <= "z") .or. ("A" <= letter .and. letter <= "Z")
    end function is_letter
 
-   !> Capital letters made small.
+   !> A text in lower case.
    pure function lower(text) result(small)
       character(len=*), intent(in) :: text               !! Any text
       character(len=len(text)) :: small
@@ -107,7 +107,7 @@ contains
       end do
    end function lower
 
-   !> A text for a message, cut if it is long, but not within a letter of several bytes.
+   !> A text for a message, cut if it is long, but not within a multibyte character.
    pure function shortened(text, most) result(short)
       character(len=*), intent(in) :: text               !! Any text
       integer, intent(in) :: most                        !! Greatest number of bytes kept
@@ -125,7 +125,7 @@ contains
    !> Words of a text that blanks separate.
    pure subroutine split(text, words)
       character(len=*), intent(in) :: text               !! Words and blanks
-      type(text_t), allocatable, intent(out) :: words(:) !! The words
+      type(text_t), allocatable, intent(out) :: words(:)
       integer :: first, last
 
       allocate (words(0))
@@ -142,10 +142,10 @@ contains
       end do
    end subroutine split
 
-   !> Texts in a row with something between them.
+   !> Texts joined with a separator.
    pure function join(words, separator) result(row)
-      type(text_t), intent(in) :: words(:)               !! The texts
-      character(len=*), intent(in) :: separator          !! What stands between two of them
+      type(text_t), intent(in) :: words(:)
+      character(len=*), intent(in) :: separator          !! Text between two of them
       character(len=:), allocatable :: row
       type(buffer_t) :: buffer
       integer :: i
@@ -157,7 +157,7 @@ contains
       row = buffer%content()
    end function join
 
-   !> Number of letters to insert, drop, change, or swap to make one word of another.
+   !> Number of letters to insert, delete, change, or swap to turn one word into another.
    !!
    !! Levenshtein's distance with swaps (optimal string alignment).
    pure integer function distance(from, to) result(changes)
@@ -183,10 +183,10 @@ contains
       changes = now(len(to))
    end function distance
 
-   !> The word of a list that is nearest to another one, or nothing if none is near.
+   !> The closest word of a list, or an empty text if none is close.
    pure function closest(word, candidates) result(best)
-      character(len=*), intent(in) :: word               !! As somebody wrote it
-      type(text_t), intent(in) :: candidates(:)          !! What it may be meant to be
+      character(len=*), intent(in) :: word               !! As the user wrote it
+      type(text_t), intent(in) :: candidates(:)          !! Valid words
       character(len=:), allocatable :: best
       integer :: changes, i, least
 
@@ -202,10 +202,10 @@ contains
       end do
    end function closest
 
-   !> The first word of the text that shares most words with another one, or nothing if none does:
-   !! aluminium_6061 is nearest to "al_6061_t6 aluminium 6061-T6".
+   !> The first word of the text that has most words in common with another one, or an empty text:
+   !! aluminium_6061 is closest to "al_6061_t6 aluminium 6061-T6".
    pure function closest_meaning(word, meanings) result(best)
-      character(len=*), intent(in) :: word               !! As somebody wrote it
+      character(len=*), intent(in) :: word               !! As the user wrote it
       type(text_t), intent(in) :: meanings(:)            !! A name and what it means
       character(len=:), allocatable :: best
       type(text_t), allocatable :: parts(:), words(:)
@@ -232,7 +232,7 @@ contains
       best = best(:index(best//" ", " ") - 1)
    end function closest_meaning
 
-   !> A text in small letters with blanks for signs, and between letters and digits.
+   !> A text in lower case with blanks for signs, and between letters and digits.
    pure function parted(text) result(words)
       character(len=*), intent(in) :: text               !! Any
       character(len=:), allocatable :: words
@@ -255,11 +255,12 @@ contains
       end do
    end function parted
 
-   !> True for two words that are the same but for a slip, or where one begins with the other.
+   !> True for two words that are the same except for a typing error, or if one begins with the
+   !! other.
    pure logical function alike(one, other) result(yes)
       character(len=*), intent(in) :: one                !! A word in small letters
       character(len=*), intent(in) :: other              !! Another one
-      integer, parameter :: telling = 3                  ! letters that tell words apart
+      integer, parameter :: telling = 3                  ! shortest common start
       integer :: shorter
 
       yes = one == other
@@ -269,9 +270,9 @@ contains
       if (.not. yes .and. shorter > telling) yes = distance(one, other) <= shorter/4
    end function alike
 
-   !> A whole number as text.
+   !> An integer as text.
    pure function number_of_integer(value) result(text)
-      integer, intent(in) :: value                       !! The number
+      integer, intent(in) :: value                       !! Any integer
       character(len=:), allocatable :: text
       character(len=12) :: line
 
@@ -279,9 +280,9 @@ contains
       text = trim(line)
    end function number_of_integer
 
-   !> A long whole number as text.
+   !> A long integer as text.
    pure function number_of_long_integer(value) result(text)
-      integer(int64), intent(in) :: value                !! The number
+      integer(int64), intent(in) :: value                !! Any integer
       character(len=:), allocatable :: text
       character(len=21) :: line
 
@@ -307,7 +308,7 @@ contains
       text = tidy(adjustl(line))
    end function number_of_real
 
-   !> A number for people, rounded to six digits.
+   !> A number rounded to six digits.
    pure function brief(value) result(text)
       real(wp), intent(in) :: value                      !! A finite number
       character(len=:), allocatable :: text
@@ -319,7 +320,7 @@ contains
       if (text(len(text) - 1:) == ".0") text = text(:len(text) - 2)
    end function brief
 
-   !> A number of bytes for people.
+   !> A number of bytes in kB, MB and so on.
    pure function size_text(bytes) result(text)
       real(wp), intent(in) :: bytes                      !! Any
       character(len=:), allocatable :: text
@@ -336,7 +337,7 @@ contains
       end if
    end function size_text
 
-   !> A number written as 1.2300E+002 made 123.0: no needless zeros, an exponent only if it helps.
+   !> A number such as 1.2300E+002 as 123.0: no trailing zeros, an exponent only for short text.
    pure function tidy(line) result(text)
       character(len=*), intent(in) :: line               !! One digit, point, digits, E, exponent
       character(len=:), allocatable :: text

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Wall time by phase: where a run spends its seconds. A phase that begins inside another one stops
-!! the clock of that until it ends, so the times of all phases add up.
+!> Wall time of the phases of a run. A phase that starts inside another one pauses it, so the times
+!! of all phases add up to the total.
 module base_timer
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
@@ -14,7 +14,7 @@ module base_timer
    integer, parameter :: most_phases = 32                !! Phases of a timer
    integer, parameter :: most_deep = 8                   !! Phases inside one another
 
-   !> A time as the C library writes it.
+   !> Time of the C library.
    type, bind(c) :: time_t
       integer(c_long) :: seconds                         !! [s]
       integer(c_long) :: nanoseconds                     !! [ns]
@@ -25,8 +25,8 @@ module base_timer
       function clock_gettime(clock, time) bind(c, name="clock_gettime") result(status)
          import :: c_int, time_t
          implicit none
-         integer(c_int), value :: clock                  !! Which
-         type(time_t), intent(out) :: time               !! What it shows
+         integer(c_int), value :: clock                  !! Its name
+         type(time_t), intent(out) :: time               !! Its time
          integer(c_int) :: status
       end function clock_gettime
    end interface
@@ -41,26 +41,26 @@ module base_timer
 
    !> Times of named phases on this rank.
    type :: timer_t
-      type(phase_t), private :: phases(most_phases)      !! In the order of their first mention
+      type(phase_t), private :: phases(most_phases)      !! In the order of their first use
       integer, private :: filled = 0                     !! Phases in use
-      integer, private :: open(0:most_deep) = 0          !! (depth) Phases that go on, inner last
+      integer, private :: open(0:most_deep) = 0          !! (depth) Running phases, inner last
       integer, private :: depth = 0                      !! How many of them
    contains
       procedure :: phase => timer_phase                  !! Number of a phase, new or known
-      procedure :: start => timer_start                  !! The phase begins
-      procedure :: stop => timer_stop                    !! The phase ends
-      procedure :: move => timer_move                    !! Book seconds of a phase on another one
+      procedure :: start => timer_start                  !! Start a phase
+      procedure :: stop => timer_stop                    !! Stop a phase
+      procedure :: move => timer_move                    !! Move seconds of a phase to another one
       procedure :: count => timer_count                  !! Number of phases
       procedure :: name => timer_name                    !! Name of a phase
       procedure :: calls => timer_calls                  !! How often a phase ended
       procedure :: seconds => timer_seconds              !! Seconds on this rank
-      procedure :: spread => timer_spread                !! Least, mean, greatest over the ranks
-      procedure :: table => timer_table                  !! All that as text
+      procedure :: spread => timer_spread                !! Minimum, mean, maximum over the ranks
+      procedure :: table => timer_table                  !! A table of them
    end type timer_t
 
 contains
 
-   !> Seconds since an origin of the system's choice; never runs backwards.
+   !> Seconds of the monotonic clock.
    function wall_seconds() result(seconds)
       real(wp) :: seconds
       integer(int64) :: rate, ticks
@@ -69,7 +69,7 @@ contains
       seconds = real(ticks, wp)/real(rate, wp)
    end function wall_seconds
 
-   !> Seconds that the calling thread has worked: it does not count while others have the processor.
+   !> Processor time of the calling thread [s].
    function thread_seconds() result(seconds)
       integer(c_int), parameter :: of_this_thread = 3_c_int
       real(wp) :: seconds
@@ -77,7 +77,7 @@ contains
       seconds = clock_seconds(of_this_thread)
    end function thread_seconds
 
-   !> Seconds that all threads of this process have worked.
+   !> Processor time of all threads of this process [s].
    function process_seconds() result(seconds)
       integer(c_int), parameter :: of_this_process = 2_c_int
       real(wp) :: seconds
@@ -85,9 +85,9 @@ contains
       seconds = clock_seconds(of_this_process)
    end function process_seconds
 
-   !> What a clock of POSIX shows, 0 if there is none.
+   !> Time of a POSIX clock, 0 if there is none [s].
    function clock_seconds(clock) result(seconds)
-      integer(c_int), intent(in) :: clock                !! Which
+      integer(c_int), intent(in) :: clock                !! Its name
       real(wp), parameter :: nano = 1.0e-9_wp
       type(time_t) :: now
       real(wp) :: seconds
@@ -97,9 +97,9 @@ contains
          seconds = real(now%seconds, wp) + nano*real(now%nanoseconds, wp)
    end function clock_seconds
 
-   !> Number of the phase of this name. The last place is shared by all names that do not fit.
+   !> Index of a phase. All names beyond the capacity share the last index.
    function timer_phase(self, name) result(index)
-      class(timer_t), intent(inout) :: self              !! The timer
+      class(timer_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! As in the table
       integer :: index
 
@@ -111,9 +111,9 @@ contains
       self%filled = index
    end function timer_phase
 
-   !> The phase begins.
+   !> Start a phase.
    subroutine timer_start(self, index)
-      class(timer_t), intent(inout) :: self              !! The timer
+      class(timer_t), intent(inout) :: self
       integer, intent(in) :: index                       !! From `phase`
 
       integer(int64) :: ticks
@@ -125,17 +125,17 @@ contains
       self%phases(index)%started = ticks
    end subroutine timer_start
 
-   !> Add the time since a phase went on.
+   !> Add the time since the last start of a phase.
    pure subroutine close_interval(phase, ticks)
-      type(phase_t), intent(inout) :: phase              !! Which
+      type(phase_t), intent(inout) :: phase              !! Its name
       integer(int64), intent(in) :: ticks                !! Clock now
 
       phase%ticks = phase%ticks + ticks - phase%started
    end subroutine close_interval
 
-   !> Book seconds of one phase on another, for what is known only afterwards.
+   !> Move seconds of one phase to another, if the phase of some work is known only afterwards.
    subroutine timer_move(self, from, to, seconds)
-      class(timer_t), intent(inout) :: self              !! The timer
+      class(timer_t), intent(inout) :: self
       integer, intent(in) :: from                        !! Loses them
       integer, intent(in) :: to                          !! Gets them
       real(wp), intent(in) :: seconds                    !! [s]
@@ -148,9 +148,9 @@ contains
       self%phases(to)%calls = self%phases(to)%calls + 1_int64
    end subroutine timer_move
 
-   !> The phase ends, and the one that it interrupted goes on.
+   !> Stop a phase and continue the one that it paused.
    subroutine timer_stop(self, index)
-      class(timer_t), intent(inout) :: self              !! The timer
+      class(timer_t), intent(inout) :: self
       integer, intent(in) :: index                       !! From `phase`
       integer(int64) :: ticks
 
@@ -163,14 +163,13 @@ contains
 
    !> Number of phases.
    pure integer function timer_count(self) result(count)
-      class(timer_t), intent(in) :: self                 !! The timer
-
+      class(timer_t), intent(in) :: self
       count = self%filled
    end function timer_count
 
    !> Name of a phase.
    pure function timer_name(self, index) result(name)
-      class(timer_t), intent(in) :: self                 !! The timer
+      class(timer_t), intent(in) :: self
       integer, intent(in) :: index                       !! From 1 to `count`
       character(len=:), allocatable :: name
 
@@ -179,7 +178,7 @@ contains
 
    !> How often a phase ended on this rank.
    pure function timer_calls(self, index) result(calls)
-      class(timer_t), intent(in) :: self                 !! The timer
+      class(timer_t), intent(in) :: self
       integer, intent(in) :: index                       !! From 1 to `count`
       integer(int64) :: calls
 
@@ -188,7 +187,7 @@ contains
 
    !> Seconds of a phase on this rank.
    function timer_seconds(self, index) result(seconds)
-      class(timer_t), intent(in) :: self                 !! The timer
+      class(timer_t), intent(in) :: self
       integer, intent(in) :: index                       !! From 1 to `count`
       real(wp) :: seconds
       integer(int64) :: rate, ticks
@@ -197,11 +196,11 @@ contains
       seconds = real(self%phases(index)%ticks, wp)/real(rate, wp)
    end function timer_seconds
 
-   !> Seconds of all phases over the ranks, and in the last place of what no phase covers.
+   !> Seconds of all phases over the ranks, and in the last element those outside of all phases.
    !! Collective; all ranks must know the same phases.
    subroutine timer_spread(self, communicator, total, least, mean, greatest)
-      class(timer_t), intent(in) :: self                 !! The timer
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      class(timer_t), intent(in) :: self
+      type(communicator_t), intent(in) :: communicator
       real(wp), intent(in) :: total                      !! Seconds of the whole on this rank
       real(wp), allocatable, intent(out) :: least(:)     !! (phase, and the rest) [s]
       real(wp), allocatable, intent(out) :: mean(:)      !! (phase, and the rest) [s]
@@ -226,10 +225,10 @@ contains
       end do
    end subroutine timer_spread
 
-   !> A table of all phases, with what no phase covers as "other". Collective.
+   !> A table of all phases, with the time outside of them as "other". Collective.
    function timer_table(self, communicator, total) result(text)
-      class(timer_t), intent(in) :: self                 !! The timer
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      class(timer_t), intent(in) :: self
+      type(communicator_t), intent(in) :: communicator
       real(wp), intent(in) :: total                      !! Seconds of the whole on this rank
       character(len=:), allocatable :: text
       real(wp), allocatable :: greatest(:), least(:), mean(:)

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Units that a deck may write behind a number, such as km/s, g/cm3 or J/(kg K).
+!> Units after a number of a deck, such as km/s, g/cm3 or J/(kg K).
 !!
 !! Prefixes and most units are powers of ten of SI, so they shift the decimal exponent of the
 !! written number before it is read: 2.7 g/cm3 and 2700 kg/m3 become the same bits. Minutes, hours
-!! and angles have a factor besides.
+!! and angles have a factor as well.
 module base_unit_words
    use base_constants, only: pi
    use base_decimal, only: decimal_none, read_decimal
@@ -20,16 +20,16 @@ module base_unit_words
    type :: written_unit_t
       real(wp) :: power(4) = 0.0_wp                      !! Of length, time, mass, temperature
       real(wp) :: angle = 0.0_wp                         !! Power of the angle
-      real(wp) :: exponent = 0.0_wp                      !! Decimal exponent of the way to SI
-      real(wp) :: factor = 1.0_wp                        !! What is left of it; angles in radians
-      character(len=:), allocatable :: fault             !! What is wrong, empty if nothing is
+      real(wp) :: exponent = 0.0_wp                      !! Decimal exponent of the conversion to SI
+      real(wp) :: factor = 1.0_wp                        !! Other factor; angles in radians
+      character(len=:), allocatable :: fault             !! Error, empty if there is none
    end type written_unit_t
 
    !> One symbol.
    type :: symbol_t
       character(len=3) :: name                           !! As written, in letters of its case
       integer :: power(4)                                !! Of length, time, mass, temperature
-      integer :: exponent                                !! Decimal exponent of the way to SI
+      integer :: exponent                                !! Decimal exponent of the conversion to SI
       logical :: prefix                                  !! May have a prefix
    end type symbol_t
 
@@ -44,7 +44,7 @@ module base_unit_words
       symbol_t("deg", [0, 0, 0, 0], 0, .false.), symbol_t("rad", [0, 0, 0, 0], 0, .true.)]
    character(len=1), parameter :: prefixes(9) = ["p", "n", "u", "m", "c", "k", "M", "G", "T"]
    integer, parameter :: prefix_exponents(9) = [-12, -9, -6, -3, -2, 3, 6, 9, 12]
-   !> Units that are offered in the place of one that is unknown.
+   !> Suggestions for an unknown unit.
    character(len=5), parameter :: common(40) = [character(len=5) :: "m", "mm", "cm", "um", "km", &
       "s", "ms", "us", "ns", "min", "h", "kg", "g", "mg", "t", "K", "Pa", "kPa", "MPa", "GPa", &
       "bar", "kbar", "Mbar", "N", "kN", "J", "kJ", "MJ", "W", "kW", "erg", "dyn", "deg", "rad", &
@@ -63,11 +63,10 @@ contains
       if (len(text) > 2) yes = yes .or. text(1:2) == "1/" .and. is_letter(text(3:3))
    end function begins_unit
 
-   !> Take 15us apart into 15 and us, and 3/s into 3 and 1/s. Without a number and a known unit
-   !! behind it the text stays as it is.
+   !> Split 15us into 15 and us, and 3/s into 3 and 1/s. Any other text is not changed.
    pure subroutine split_unit(text, digits, unit)
       character(len=*), intent(in) :: text               !! A word of a deck
-      character(len=:), allocatable, intent(out) :: digits !! The number
+      character(len=:), allocatable, intent(out) :: digits !! Text of the number
       character(len=:), allocatable, intent(out) :: unit !! The unit, empty if there is none
       type(written_unit_t) :: known
       real(wp) :: value
@@ -96,7 +95,7 @@ contains
       end if
    end subroutine split_unit
 
-   !> Make a unit of a text. All behind the first slash divides.
+   !> Read a unit. All symbols after the first slash divide.
    pure subroutine read_unit(self, text)
       type(written_unit_t), intent(out) :: self         !! The unit, or its fault
       character(len=*), intent(in) :: text               !! Symbols with powers
@@ -128,7 +127,7 @@ contains
       end do
    end subroutine read_unit
 
-   !> The micro sign in UTF-8 made a u.
+   !> A text with u for the micro sign of UTF-8.
    pure function latin(text) result(word)
       character(len=*), intent(in) :: text               !! As written
       character(len=:), allocatable :: word
@@ -145,12 +144,12 @@ contains
       end do
    end function latin
 
-   !> Multiply a unit by a symbol and the power behind it.
+   !> Multiply a unit by a symbol and its power.
    pure subroutine take_symbol(self, name, behind, below, letters)
-      type(written_unit_t), intent(inout) :: self       !! The unit
+      type(written_unit_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! The symbol with its prefix
       character(len=*), intent(in) :: behind             !! What follows
-      logical, intent(in) :: below                       !! Behind the slash
+      logical, intent(in) :: below                       !! Is it after the slash?
       integer, intent(out) :: letters                    !! Letters of the power
       real(wp) :: power
       integer :: first, last, prefix, status, which
@@ -158,7 +157,7 @@ contains
       call find_symbol(name, which, prefix)
       letters = 0
       if (which == 0) then
-         self%fault = "'"//name//"' is no unit"//near(name)
+         self%fault = "'"//name//"' is not a unit"//near(name)
          return
       end if
       first = 1
@@ -169,7 +168,7 @@ contains
       power = 1.0_wp
       if (scan(behind(first:last), figures) > 0) then
          read (behind(first:last), *, iostat=status) power
-         if (status /= 0) self%fault = "'"//behind(first:last)//"' is no power of a unit"
+         if (status /= 0) self%fault = "'"//behind(first:last)//"' is not a power of a unit"
          letters = last
       end if
       if (below) power = -power
@@ -211,7 +210,7 @@ contains
       end do
    end subroutine find_symbol
 
-   !> The unit that may be meant.
+   !> Suggestion for an unknown unit.
    pure function near(name) result(question)
       character(len=*), intent(in) :: name               !! As written
       character(len=:), allocatable :: question
@@ -224,13 +223,13 @@ contains
       end do
       question = closest(name, names)
       if (question == "") then
-         question = "; scree --list units shows those that there are"
+         question = "; scree --list units lists all units"
       else
          question = "; did you mean '"//question//"'?"
       end if
    end function near
 
-   !> What may stand behind a number, for --list.
+   !> All units and prefixes, for --list.
    pure function unit_list() result(text)
       character(len=:), allocatable :: text
       integer :: n

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Units of the numbers in a deck, and their way to SI.
+!> Systems of units of decks and outputs, and their conversion to SI.
 !!
 !! All systems differ from SI by powers of ten, so a conversion shifts the decimal exponent of the
 !! written number before it is read: 2.79 g/cm3 and 2790 kg/m3 become the same bits.
@@ -14,7 +14,7 @@ module base_units
    !> The systems by name.
    character(len=8), parameter, public :: system_names(6) = [character(len=8) :: "si", "cgs", &
       "mm-ms-kg", "mm-ms-g", "cm-us-g", "mm-us-mg"]
-   integer, parameter, public :: system_si = 1           !! Place of SI in the list
+   integer, parameter, public :: system_si = 1           !! Index of SI
 
    !> Decimal exponent of the units of length, time, mass and temperature of each system in SI.
    integer, parameter :: system_exponents(4, 6) = reshape([ &
@@ -34,12 +34,12 @@ module base_units
       "cm", "us", "g ", "K ", &
       "mm", "us", "mg", "K "], [4, 6])
 
-   !> The system of units that outputs are written in.
+   !> The system of units of outputs.
    type :: output_units_t
       integer :: system = system_si                      !! From `system_number`
    contains
       procedure :: label => output_label                 !! Name of a unit in it
-      procedure :: factor => output_factor               !! What one of it is in SI
+      procedure :: factor => output_factor               !! One unit of it in SI
       procedure :: shown => output_shown                 !! A number in it
    end type output_units_t
 
@@ -47,10 +47,10 @@ module base_units
    type :: unit_t
       real(wp) :: power(4) = 0.0_wp                      !! Of length, time, mass, temperature
    contains
-      procedure :: exponent => unit_exponent             !! Decimal exponent of the way to SI
+      procedure :: exponent => unit_exponent             !! Decimal exponent of the conversion to SI
    end type unit_t
 
-   !> Symbols that a unit may be made of, and the powers of length, time, mass, temperature.
+   !> Symbols of units, and their powers of length, time, mass, temperature.
    character(len=3), parameter :: symbols(10) = [character(len=3) :: "m", "s", "kg", "K", "N", &
       "J", &
       "W", "Pa", "deg", "1"]
@@ -77,11 +77,11 @@ contains
       end do
    end function system_number
 
-   !> The unit that a text such as J/(kg K), kg/m3 or Pa m0.5 stands for.
+   !> The unit of a text such as J/(kg K), kg/m3 or Pa m0.5.
    pure subroutine unit_of(text, unit, known)
       character(len=*), intent(in) :: text               !! Symbols with powers; one slash at most
-      type(unit_t), intent(out) :: unit                  !! The unit
-      logical, intent(out) :: known                      !! All symbols are known
+      type(unit_t), intent(out) :: unit
+      logical, intent(out) :: known                      !! Are all symbols known?
       real(wp) :: power, side
       integer :: first, last, place, status
 
@@ -118,9 +118,9 @@ contains
       end do
    end subroutine unit_of
 
-   !> Name of the unit of a system that stands for a unit of SI, such as mg/(mm us2) for Pa.
+   !> Name of the unit of a system for a unit of SI, such as mg/(mm us2) for Pa.
    pure function output_label(self, unit_text) result(label)
-      class(output_units_t), intent(in) :: self          !! The system
+      class(output_units_t), intent(in) :: self
       character(len=*), intent(in) :: unit_text          !! Unit of SI
       character(len=:), allocatable :: label
       character(len=:), allocatable :: above, below, symbol
@@ -153,9 +153,9 @@ contains
       end if
    end function output_label
 
-   !> What one unit of a system is in the unit of SI.
+   !> One unit of a system in the unit of SI.
    pure real(wp) function output_factor(self, unit_text) result(factor)
-      class(output_units_t), intent(in) :: self          !! The system
+      class(output_units_t), intent(in) :: self
       character(len=*), intent(in) :: unit_text          !! Unit of SI
       type(unit_t) :: unit
       logical :: known
@@ -165,10 +165,9 @@ contains
       if (known .and. self%system /= system_si) factor = 10.0_wp**nint(unit%exponent(self%system))
    end function output_factor
 
-   !> A number of SI in the unit of a system. Powers of ten above one are exact, so it is rounded
-   !! once.
+   !> A number of SI in the unit of a system, rounded once, as powers of ten above one are exact.
    elemental real(wp) function output_shown(self, value, unit_text) result(shown)
-      class(output_units_t), intent(in) :: self          !! The system
+      class(output_units_t), intent(in) :: self
       real(wp), intent(in) :: value                      !! The number [SI]
       character(len=*), intent(in) :: unit_text          !! Its unit of SI
       type(unit_t) :: unit
@@ -187,9 +186,9 @@ contains
       end if
    end function output_shown
 
-   !> Decimal exponent that turns a number in a system into SI.
+   !> Decimal exponent that converts a number of a system to SI.
    pure real(wp) function unit_exponent(self, system) result(exponent)
-      class(unit_t), intent(in) :: self                  !! The unit
+      class(unit_t), intent(in) :: self
       integer, intent(in) :: system                      !! From `system_number`
 
       exponent = sum(self%power*real(system_exponents(:, system), wp))

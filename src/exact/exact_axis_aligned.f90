@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Waves along the axes of a cube whose faces do not move along their normals; made up.
+!> Standing waves along the axes of a cube with sliding faces; a manufactured solution.
 !!
 !! P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628: u_k = A sin(pi X_k/L)
-!! sin(pi c t/L + phase_k) with c = sqrt(E/rho). The phases differ, so that not all directions are
-!! at rest at once; on a line there is one, in plane strain two, half a turn apart.
+!! sin(pi c t/L + phase_k) with c = sqrt(E/rho). The phases differ, so that the directions are not
+!! at
+!! rest at the same time: one wave in 1-D, two in plane strain with phases pi apart.
 module exact_axis_aligned
    use base_constants, only: pi
    use base_deck_group, only: group_t
@@ -25,8 +26,8 @@ module exact_axis_aligned
       procedure :: law => axis_aligned_law           !! Neo-Hooke
       procedure :: place => axis_aligned_place       !! Position and velocity
       procedure :: gradient => axis_aligned_gradient !! Deformation gradient, diagonal
-      procedure :: forced => axis_aligned_forced     !! Yes
-      procedure :: body_force => axis_aligned_force  !! Acceleration without divergence of stress
+      procedure :: forced => axis_aligned_forced     !! True
+      procedure :: body_force => axis_aligned_force  !! Acceleration - div(stress)/density
       procedure, private :: motion => axis_aligned_motion !! Displacement and its derivatives
    end type exact_axis_aligned_t
 
@@ -34,7 +35,7 @@ contains
 
    !> Declare the keys.
    subroutine axis_aligned_declare(self, schema)
-      class(exact_axis_aligned_t), intent(in) :: self !! The solution
+      class(exact_axis_aligned_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       character(len=*), parameter :: owner = "solution = axis_aligned"
 
@@ -47,31 +48,30 @@ contains
 
    !> Read the keys.
    subroutine axis_aligned_read(self, group)
-      class(exact_axis_aligned_t), intent(inout) :: self !! The solution
+      class(exact_axis_aligned_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &exact
 
       call group%get("amplitude", self%amplitude)
       call group%get("edge", self%edge)
    end subroutine axis_aligned_read
 
-   !> The body force belongs to this law.
+   !> The law for which the body force is derived.
    pure function axis_aligned_law(self) result(law)
-      class(exact_axis_aligned_t), intent(in) :: self !! The solution
+      class(exact_axis_aligned_t), intent(in) :: self
       character(len=:), allocatable :: law
 
       law = "neo_hookean"
    end function axis_aligned_law
 
-   !> A made-up solution.
+   !> A manufactured solution.
    pure logical function axis_aligned_forced(self) result(forced)
-      class(exact_axis_aligned_t), intent(in) :: self !! The solution
-
+      class(exact_axis_aligned_t), intent(in) :: self
       forced = .true.
    end function axis_aligned_forced
 
-   !> Displacement along each axis, its rate, and 1 with its derivative by the reference position.
+   !> Displacement, velocity and stretch along each axis.
    pure subroutine axis_aligned_motion(self, point, time, displacement, rate, stretch)
-      class(exact_axis_aligned_t), intent(in) :: self !! The solution
+      class(exact_axis_aligned_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: displacement(3)       !! [m]
@@ -98,7 +98,7 @@ contains
 
    !> Position and velocity.
    pure subroutine axis_aligned_place(self, point, time, position, velocity)
-      class(exact_axis_aligned_t), intent(in) :: self !! The solution
+      class(exact_axis_aligned_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: position(3)           !! [m]
@@ -111,7 +111,7 @@ contains
 
    !> Deformation gradient.
    pure subroutine axis_aligned_gradient(self, point, time, gradient)
-      class(exact_axis_aligned_t), intent(in) :: self !! The solution
+      class(exact_axis_aligned_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: gradient(3, 3)        !! [1]
@@ -127,7 +127,7 @@ contains
 
    !> Body force b_k = (pi/L)^2 u_k [mu/rho - c^2 - (lambda (ln J - 1) - mu)/(rho F_kk^2)].
    pure subroutine axis_aligned_force(self, point, time, force)
-      class(exact_axis_aligned_t), intent(in) :: self !! The solution
+      class(exact_axis_aligned_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: force(3)              !! Per mass [m/s2]

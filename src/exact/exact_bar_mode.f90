@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A straight bar that vibrates along x in one of its modes, perhaps while it flies; small strain.
+!> Longitudinal vibration of a bar along x in one mode, optionally with a uniform velocity; small
+!! strain.
 !!
 !! v = V + v_0 s(X) cos(w t), w = k c, c = sqrt((lambda + 2 mu)/rho), which is sqrt(E/rho) where
-!! Poisson's ratio is 0. Held at the origin: s = sin(k X), k = (n - 1/2) pi/L; free at both ends:
+!! Poisson's ratio is 0. Fixed at the origin: s = sin(k X), k = (n - 1/2) pi/L; free at both ends:
 !! s = cos(k X), k = n pi/L.
 module exact_bar_mode
    use base_constants, only: pi
@@ -19,13 +20,13 @@ module exact_bar_mode
    type, extends(exact_t) :: exact_bar_mode_t
       real(wp) :: length = 1.0_wp                    !! L [m]
       integer :: mode = 1                            !! n
-      logical :: held = .true.                       !! Does the end at the origin stand still?
+      logical :: held = .true.                       !! Is the end at the origin fixed?
       real(wp) :: amplitude = 0.0_wp                 !! v_0 [m/s]
       real(wp) :: flight = 0.0_wp                    !! V [m/s]
    contains
       procedure :: declare => bar_mode_declare       !! Length, mode, ends, speeds
       procedure :: read => bar_mode_read             !! Reads them
-      procedure :: fault => bar_mode_fault           !! A held bar does not fly
+      procedure :: fault => bar_mode_fault           !! A fixed bar has no uniform velocity
       procedure :: place => bar_mode_place           !! Position and velocity
       procedure :: gradient => bar_mode_gradient     !! Deformation gradient
       procedure :: wave => bar_mode_wave             !! Wave number
@@ -36,26 +37,27 @@ contains
 
    !> Declare the keys.
    subroutine bar_mode_declare(self, schema)
-      class(exact_bar_mode_t), intent(in) :: self    !! The solution
+      class(exact_bar_mode_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       character(len=*), parameter :: owner = "solution = bar_mode"
 
       call schema%real("exact", "bar_length", "length of the bar, which begins at the origin", &
          unit="m", range="> 0", owner=owner)
-      call schema%text("exact", "ends", "the end at the origin, and the other one", &
+      call schema%text("exact", "ends", "conditions at the origin and at the other end", &
          default="fixed_free", words="fixed_free free_free", owner=owner)
       call schema%integer("exact", "mode", "number of the mode", default="1", range="> 0", &
          owner=owner)
-      call schema%real("exact", "mode_speed", "greatest speed of the vibration", unit="m/s", &
+      call schema%real("exact", "mode_speed", "velocity amplitude of the vibration", unit="m/s", &
          range="> 0", owner=owner)
-      call schema%real("exact", "flight_speed", "speed along x of a bar with free ends", &
+      call schema%real("exact", "flight_speed", &
+         "uniform velocity along x of a bar with free ends", &
          unit="m/s", default="0.0", owner=owner)
       call schema%require("exact", "bar_length mode_speed")
    end subroutine bar_mode_declare
 
    !> Read the keys.
    subroutine bar_mode_read(self, group)
-      class(exact_bar_mode_t), intent(inout) :: self !! The solution
+      class(exact_bar_mode_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &exact
       character(len=:), allocatable :: ends
 
@@ -67,33 +69,32 @@ contains
       call group%get("flight_speed", self%flight)
    end subroutine bar_mode_read
 
-   !> A bar that is held does not fly.
+   !> A bar with a fixed end has no uniform velocity.
    pure function bar_mode_fault(self) result(text)
-      class(exact_bar_mode_t), intent(in) :: self    !! The solution
+      class(exact_bar_mode_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = ""
       if (self%held .and. abs(self%flight) > 0.0_wp) &
-         text = "can fly with ends = 'free_free' only; remove flight_speed or free the ends"
+         text = "has a flight_speed only with ends = 'free_free'; remove flight_speed or "// &
+         "free the ends"
    end function bar_mode_fault
 
    !> Wave number k of the mode [1/m].
    pure real(wp) function bar_mode_wave(self) result(wave)
-      class(exact_bar_mode_t), intent(in) :: self    !! The solution
-
+      class(exact_bar_mode_t), intent(in) :: self
       wave = (real(self%mode, wp) - merge(0.5_wp, 0.0_wp, self%held))*pi/self%length
    end function bar_mode_wave
 
    !> Angular frequency w of the mode [1/s].
    pure real(wp) function bar_mode_frequency(self) result(frequency)
-      class(exact_bar_mode_t), intent(in) :: self    !! The solution
-
+      class(exact_bar_mode_t), intent(in) :: self
       frequency = self%wave()*sqrt((self%lambda + 2.0_wp*self%shear)/self%density)
    end function bar_mode_frequency
 
    !> Position and velocity.
    pure subroutine bar_mode_place(self, point, time, position, velocity)
-      class(exact_bar_mode_t), intent(in) :: self    !! The solution
+      class(exact_bar_mode_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: position(3)           !! [m]
@@ -110,7 +111,7 @@ contains
 
    !> Deformation gradient.
    pure subroutine bar_mode_gradient(self, point, time, gradient)
-      class(exact_bar_mode_t), intent(in) :: self    !! The solution
+      class(exact_bar_mode_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: gradient(3, 3)        !! [1]

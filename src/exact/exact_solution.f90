@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What an exact solution is: it knows where each material point is at any time, how fast it moves,
-!! how it is deformed, and, if it was made up, the body force that makes it true.
+!> Base type of exact solutions: position, velocity and deformation gradient of each material point
+!! at any time, and the body force of a manufactured solution.
 !!
-!! A material point is named by its reference position. A solution looks at one point at a time:
-!! its sines cost far more than the call.
+!! A material point is identified by its reference position. Solutions are evaluated for one point a
+!! call, which costs far less than the sines in it.
 module exact_solution
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp
@@ -20,34 +20,34 @@ module exact_solution
       real(wp) :: shear = 0.0_wp                     !! Second constant of Lame [Pa]
       real(wp) :: origin(3) = 0.0_wp                 !! Of the coordinates of the solution [m]
       integer :: dimensions = 3                      !! 1, 2 (x and z) or 3
-      logical :: hyperelastic = .false. !! Is the material neo-Hookean, else linear in rates?
+      logical :: hyperelastic = .false. !! Is the material neo-Hookean, else hypoelastic?
    contains
       procedure :: declare => exact_declare          !! Declares its keys of &exact
       procedure :: read => exact_read                !! Reads them
-      procedure :: law => exact_law                  !! Strength model that it is exact for
-      procedure :: fault => exact_fault              !! Why it does not fit the scene
+      procedure :: law => exact_law                  !! Strength model of the solution
+      procedure :: fault => exact_fault              !! Why the scene cannot have it
       procedure(place_i), deferred :: place          !! Position and velocity of a point
       procedure(gradient_i), deferred :: gradient    !! Deformation gradient of a point
-      procedure :: forced => exact_forced            !! Does it need a body force?
-      procedure :: body_force => exact_body_force    !! That body force
+      procedure :: forced => exact_forced            !! Is it a manufactured solution?
+      procedure :: body_force => exact_body_force    !! Its body force
       procedure :: young => exact_young              !! Young's modulus of the material
       procedure :: stress => exact_stress            !! Cauchy stress of a deformation gradient
    end type exact_t
 
-   !> A solution that may not be there.
+   !> An optional solution.
    type :: exact_holder_t
-      class(exact_t), allocatable :: solution        !! None: the material is free
+      class(exact_t), allocatable :: solution        !! Not allocated: none
    end type exact_holder_t
 
-   !> The exact solution of a run and how far the run was from it.
+   !> The exact solutions of a run and the errors of the run.
    type :: exact_case_t
       type(exact_holder_t), allocatable :: material(:) !! (material)
-      logical :: forced = .false.                    !! Does some material feel a body force?
-      real(wp) :: force_time = 0.0_wp                !! Time of the body force of this step [s]
-      real(wp) :: error(3) = 0.0_wp !! Of displacement [m], velocity [m/s], stress [Pa], last seen
-      real(wp) :: greatest_error = 0.0_wp            !! Greatest of displacement so far [m]
+      logical :: forced = .false.                    !! Has some material a body force?
+      real(wp) :: force_time = 0.0_wp                !! Time at which it is evaluated [s]
+      real(wp) :: error(3) = 0.0_wp !! Last errors of displacement [m], velocity [m/s], stress [Pa]
+      real(wp) :: greatest_error = 0.0_wp            !! Greatest displacement error so far [m]
       real(wp) :: greatest_motion = 0.0_wp           !! Greatest displacement so far [m]
-      integer(int64) :: seen = -1                    !! Step at which the errors were taken
+      integer(int64) :: seen = -1                    !! Step of the last errors
    end type exact_case_t
 
    abstract interface
@@ -55,7 +55,7 @@ module exact_solution
       pure subroutine place_i(self, point, time, position, velocity)
          import :: exact_t, wp
          implicit none
-         class(exact_t), intent(in) :: self           !! The solution
+         class(exact_t), intent(in) :: self
          real(wp), intent(in) :: point(3)             !! Reference position [m]
          real(wp), intent(in) :: time                 !! [s]
          real(wp), intent(out) :: position(3)         !! [m]
@@ -66,7 +66,7 @@ module exact_solution
       pure subroutine gradient_i(self, point, time, gradient)
          import :: exact_t, wp
          implicit none
-         class(exact_t), intent(in) :: self           !! The solution
+         class(exact_t), intent(in) :: self
          real(wp), intent(in) :: point(3)             !! Reference position [m]
          real(wp), intent(in) :: time                 !! [s]
          real(wp), intent(out) :: gradient(3, 3)      !! (position, reference) [1]
@@ -77,42 +77,41 @@ contains
 
    !> Declare the keys of &exact that belong to the solution. Most override this.
    subroutine exact_declare(self, schema)
-      class(exact_t), intent(in) :: self             !! The solution
+      class(exact_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
    end subroutine exact_declare
 
-   !> Read the keys that belong to the solution. Material, origin and dimensions are set before.
+   !> Read the keys that belong to the solution, after material, origin and dimensions are set.
    subroutine exact_read(self, group)
-      class(exact_t), intent(inout) :: self          !! The solution
+      class(exact_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &exact
    end subroutine exact_read
 
-   !> The `strength_model` that the solution is exact for; empty: any elastic one.
+   !> The `strength_model` of the solution, empty for any elastic one.
    pure function exact_law(self) result(law)
-      class(exact_t), intent(in) :: self             !! The solution
+      class(exact_t), intent(in) :: self
       character(len=:), allocatable :: law
 
       law = ""
    end function exact_law
 
-   !> Why the solution does not fit the scene, and what to write instead; empty: it fits.
+   !> Why the scene cannot have the solution and what to write instead; empty if it can.
    pure function exact_fault(self) result(text)
-      class(exact_t), intent(in) :: self             !! The solution
+      class(exact_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = ""
    end function exact_fault
 
-   !> A solution of the equations as they are needs no body force.
+   !> True for a manufactured solution, which needs a body force.
    pure logical function exact_forced(self) result(forced)
-      class(exact_t), intent(in) :: self             !! The solution
-
+      class(exact_t), intent(in) :: self
       forced = .false.
    end function exact_forced
 
    !> Body force on a material point.
    pure subroutine exact_body_force(self, point, time, force)
-      class(exact_t), intent(in) :: self             !! The solution
+      class(exact_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: force(3)              !! Per mass [m/s2]
@@ -122,18 +121,17 @@ contains
 
    !> Young's modulus of the material [Pa].
    pure real(wp) function exact_young(self) result(young)
-      class(exact_t), intent(in) :: self             !! The solution
-
+      class(exact_t), intent(in) :: self
       young = self%shear*(3.0_wp*self%lambda + 2.0_wp*self%shear)/(self%lambda + self%shear)
    end function exact_young
 
-   !> Cauchy stress of the material at a deformation gradient F that began without stress.
+   !> Cauchy stress of a deformation gradient F, zero for F = 1.
    !!
-   !! Neo-Hooke: sigma = lambda ln J/J 1 + mu/J (F F^T - 1). Else the laws integrate rates, which
-   !! without turning axes of strain gives sigma = lambda tr(e) 1 + 2 mu e with e = ln(F F^T)/2;
-   !! here e = (B - 1)(B + 1)^-1 with B = F F^T, which is that but for the third power of strain.
+   !! Neo-Hooke: sigma = lambda ln J/J 1 + mu/J (F F^T - 1). Hypoelastic laws with fixed principal
+   !! axes of strain: sigma = lambda tr(e) 1 + 2 mu e with e = ln(F F^T)/2, here approximated to
+   !! third order in strain by e = (B - 1)(B + 1)^-1 with B = F F^T.
    pure subroutine exact_stress(self, gradient, stress)
-      class(exact_t), intent(in) :: self             !! The solution
+      class(exact_t), intent(in) :: self
       real(wp), intent(in) :: gradient(3, 3)         !! Deformation gradient [1]
       real(wp), intent(out) :: stress(6)             !! xx, yy, zz, xy, yz, xz [Pa]
       real(wp) :: left(3, 3), strain(3, 3), unity(3, 3), volume
@@ -155,17 +153,17 @@ contains
       stress = [strain(1, 1), strain(2, 2), strain(3, 3), strain(1, 2), strain(2, 3), strain(1, 3)]
    end subroutine exact_stress
 
-   !> Determinant.
+   !> Determinant of a matrix.
    pure real(wp) function determinant(a) result(volume)
-      real(wp), intent(in) :: a(3, 3)                !! Any
+      real(wp), intent(in) :: a(3, 3)                !! Matrix
 
       volume = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
          - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
    end function determinant
 
-   !> Inverse.
+   !> Inverse of a matrix.
    pure function inverse(a) result(b)
-      real(wp), intent(in) :: a(3, 3)                !! Not singular
+      real(wp), intent(in) :: a(3, 3)                !! Matrix, not singular
       real(wp) :: b(3, 3)
       integer :: k, l, k1, k2, l1, l2
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A disc in plane strain that turns about its axis, strained as the turning strains it; small
-!! strain.
+!> A disc in plane strain that rotates steadily about its axis, with the strain of the centrifugal
+!! force; small strain.
 !!
 !! S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, sec. 32, for plane stress: u =
 !! (1 - n) rho w^2 r/(8 E) [(3 + n) R^2 - (1 + n) r^2]; in plane strain with E/(1 - nu^2) for E and
@@ -32,7 +32,7 @@ contains
 
    !> Declare the keys.
    subroutine disc_declare(self, schema)
-      class(exact_spinning_disc_t), intent(in) :: self !! The solution
+      class(exact_spinning_disc_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       character(len=*), parameter :: owner = "solution = spinning_disc"
 
@@ -44,25 +44,25 @@ contains
 
    !> Read the keys.
    subroutine disc_read(self, group)
-      class(exact_spinning_disc_t), intent(inout) :: self !! The solution
+      class(exact_spinning_disc_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &exact
 
       call group%get("angular_speed", self%spin)
       call group%get("disc_radius", self%radius)
    end subroutine disc_read
 
-   !> It turns in the plane.
+   !> The rotation is in the plane x, z.
    pure function disc_fault(self) result(text)
-      class(exact_spinning_disc_t), intent(in) :: self !! The solution
+      class(exact_spinning_disc_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = ""
       if (self%dimensions /= 2) text = "needs dimension = 'plane_strain' of &run"
    end function disc_fault
 
-   !> Displacement over radius, u/r = a - b r^2, at the square of a radius, and b.
+   !> Displacement divided by radius, u/r = a - b r^2, and b.
    pure subroutine disc_stretch(self, square, stretch, slope)
-      class(exact_spinning_disc_t), intent(in) :: self !! The solution
+      class(exact_spinning_disc_t), intent(in) :: self
       real(wp), intent(in) :: square                 !! r^2 [m2]
       real(wp), intent(out) :: stretch               !! u/r [1]
       real(wp), intent(out) :: slope                 !! b [1/m2]
@@ -78,7 +78,7 @@ contains
 
    !> Position and velocity.
    pure subroutine disc_place(self, point, time, position, velocity)
-      class(exact_spinning_disc_t), intent(in) :: self !! The solution
+      class(exact_spinning_disc_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: position(3)           !! [m]
@@ -96,7 +96,7 @@ contains
 
    !> Deformation gradient F = Q [(1 + u/r) 1 - 2 b X X^T] in the plane.
    pure subroutine disc_gradient(self, point, time, gradient)
-      class(exact_spinning_disc_t), intent(in) :: self !! The solution
+      class(exact_spinning_disc_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: gradient(3, 3)        !! [1]

@@ -1,9 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A ring whose circles turn to and fro, the middle one most and the rims not at all; made up.
+!> Generalised vortex: the circles of a ring rotate back and forth, the middle one most and the rims
+!! not at all; a manufactured solution.
 !!
 !! K. Kamojjala, R. Brannon, A. Sadeghirad, J. Guilkey, Eng. with Computers 31 (2015) 193: a point
-!! at radius R turns by g(t) h(R), g = A sin(2 pi f t), h = (1 - 4 s^2)^2 with s = (R - R_m)/w from
-!! -1/2 to 1/2 over the width w. No volume changes, yet the points turn and shear by much.
+!! at radius R rotates by g(t) h(R), g = A sin(2 pi f t), h = (1 - 4 s^2)^2 with s = (R - R_m)/w
+!! from
+!! -1/2 to 1/2 over the width w. Volumes are constant; rotations and shear are large.
 module exact_vortex
    use base_constants, only: pi
    use base_deck_group, only: group_t
@@ -28,8 +30,8 @@ module exact_vortex
       procedure :: fault => vortex_fault             !! Plane strain only
       procedure :: place => vortex_place             !! Position and velocity
       procedure :: gradient => vortex_gradient       !! Deformation gradient
-      procedure :: forced => vortex_forced           !! Yes
-      procedure :: body_force => vortex_force        !! Acceleration without divergence of stress
+      procedure :: forced => vortex_forced           !! True
+      procedure :: body_force => vortex_force        !! Acceleration - div(stress)/density
       procedure, private :: shape => vortex_shape    !! h and its derivatives
    end type exact_vortex_t
 
@@ -37,13 +39,13 @@ contains
 
    !> Declare the keys.
    subroutine vortex_declare(self, schema)
-      class(exact_vortex_t), intent(in) :: self      !! The solution
+      class(exact_vortex_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       character(len=*), parameter :: owner = "solution = vortex"
 
       call schema%real("exact", "twist", "greatest angle of the middle of the ring in radians", &
          default="1.0", range="> 0", owner=owner)
-      call schema%real("exact", "frequency", "turns to and fro in a unit of time", unit="1/s", &
+      call schema%real("exact", "frequency", "frequency of the oscillation", unit="1/s", &
          range="> 0", owner=owner)
       call schema%real("exact", "inner_radius", "inner rim of the ring, which does not move", &
          unit="m", default="0.75", range="> 0", owner=owner)
@@ -54,7 +56,7 @@ contains
 
    !> Read the keys.
    subroutine vortex_read(self, group)
-      class(exact_vortex_t), intent(inout) :: self   !! The solution
+      class(exact_vortex_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &exact
 
       call group%get("twist", self%twist)
@@ -63,17 +65,17 @@ contains
       call group%get("outer_radius", self%outer)
    end subroutine vortex_read
 
-   !> The body force belongs to this law.
+   !> The law for which the body force is derived.
    pure function vortex_law(self) result(law)
-      class(exact_vortex_t), intent(in) :: self      !! The solution
+      class(exact_vortex_t), intent(in) :: self
       character(len=:), allocatable :: law
 
       law = "neo_hookean"
    end function vortex_law
 
-   !> It turns in the plane.
+   !> The rotation is in the plane x, z.
    pure function vortex_fault(self) result(text)
-      class(exact_vortex_t), intent(in) :: self      !! The solution
+      class(exact_vortex_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = ""
@@ -81,16 +83,15 @@ contains
       if (self%outer <= self%inner) text = "needs outer_radius above inner_radius"
    end function vortex_fault
 
-   !> A made-up solution.
+   !> A manufactured solution.
    pure logical function vortex_forced(self) result(forced)
-      class(exact_vortex_t), intent(in) :: self      !! The solution
-
+      class(exact_vortex_t), intent(in) :: self
       forced = .true.
    end function vortex_forced
 
    !> Radius and angle of a point, and h with its first and second derivative by the radius.
    pure subroutine vortex_shape(self, point, radius, angle, shape)
-      class(exact_vortex_t), intent(in) :: self      !! The solution
+      class(exact_vortex_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(out) :: radius                !! From the origin [m]
       real(wp), intent(out) :: angle                 !! From x to z [rad]
@@ -110,7 +111,7 @@ contains
 
    !> Position and velocity.
    pure subroutine vortex_place(self, point, time, position, velocity)
-      class(exact_vortex_t), intent(in) :: self      !! The solution
+      class(exact_vortex_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: position(3)           !! [m]
@@ -127,7 +128,7 @@ contains
 
    !> Deformation gradient F = Q (1 + R a' e_theta e_r) with the rotation Q by a = g h.
    pure subroutine vortex_gradient(self, point, time, gradient)
-      class(exact_vortex_t), intent(in) :: self      !! The solution
+      class(exact_vortex_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: gradient(3, 3)        !! [1]
@@ -147,9 +148,9 @@ contains
    end subroutine vortex_gradient
 
    !> Body force b_r = R [mu/rho (g h')^2 - (g. h)^2], b_theta = R g.. h - mu/rho (3 g h' + R g h'')
-   !! along the present radius and across it.
+   !! along the current radius and normal to it.
    pure subroutine vortex_force(self, point, time, force)
-      class(exact_vortex_t), intent(in) :: self      !! The solution
+      class(exact_vortex_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! Reference position [m]
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(out) :: force(3)              !! Per mass [m/s2]

@@ -69,13 +69,15 @@ contains
 
       do n = 1, size(stream_names)
          call choose_stream(stream_names(n), stream)
-         if (stream%default_count() > 0) call add_stream_files(names, stream_file(stream, case, "", 1), &
+         if (stream%default_count() > 0) call add_stream_files(names, stream_file(stream, case, &
+            "", 1), &
             stream%has_series(), former)
       end do
       call echo_streams(echo, name, kind, number)
       do n = 1, size(name)
          call choose_stream(kind(n)%text, stream)
-         if (allocated(stream)) call add_stream_files(names, stream_file(stream, case, name(n)%text, &
+         if (allocated(stream)) call add_stream_files(names, stream_file(stream, case, &
+            name(n)%text, &
             number(n)), stream%has_series(), former)
       end do
    end subroutine add_files_of_streams

@@ -1,14 +1,15 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Scripts for the schedulers of clusters. A job that comes to the end of its time writes a
-!! checkpoint, leaves with the exit code that asks for another run, and is put into the queue again.
+!> Job scripts for Slurm and PBS. Near the end of its time a job writes a checkpoint, ends with the
+!! exit code for "run again", and is submitted again.
 module program_batch_job
+   use base_clock, only: clock_seconds, clock_text
    use base_deck_override, only: removal_mark
    use base_error, only: error_t, exit_again, exit_input, fail
    use base_kinds, only: int64, wp
    use base_text, only: number
    use io_file, only: join_path, program_path
    use program_command_line, only: program_arguments
-   use program_plan, only: plan_t
+   use program_run_setup, only: run_setup_t
    implicit none
    private
 
@@ -20,7 +21,7 @@ module program_batch_job
    integer, parameter :: usual_notice = 300, least_notice = 60 !! Before the end of a job [s]
    character(len=*), parameter :: newline = new_line("a")
 
-   !> What the script of a job says.
+   !> Content of a job script.
    type :: job_t
       integer :: ranks = 1                           !! Ranks
       integer :: threads = 1                         !! Threads of each
@@ -29,69 +30,71 @@ module program_batch_job
       character(len=:), allocatable :: time          !! The wall time as a text
       character(len=:), allocatable :: case          !! Prefix of all files
       character(len=:), allocatable :: command       !! The program with its options
-      character(len=:), allocatable :: checkpoints   !! Pattern of the files to go on from
-      character(len=:), allocatable :: summary       !! File of a run that has ended
-      character(len=:), allocatable :: hints         !! Comments for the reader
+      character(len=:), allocatable :: checkpoints   !! Pattern of the checkpoint files
+      character(len=:), allocatable :: summary !! Summary, which exists after the end of the run
+      character(len=:), allocatable :: hints         !! Comments in the script
    end type job_t
 
 contains
 
-   !> The script of a job.
-   subroutine job_text(plan, deck, text, error)
-      class(plan_t), intent(in) :: plan              !! What will run
-      character(len=*), intent(in) :: deck           !! Deck, as seen from where the job starts
-      character(len=:), allocatable, intent(out) :: text !! The script
-      type(error_t), allocatable, intent(out) :: error !! The job could not be called back
+   !> Make the job script for a run.
+   subroutine job_text(setup, deck, text, error)
+      class(run_setup_t), intent(in) :: setup
+      character(len=*), intent(in) :: deck           !! Path of the deck from the folder of the job
+      character(len=:), allocatable, intent(out) :: text !! Lines of the script
+      !> The deck does not watch the signal of the scheduler
+      type(error_t), allocatable, intent(out) :: error
       type(job_t) :: job
       integer :: n
 
       text = ""
-      if (all([(trim(plan%limits%signals(n)) /= "USR1", n=1, size(plan%limits%signals))])) then
-         call fail(error, exit_input, "the job is told of its end by the signal USR1; "// &
-            "add 'USR1' to on_signal in &checkpoint of "//plan%command%deck)
+      if (all([(trim(setup%limits%signals(n)) /= "USR1", n=1, size(setup%limits%signals))])) then
+         call fail(error, exit_input, &
+            "the scheduler announces the end of the job with signal USR1; "// &
+            "add 'USR1' to on_signal in &checkpoint of "//setup%command%deck)
          return
       end if
-      call plan_job(plan, deck, job)
-      if (plan%command%job == "pbs") then
+      call choose_job(setup, deck, job)
+      if (setup%command%job%scheduler == "pbs") then
          text = pbs_text(job)
       else
          text = slurm_text(job)
       end if
    end subroutine job_text
 
-   !> Numbers and words of a job.
-   subroutine plan_job(plan, deck, job)
-      class(plan_t), intent(in) :: plan              !! What will run
-      character(len=*), intent(in) :: deck           !! Deck, as seen from where the job starts
-      type(job_t), intent(out) :: job                !! The job
+   !> Choose ranks, threads, times and file names of a job.
+   subroutine choose_job(setup, deck, job)
+      class(run_setup_t), intent(in) :: setup
+      character(len=*), intent(in) :: deck           !! Path of the deck from the folder of the job
+      type(job_t), intent(out) :: job
       integer :: tiles
 
-      tiles = max(size(plan%survey%key), 1)
-      job%ranks = min(max(ceiling(real(plan%survey%particles, wp)/particles_of_rank), 1), tiles)
-      if (plan%command%ranks > 0) job%ranks = plan%command%ranks
+      tiles = max(size(setup%survey%key), 1)
+      job%ranks = min(max(ceiling(real(setup%survey%particles, wp)/particles_of_rank), 1), tiles)
+      if (setup%command%job%ranks > 0) job%ranks = setup%command%job%ranks
       job%threads = max(min(usual_threads, tiles/job%ranks), 1)
-      if (plan%command%threads > 0) job%threads = plan%command%threads
+      if (setup%command%job%threads > 0) job%threads = setup%command%job%threads
       job%time = usual_time
-      if (allocated(plan%command%job_time)) job%time = plan%command%job_time
-      job%seconds = seconds_of(job%time)
+      if (allocated(setup%command%job%time)) job%time = setup%command%job%time
+      job%seconds = clock_seconds(job%time)
       job%notice = min(usual_notice, max(least_notice, job%seconds/10))
-      job%case = plan%place%case
-      job%checkpoints = quoted(join_path(plan%place%folder, job%case//"_chk_")//"*.h5")
-      job%summary = quoted(join_path(plan%place%folder, job%case//".summary.json"))
-      job%command = quoted(program_path())//options_text(plan)//" "//quoted(deck)
-      job%hints = hints_text(plan, job)
-   end subroutine plan_job
+      job%case = setup%place%case
+      job%checkpoints = quoted(join_path(setup%place%folder, job%case//"_chk_")//"*.h5")
+      job%summary = quoted(join_path(setup%place%folder, job%case//".summary.json"))
+      job%command = quoted(program_path())//options_text(setup)//" "//quoted(deck)
+      job%hints = hints_text(setup, job)
+   end subroutine choose_job
 
-   !> Options of the command line that the script passes on.
-   function options_text(plan) result(text)
-      class(plan_t), intent(in) :: plan              !! With the command line
+   !> Options of the command line that the script passes to the program.
+   function options_text(setup) result(text)
+      class(run_setup_t), intent(in) :: setup              !! With the command line
       character(len=:), allocatable :: text
       integer :: n
 
       text = ""
-      associate (command => plan%command)
-         if (allocated(command%output_folder)) &
-            text = text//" --outdir "//quoted(command%output_folder)
+      associate (command => setup%command)
+         if (allocated(command%output%folder)) &
+            text = text//" --outdir "//quoted(command%output%folder)
          do n = 1, size(command%overrides)
             associate (override => command%overrides(n)%text)
                if (index(override, removal_mark) == 1) then
@@ -105,32 +108,32 @@ contains
       end associate
    end function options_text
 
-   !> What the reader of the script should know.
-   function hints_text(plan, job) result(text)
-      class(plan_t), intent(in) :: plan              !! What will run
+   !> Comments of the script on size and wall time.
+   function hints_text(setup, job) result(text)
+      class(run_setup_t), intent(in) :: setup
       type(job_t), intent(in) :: job                 !! Its numbers
       character(len=:), allocatable :: text
 
-      text = "# "//number(plan%survey%particles)//" particles in "// &
-         number(size(plan%survey%key))//" tiles; about a million particles a rank use a "// &
-         "machine well."//newline
-      if (plan%command%job == "pbs") then
-         text = text//"# The limit below takes the place of wall_limit in the deck."
-      else if (plan%limits%ask_scheduler) then
-         text = text//"# The run asks Slurm when the job ends (wall_limit = 'slurm' in the deck)."
-      else if (plan%limits%wall_limit < real(job%seconds, wp)) then
+      text = "# "//number(setup%survey%particles)//" particles in "// &
+         number(size(setup%survey%key))//" tiles; about a million particles a rank "// &
+         "are efficient."//newline
+      if (setup%command%job%scheduler == "pbs") then
+         text = text//"# The limit below replaces wall_limit of the deck."
+      else if (setup%limits%use_job_end) then
+         text = text//"# The run requests the end of the job from Slurm (wall_limit = 'slurm')."
+      else if (setup%limits%wall_limit < real(job%seconds, wp)) then
          text = text//"# wall_limit of the deck ends the run before the job does."
-      else if (plan%limits%wall_limit < huge(1.0_wp)) then
+      else if (setup%limits%wall_limit < huge(1.0_wp)) then
          text = text//"# wall_limit of the deck is longer than the job; the signal ends it."
       else
-         text = text//"# With wall_limit = 'slurm' in &time the run watches its clock as well."
+         text = text//"# With wall_limit = 'slurm' in &time the run also checks the wall time."
       end if
       text = text//newline
    end function hints_text
 
-   !> A script for Slurm. The signal goes to the ranks, not to the shell.
+   !> Script for Slurm. The signal goes to the ranks, not to the shell.
    function slurm_text(job) result(text)
-      type(job_t), intent(in) :: job                 !! The job
+      type(job_t), intent(in) :: job
       character(len=:), allocatable :: text
 
       text = "#!/bin/bash"//newline// &
@@ -141,10 +144,10 @@ contains
          "#SBATCH --signal=USR1@"//number(job%notice)//newline// &
          "#SBATCH --requeue"//newline// &
          "#SBATCH --open-mode=append"//newline// &
-         "# Scree: USR1 asks for a checkpoint "//number(job%notice)//" s before the end; exit "// &
+         "# Scree: USR1 requests a checkpoint "//number(job%notice)//" s before the end; exit "// &
          "code "//number(exit_again)//" means: run again."//newline//job%hints// &
          "export OMP_NUM_THREADS=""${SLURM_CPUS_PER_TASK:-"//number(job%threads)//"}"""//newline// &
-         "export SRUN_CPUS_PER_TASK=""${OMP_NUM_THREADS}"""//newline//places_text()// &
+         "export SRUN_CPUS_PER_TASK=""${OMP_NUM_THREADS}"""//newline//binding_text()// &
          restart_text(job)// &
          "srun "//job%command//" ""${restart[@]}"" || code=$?"//newline// &
          "if [ ""${code}"" -eq "//number(exit_again)//" ]; then"//newline// &
@@ -152,10 +155,11 @@ contains
          newline//"fi"//newline//"exit ""${code}"""//newline
    end function slurm_text
 
-   !> A script for PBS, which sends no signal in advance: the run watches the clock, and the script
-   !! submits itself anew.
+   !> Script for PBS, which sends no signal in advance: the run has a wall time limit, and the
+   !! script
+   !! submits itself again.
    function pbs_text(job) result(text)
-      type(job_t), intent(in) :: job                 !! The job
+      type(job_t), intent(in) :: job
       character(len=:), allocatable :: text
 
       text = "#!/bin/bash"//newline// &
@@ -164,30 +168,30 @@ contains
          ":mpiprocs=1:ompthreads="//number(job%threads)//newline// &
          "#PBS -l walltime="//job%time//newline// &
          "#PBS -j oe"//newline// &
-         "# Scree: a run leaves "//number(job%notice)//" s before the end of the job with a "// &
+         "# Scree: a run stops "//number(job%notice)//" s before the end of the job with a "// &
          "checkpoint; exit"//newline// &
          "# code "//number(exit_again)//" means: run again."//newline//job%hints// &
          "cd ""${PBS_O_WORKDIR:-.}"" || exit 3"//newline// &
-         "export OMP_NUM_THREADS="//number(job%threads)//newline//places_text()// &
+         "export OMP_NUM_THREADS="//number(job%threads)//newline//binding_text()// &
          restart_text(job)// &
          "mpirun -n "//number(job%ranks)//" "//job%command//" --set time.wall_limit="// &
-         clock_of(job%seconds - job%notice)//" ""${restart[@]}"" || code=$?"//newline// &
+         clock_text(job%seconds - job%notice)//" ""${restart[@]}"" || code=$?"//newline// &
          "if [ ""${code}"" -eq "//number(exit_again)//" ]; then"//newline// &
          "   qsub ""$0"" || echo 'submit this script again' >&2"//newline// &
          "fi"//newline//"exit ""${code}"""//newline
    end function pbs_text
 
-   !> Where threads run, and files on systems whose locks fail.
-   pure function places_text() result(text)
+   !> Binding of threads to cores; no HDF5 file locks, which some file systems lack.
+   pure function binding_text() result(text)
       character(len=:), allocatable :: text
 
       text = "export OMP_PLACES=cores OMP_PROC_BIND=close HDF5_USE_FILE_LOCKING=FALSE"//newline
-   end function places_text
+   end function binding_text
 
-   !> Go on if there is something to go on from. A run that was killed before its first checkpoint
-   !! has no summary, and begins anew.
+   !> Restart if there is a checkpoint. A run that was killed before its first checkpoint has no
+   !! summary and starts again.
    pure function restart_text(job) result(text)
-      type(job_t), intent(in) :: job                 !! The job
+      type(job_t), intent(in) :: job
       character(len=:), allocatable :: text
 
       text = "restart=()"//newline// &
@@ -196,31 +200,7 @@ contains
          "code=0"//newline
    end function restart_text
 
-   !> Seconds of hours:minutes:seconds.
-   pure integer function seconds_of(time) result(seconds)
-      character(len=*), intent(in) :: time           !! As the command line has checked
-      integer :: hours, minutes, rest, last
-
-      last = len(time)
-      read (time(:last - 6), *) hours
-      read (time(last - 4:last - 3), *) minutes
-      read (time(last - 1:), *) rest
-      seconds = 3600*hours + 60*minutes + rest
-   end function seconds_of
-
-   !> Hours:minutes:seconds; a second at least.
-   pure function clock_of(seconds) result(time)
-      integer, intent(in) :: seconds                 !! [s]
-      character(len=:), allocatable :: time
-      character(len=24) :: line
-      integer :: left
-
-      left = max(seconds, 1)
-      write (line, "(i0.2, 2(':', i2.2))") left/3600, mod(left/60, 60), mod(left, 60)
-      time = trim(line)
-   end function clock_of
-
-   !> The command that goes on with a run that was stopped with a checkpoint: what was typed, with
+   !> The command that continues a run that was stopped with a checkpoint: the command line, with
    !! --restart in place of one that may name an older file.
    function resume_command(ranks) result(text)
       integer, intent(in) :: ranks                   !! Of the run
@@ -242,10 +222,10 @@ contains
       text = text//" --restart"
    end function resume_command
 
-   !> Add a word to the command, unless it is --restart, the file behind that, or --overwrite.
+   !> Add a word to the command, unless it is --restart, the file after it, or --overwrite.
    pure subroutine add_word(word, after, text)
       character(len=*), intent(in) :: word           !! From the command line
-      logical, intent(inout) :: after                !! Was the word before --restart?
+      logical, intent(inout) :: after                !! Was the previous word --restart?
       character(len=:), allocatable, intent(inout) :: text !! Grows
       logical :: file
 
@@ -265,7 +245,7 @@ contains
       if (length > 0) call get_command_argument(0, name)
    end function program_name
 
-   !> A word as the shell takes it for one.
+   !> A word in the quotes that the shell needs.
    pure function quoted(word) result(text)
       character(len=*), intent(in) :: word           !! Any text
       character(len=:), allocatable :: text

@@ -1,42 +1,65 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The command line: what the user asks the program to do.
+!> The command line: options, their values, and the checks that they fit each other.
 module program_command_line
+   use base_clock, only: is_clock
    use base_deck_override, only: removal_mark
    use base_error, only: error_t, exit_input, fail
    use base_text, only: append, closest, text_t
    implicit none
    private
 
-   public :: command_t, help_text, parse, program_arguments
+   public :: command_t, information_request_t, parse_command_line, program_arguments
 
-   !> What the command line says. Texts that were not given are not allocated.
-   type :: command_t
-      character(len=:), allocatable :: deck              !! Name of the deck
-      logical :: check = .false.                         !! Read and check, compute nothing
-      logical :: estimate = .true.                       !! A check times the first steps
-      logical :: preview = .false.                       !! Write and draw the first state
-      logical :: point = .false.                         !! Drive one material point
-      logical :: restart = .false.                       !! Go on from a checkpoint
-      logical :: overwrite = .false.                     !! Replace the results of a former run
-      character(len=:), allocatable :: checkpoint        !! Which; without it the newest valid one
-      type(text_t), allocatable :: overrides(:)          !! GROUP.KEY=VALUE, !GROUP.KEY
-      character(len=:), allocatable :: case_name         !! In place of the case of the deck
-      character(len=:), allocatable :: output_folder     !! In place of out/CASE
-      logical :: quiet = .false.                         !! Only warnings and errors on the screen
-      logical :: verbose = .false.                       !! Details too
-      logical :: force = .false.                         !! Sizes that are hardly meant are meant
-      character(len=:), allocatable :: digest            !! Checkpoint whose digest is wanted
-      logical :: template = .false.                      !! Print all keys
-      character(len=:), allocatable :: explain           !! Key to be explained
-      character(len=:), allocatable :: list              !! What is to be listed
-      character(len=:), allocatable :: example           !! Example to be copied
-      character(len=:), allocatable :: folder            !! Where the copy goes
-      character(len=:), allocatable :: job               !! Scheduler that wants a script
-      integer :: ranks = 0                               !! Ranks of the job, 0 = a suggestion
-      integer :: threads = 0                             !! Threads of each, 0 = a suggestion
-      character(len=:), allocatable :: job_time          !! Its wall time, hours:minutes:seconds
+   !> A text that is printed in place of a run. Texts that were not given are not allocated.
+   type :: information_request_t
       logical :: help = .false.                          !! Print the help
       logical :: version = .false.                       !! Print the version
+      logical :: template = .false.                      !! Print all keys
+      character(len=:), allocatable :: explain           !! Key or group to explain
+      character(len=:), allocatable :: list              !! Name of the list to print
+      character(len=:), allocatable :: digest            !! Checkpoint whose digest is printed
+   contains
+      procedure :: is_set => information_request_is_set  !! Is there a request?
+   end type information_request_t
+
+   !> Options of output.
+   type :: output_options_t
+      character(len=:), allocatable :: case_name         !! Replaces the case of the deck
+      character(len=:), allocatable :: folder            !! Replaces out/CASE
+      logical :: overwrite = .false.                     !! Remove the results of a previous run
+      logical :: quiet = .false.                         !! Print only warnings and errors
+      logical :: verbose = .false.                       !! Print details as well
+   end type output_options_t
+
+   !> Options of a job script.
+   type :: job_options_t
+      character(len=:), allocatable :: scheduler         !! slurm or pbs
+      integer :: ranks = 0                               !! 0 = chosen by the program
+      integer :: threads = 0                             !! Of each rank, 0 = chosen
+      character(len=:), allocatable :: time              !! Wall time, hours:minutes:seconds
+   end type job_options_t
+
+   !> An example to copy.
+   type :: example_request_t
+      character(len=:), allocatable :: name              !! Name of the example
+      character(len=:), allocatable :: folder            !! Folder of the copy
+   end type example_request_t
+
+   !> Content of the command line. Texts that were not given are not allocated.
+   type :: command_t
+      character(len=:), allocatable :: deck              !! Path of the deck
+      logical :: check = .false.                         !! Check the deck, compute nothing
+      logical :: estimate = .true.                       !! A check estimates the run time
+      logical :: preview = .false.                       !! Write and draw the first state
+      logical :: point = .false.                         !! Drive one material point
+      logical :: restart = .false.                       !! Continue from a checkpoint
+      character(len=:), allocatable :: checkpoint        !! Which one; default: the newest valid one
+      type(text_t), allocatable :: overrides(:)          !! GROUP.KEY=VALUE, !GROUP.KEY
+      logical :: force = .false.                         !! Override the limits on sizes
+      type(output_options_t) :: output                   !! Case, folder, screen
+      type(job_options_t) :: job                         !! Job script
+      type(example_request_t) :: example                 !! Example to copy
+      type(information_request_t) :: information         !! Text to print
    end type command_t
 
    !> One option.
@@ -66,6 +89,14 @@ module program_command_line
 
 contains
 
+   !> True if a text is to be printed in place of a run.
+   pure logical function information_request_is_set(self) result(set)
+      class(information_request_t), intent(in) :: self
+
+      set = self%help .or. self%version .or. self%template .or. allocated(self%explain) .or. &
+         allocated(self%list) .or. allocated(self%digest)
+   end function information_request_is_set
+
    !> The arguments of the program.
    function program_arguments() result(arguments)
       type(text_t), allocatable :: arguments(:)
@@ -81,11 +112,11 @@ contains
       end do
    end function program_arguments
 
-   !> Understand the arguments.
-   subroutine parse(arguments, command, error)
+   !> Parse and check the arguments.
+   subroutine parse_command_line(arguments, command, error)
       type(text_t), intent(in) :: arguments(:)           !! From `program_arguments`
-      type(command_t), intent(out) :: command            !! What they say
-      type(error_t), allocatable, intent(out) :: error   !! They cannot be understood
+      type(command_t), intent(out) :: command            !! Their content
+      type(error_t), allocatable, intent(out) :: error   !! Unknown or conflicting options
       logical :: options_end
       integer :: next
 
@@ -104,18 +135,18 @@ contains
                   call parse_short(arguments, next, command, error)
                end if
             else
-               call take_deck(argument, command, error)
+               call set_deck(argument, command, error)
                next = next + 1
             end if
          end associate
          if (allocated(error)) return
       end do
       call check_command(command, error)
-   end subroutine parse
+   end subroutine parse_command_line
 
-   !> The one argument that is no option.
-   subroutine take_deck(argument, command, error)
-      character(len=*), intent(in) :: argument           !! The argument
+   !> Take the argument that is not an option as the deck.
+   subroutine set_deck(argument, command, error)
+      character(len=*), intent(in) :: argument           !! Path of a deck
       type(command_t), intent(inout) :: command          !! Gets the deck
       type(error_t), allocatable, intent(out) :: error   !! There is one already
 
@@ -126,14 +157,14 @@ contains
       else
          command%deck = argument
       end if
-   end subroutine take_deck
+   end subroutine set_deck
 
    !> An option with two dashes: --name, --name=value, --name value.
    subroutine parse_long(arguments, next, command, error)
       type(text_t), intent(in) :: arguments(:)           !! All arguments
       integer, intent(inout) :: next                     !! Index of this one, then of the next
       type(command_t), intent(inout) :: command          !! Gets what it says
-      type(error_t), allocatable, intent(out) :: error   !! It cannot be understood
+      type(error_t), allocatable, intent(out) :: error   !! Unknown, or its value is wrong
       character(len=:), allocatable :: name, near, value
       type(text_t), allocatable :: names(:)
       integer :: equals, i, which
@@ -167,7 +198,7 @@ contains
       type(text_t), intent(in) :: arguments(:)           !! All arguments
       integer, intent(inout) :: next                     !! Index of this one, then of the next
       type(command_t), intent(inout) :: command          !! Gets what they say
-      type(error_t), allocatable, intent(out) :: error   !! One cannot be understood
+      type(error_t), allocatable, intent(out) :: error   !! Unknown, or its value is wrong
       character(len=:), allocatable :: letters, value
       integer :: at, which
 
@@ -185,7 +216,7 @@ contains
          end do
          if (which > size(options)) then
             call complain(error, "unknown option -"//letters(at:at)//" in '"//letters//"'"// &
-               long_name(letters))
+               suggested_option(letters))
             return
          end if
          at = at + 1
@@ -202,8 +233,8 @@ contains
       end do
    end subroutine parse_short
 
-   !> A question behind a message if a word with one dash is the name of an option with two.
-   function long_name(word) result(text)
+   !> Suggestion for a word with one dash that is close to the name of an option with two.
+   function suggested_option(word) result(text)
       character(len=*), intent(in) :: word               !! With its dash
       character(len=:), allocatable :: text
       type(text_t), allocatable :: names(:)
@@ -216,14 +247,14 @@ contains
       text = closest(word(2:scan(word//"=", "=") - 1), names)
       if (len(word) < 4) text = ""
       if (text /= "") text = "; did you mean --"//text//"?"
-   end function long_name
+   end function suggested_option
 
-   !> Take the next argument as value where the option wants one. The file of --restart is optional:
-   !! it must end in .h5, since what follows may be the deck.
+   !> Take the next argument as value of an option that needs one. The file of --restart is optional
+   !! and must end in .h5, since the next argument may be the deck.
    subroutine find_value(arguments, next, option, value)
       type(text_t), intent(in) :: arguments(:)           !! All arguments
       integer, intent(inout) :: next                     !! Index of the one after the option
-      type(option_t), intent(in) :: option               !! The option
+      type(option_t), intent(in) :: option
       character(len=:), allocatable, intent(inout) :: value !! Its value
       integer :: last
 
@@ -237,24 +268,24 @@ contains
       next = next + 1
    end subroutine find_value
 
-   !> Do what an option says.
+   !> Store an option in the command.
    subroutine apply_option(option, value, command, error)
-      type(option_t), intent(in) :: option               !! The option
+      type(option_t), intent(in) :: option
       character(len=:), allocatable, intent(in) :: value !! Its value
       type(command_t), intent(inout) :: command          !! Gets what it says
       type(error_t), allocatable, intent(out) :: error   !! The value is missing
 
       if (option%name == "list" .and. .not. allocated(value)) then
-         command%list = ""
+         command%information%list = ""
          return
       end if
       call require_value(option, value, error)
       if (allocated(error)) return
       select case (option%name)
       case ("help")
-         command%help = .true.
+         command%information%help = .true.
       case ("version")
-         command%version = .true.
+         command%information%version = .true.
       case ("check")
          command%check = .true.
       case ("no-estimate")
@@ -267,31 +298,31 @@ contains
          command%restart = .true.
          if (allocated(value)) command%checkpoint = value
       case ("overwrite")
-         command%overwrite = .true.
+         command%output%overwrite = .true.
       case ("set")
          call append(command%overrides, value)
       case ("unset")
          call append(command%overrides, removal_mark//value)
       case ("case")
-         command%case_name = value
+         command%output%case_name = value
       case ("outdir")
-         command%output_folder = value
+         command%output%folder = value
       case ("quiet")
-         command%quiet = .true.
+         command%output%quiet = .true.
       case ("verbose")
-         command%verbose = .true.
+         command%output%verbose = .true.
       case ("force")
          command%force = .true.
       case ("digest")
-         command%digest = value
+         command%information%digest = value
       case ("template")
-         command%template = .true.
+         command%information%template = .true.
       case ("explain")
-         command%explain = value
+         command%information%explain = value
       case ("list")
-         command%list = value
+         command%information%list = value
       case ("new")
-         command%example = value
+         command%example%name = value
       case default
          call apply_job_option(option, value, command, error)
       end select
@@ -299,7 +330,7 @@ contains
 
    !> Refuse an option without the value that it takes.
    subroutine require_value(option, value, error)
-      type(option_t), intent(in) :: option               !! The option
+      type(option_t), intent(in) :: option
       character(len=:), allocatable, intent(in) :: value !! Its value
       type(error_t), allocatable, intent(out) :: error   !! The value is missing
 
@@ -311,92 +342,74 @@ contains
       end if
    end subroutine require_value
 
-   !> Do what an option says of the script of a job.
+   !> Store an option of the job script in the command.
    subroutine apply_job_option(option, value, command, error)
-      type(option_t), intent(in) :: option               !! The option
+      type(option_t), intent(in) :: option
       character(len=*), intent(in) :: value              !! Its value
       type(command_t), intent(inout) :: command          !! Gets what it says
-      type(error_t), allocatable, intent(out) :: error   !! The value is none of its kind
+      type(error_t), allocatable, intent(out) :: error   !! The value is not valid
 
       select case (option%name)
       case ("ranks")
-         call read_count(option, value, command%ranks, error)
+         call read_count(option, value, command%job%ranks, error)
       case ("threads")
-         call read_count(option, value, command%threads, error)
+         call read_count(option, value, command%job%threads, error)
       case ("time")
-         command%job_time = value
-         if (.not. is_clock(value)) call complain(error, "--time = '"//value// &
+         command%job%time = value
+         if (is_clock(value) .and. verify(value, "0:") > 0) return
+         call complain(error, "--time = '"//value// &
             "' must be hours, minutes and seconds such as 04:00:00")
       case default
-         command%job = value
+         command%job%scheduler = value
          if (all(schedulers /= value)) call complain(error, &
             "--job knows slurm and pbs, not '"//value//"'")
       end select
    end subroutine apply_job_option
 
-   !> A whole number above 0.
+   !> Read an integer above 0.
    subroutine read_count(option, value, count, error)
-      type(option_t), intent(in) :: option               !! The option
+      type(option_t), intent(in) :: option
       character(len=*), intent(in) :: value              !! Its value
-      integer, intent(out) :: count                      !! The number
-      type(error_t), allocatable, intent(out) :: error   !! It is none
+      integer, intent(out) :: count                      !! Value of the option
+      type(error_t), allocatable, intent(out) :: error   !! Not an integer above 0
       integer, parameter :: most_digits = 8
 
       count = 0
       if (verify(value, "0123456789") == 0 .and. len(value) <= most_digits) read (value, *) count
       if (count <= 0) call complain(error, "--"//trim(option%name)//" = '"//value// &
-         "' must be a whole number above 0")
+         "' must be an integer above 0")
    end subroutine read_count
 
-   !> The text for two digits below 60.
-   pure logical function below_sixty(text) result(right)
-      character(len=*), intent(in) :: text               !! Two characters
-
-      right = verify(text, "0123456789") == 0 .and. llt(text, "60")
-   end function below_sixty
-
-   !> True for hours:minutes:seconds, and not all of them 0.
-   pure logical function is_clock(text) result(right)
-      character(len=*), intent(in) :: text               !! Perhaps a time
-      integer :: last
-
-      last = len(text)
-      right = .false.
-      if (last < 7 .or. last > 9) return
-      right = verify(text(:last - 6), "0123456789") == 0 .and. text(last - 5:last - 5) == ":" &
-         .and. text(last - 2:last - 2) == ":" .and. below_sixty(text(last - 4:last - 3)) .and. &
-         below_sixty(text(last - 1:)) .and. verify(text, "0:") > 0
-   end function is_clock
-
-   !> The parts must fit each other.
+   !> Check that the options fit each other.
    subroutine check_command(command, error)
-      type(command_t), intent(inout) :: command          !! What the command line says
-      type(error_t), allocatable, intent(out) :: error   !! Something is missing or too much
+      type(command_t), intent(inout) :: command          !! Content of the command line
+      type(error_t), allocatable, intent(out) :: error   !! Missing or conflicting options
 
-      if (command%help .or. command%version) return
-      if (allocated(command%list)) then
-         call check_list(command%list, error)
+      if (command%information%help .or. command%information%version) return
+      if (allocated(command%information%list)) then
+         call check_list(command%information%list, error)
          return
       end if
-      if (allocated(command%explain) .or. command%template .or. allocated(command%digest)) return
+      if (allocated(command%information%explain) .or. command%information%template .or. &
+         allocated(command%information%digest)) return
       if (.not. (command%estimate .or. command%check)) then
-         call complain(error, "--no-estimate needs --check; nothing else makes an estimate")
-      else if (allocated(command%example)) then
-         call move_alloc(command%deck, command%folder)
-         if (.not. allocated(command%folder)) call complain(error, &
-            "--new needs a folder behind the example; usage: scree --new "//command%example// &
+         call complain(error, "--no-estimate needs --check; only a check makes an estimate")
+      else if (allocated(command%example%name)) then
+         call move_alloc(command%deck, command%example%folder)
+         if (.not. allocated(command%example%folder)) call complain(error, &
+            "--new needs a folder after the example; usage: scree --new "//command%example%name// &
             " FOLDER")
-      else if (command%quiet .and. command%verbose) then
+      else if (command%output%quiet .and. command%output%verbose) then
          call complain(error, "--quiet and --verbose exclude each other")
       else if (command%point .and. (command%check .or. command%restart)) then
          call complain(error, "--point excludes --check and --restart")
       else if (command%check .and. command%restart) then
          call complain(error, "--check and --restart exclude each other")
-      else if (command%overwrite .and. command%restart) then
+      else if (command%output%overwrite .and. command%restart) then
          call complain(error, "--overwrite and --restart exclude each other: a run either "// &
-            "begins anew or goes on; give --outdir to go on in another folder")
+            "starts again or continues; give --outdir to continue in another folder")
       else if (command%preview .and. (command%check .or. command%point .or. command%restart &
-         .or. allocated(command%job))) then
+         .or. allocated(command%job%scheduler))) then
          call complain(error, "--preview excludes --check, --point, --restart and --job; call "// &
             "scree twice")
       else if (.not. allocated(command%deck)) then
@@ -404,14 +417,14 @@ contains
       else
          call check_job(command, error)
       end if
-      if (allocated(command%case_name)) &
-         call append(command%overrides, "run.case="//command%case_name)
+      if (allocated(command%output%case_name)) &
+         call append(command%overrides, "run.case="//command%output%case_name)
    end subroutine check_command
 
-   !> There must be a list of that name; without a name the lists themselves are listed.
+   !> Check the name of a list; an empty name requests the list of lists.
    subroutine check_list(name, error)
-      character(len=*), intent(in) :: name               !! What is to be listed
-      type(error_t), allocatable, intent(out) :: error   !! There is none
+      character(len=*), intent(in) :: name               !! Name of the list
+      type(error_t), allocatable, intent(out) :: error   !! No such list
       type(text_t), allocatable :: names(:)
       character(len=:), allocatable :: near
       integer :: i
@@ -427,21 +440,21 @@ contains
          "former, not '"//name//"'"//near)
    end subroutine check_list
 
-   !> A job is printed, not run; numbers of it need it.
+   !> Check the options of a job script, which is printed and not run.
    subroutine check_job(command, error)
-      type(command_t), intent(in) :: command             !! What the command line says
-      type(error_t), allocatable, intent(out) :: error   !! Something is missing or too much
+      type(command_t), intent(in) :: command             !! Content of the command line
+      type(error_t), allocatable, intent(out) :: error   !! Missing or conflicting options
 
-      if (.not. allocated(command%job)) then
-         if (command%ranks > 0) call complain(error, &
-            "--ranks needs --job; a run has those of mpirun")
-         if (command%threads > 0) call complain(error, &
-            "--threads needs --job; a run takes OMP_NUM_THREADS")
-         if (allocated(command%job_time)) call complain(error, &
-            "--time needs --job; a run takes wall_limit of &time")
+      if (.not. allocated(command%job%scheduler)) then
+         if (command%job%ranks > 0) call complain(error, &
+            "--ranks needs --job; a run uses the ranks of mpirun")
+         if (command%job%threads > 0) call complain(error, &
+            "--threads needs --job; a run uses OMP_NUM_THREADS")
+         if (allocated(command%job%time)) call complain(error, &
+            "--time needs --job; a run uses wall_limit of &time")
       else if (command%check .or. command%point .or. command%restart) then
-         call complain(error, "--job excludes --check, --point and --restart; the script goes "// &
-            "on from checkpoints by itself")
+         call complain(error, "--job excludes --check, --point and --restart; the script "// &
+            "continues from checkpoints by itself")
       end if
    end subroutine check_job
 
@@ -452,41 +465,4 @@ contains
 
       call fail(error, exit_input, "command line: error: "//message)
    end subroutine complain
-
-   !> One screen of help.
-   function help_text() result(text)
-      character(len=:), allocatable :: text
-      character(len=*), parameter :: newline = new_line("a")
-
-      text = "usage: scree [options] DECK.nml"//newline//newline// &
-         "  -n, --check            read and check the deck, say what a run will cost"//newline// &
-         "  -p, --preview          draw the first state and the walls into OUTDIR_preview"// &
-         newline// &
-         "      --no-estimate      with --check: do not estimate the time of the run"//newline// &
-         "  -s, --set G.K=VALUE    value in place of the deck's; --unset G.K removes it"// &
-         newline// &
-         "  -c, --case NAME        prefix of all output files"//newline// &
-         "  -o, --outdir DIR       folder of all output files, default out/CASE"//newline// &
-         "  -r, --restart [FILE]   go on from FILE.h5 or the newest valid checkpoint"//newline// &
-         "      --overwrite        remove the results of a former run of this case"//newline// &
-         "  -q, --quiet            only warnings and errors on the screen"//newline// &
-         "  -v, --verbose          details too"//newline// &
-         "      --force            take sizes that are hardly meant: points, files"//newline// &
-         "      --template         print a deck with all keys and defaults"//newline// &
-         "      --explain KEY      what a key or group of the deck means"//newline// &
-         "      --point            drive one material along &point, write CASE_point.csv"// &
-         newline// &
-         "      --list [WHAT]      materials, fields, shapes, units, examples, former"//newline// &
-         "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
-         "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
-         newline//"                         --threads N and --time HH:MM:SS"//newline// &
-         "      --digest FILE      digest of the state in a checkpoint"//newline// &
-         "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline
-      text = text//"exit codes: 0 finished, 2 deck or command line wrong, 3 file problem or "// &
-         "results"//newline//"  in the way, 4 physics gave up, 5 internal error, 75 "// &
-         "stopped: run again"//newline//newline//"examples:"//newline// &
-         "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
-         "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline// &
-         "The README and doc/guide explain the rest."
-   end function help_text
 end module program_command_line

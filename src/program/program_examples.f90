@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Examples that come along with the program: their list, and a folder of one's own made of one.
+!> The examples of the program: their list, and copies in new folders.
 module program_examples
    use base_error, only: error_t, exit_file, exit_input, fail
    use base_text, only: append, closest, join, text_t
@@ -11,38 +11,38 @@ module program_examples
 
    public :: copied_t, copy_example, examples_text, next_steps
 
-   character(len=*), parameter :: scene = "scene.nml" !! Name of the deck in each example
-   character(len=*), parameter :: plot = "plot.py"   !! Beside the examples, for all of them
-   character(len=*), parameter :: view = "view.py"   !! The same, for ParaView
+   character(len=*), parameter :: scene = "scene.nml" !! Deck of each example
+   character(len=*), parameter :: plot = "plot.py"   !! Script for all examples
+   character(len=*), parameter :: view = "view.py"   !! ParaView script for all examples
    character(len=*), parameter :: newline = new_line("a")
 
    !> An example that was copied.
    type :: copied_t
       character(len=:), allocatable :: folder        !! Where the copy is
       character(len=:), allocatable :: deck          !! Name of its deck
-      type(text_t), allocatable :: files(:)          !! Names of all files of it
+      type(text_t), allocatable :: files(:)          !! Names of its files
    end type copied_t
 
 contains
 
-   !> Folder of the examples, found from that of the program.
+   !> Find the folder of the examples from that of the program.
    subroutine find_examples(folder, error)
       character(len=:), allocatable, intent(out) :: folder !! Where they are
-      type(error_t), allocatable, intent(out) :: error !! Nowhere
+      type(error_t), allocatable, intent(out) :: error !! Not found
       character(len=:), allocatable :: home
 
       home = folder_of(program_path())
       folder = join_path(home, share_folder//"/input")
       if (file_exists(folder//"/.")) return
-      ! the build tree has them here whatever the names of the folders of an installation
+      ! the build tree has them here for any names of the folders of an installation
       folder = join_path(home, "../share/scree/input")
       if (file_exists(folder//"/.")) return
-      call fail(error, exit_file, "the examples are not where the program looks for them, '"// &
+      call fail(error, exit_file, "the examples are not in the folder of this installation, '"// &
          join_path(home, share_folder//"/input")//"'; install again, with cmake --install")
    end subroutine find_examples
 
-   !> Names of the examples: folders that hold a scene.
-   subroutine name_examples(folder, names, error)
+   !> List the examples: folders with a scene.
+   subroutine list_examples(folder, names, error)
       character(len=*), intent(in) :: folder         !! Where they are
       type(text_t), allocatable, intent(out) :: names(:) !! In alphabetical order
       type(error_t), allocatable, intent(out) :: error !! The folder cannot be read
@@ -57,12 +57,12 @@ contains
          if (file_exists(join_path(folder, trim(entries(n))//"/"//scene))) &
             call append(names, trim(entries(n)))
       end do
-   end subroutine name_examples
+   end subroutine list_examples
 
-   !> One line an example: its name and what it is.
+   !> One line for each example: its name and the title of its README.
    subroutine examples_text(text, error)
-      character(len=:), allocatable, intent(out) :: text !! The lines
-      type(error_t), allocatable, intent(out) :: error !! There are none
+      character(len=:), allocatable, intent(out) :: text !! One line an example
+      type(error_t), allocatable, intent(out) :: error !! They cannot be found or read
       character(len=:), allocatable :: folder, readme
       type(text_t), allocatable :: names(:)
       integer :: n
@@ -71,7 +71,7 @@ contains
       text = ""
       call find_examples(folder, error)
       if (allocated(error)) return
-      call name_examples(folder, names, error)
+      call list_examples(folder, names, error)
       if (allocated(error)) return
       do n = 1, size(names)
          call read_file(join_path(folder, names(n)%text//"/README.md"), readme, error)
@@ -81,10 +81,10 @@ contains
       end do
    end subroutine examples_text
 
-   !> Copy an example into a folder that is not there yet, or empty. Scripts that measure it stay
-   !! with the sources, whose tools they need.
+   !> Copy an example into a new or empty folder, without the scripts that evaluate it, which need
+   !! the tools of the sources.
    subroutine copy_example(name, target_folder, copied, error)
-      character(len=*), intent(in) :: name           !! Which example
+      character(len=*), intent(in) :: name           !! Name of the example
       character(len=*), intent(in) :: target_folder  !! Where to
       type(copied_t), intent(out) :: copied          !! What was copied
       type(error_t), allocatable, intent(out) :: error !! No such example, or not writable
@@ -94,7 +94,7 @@ contains
       integer :: n
 
       call find_examples(folder, error)
-      if (.not. allocated(error)) call name_examples(folder, names, error)
+      if (.not. allocated(error)) call list_examples(folder, names, error)
       if (allocated(error)) return
       if (.not. any([(names(n)%text == name, n=1, size(names))])) then
          near = closest(name, names)
@@ -118,10 +118,10 @@ contains
       if (.not. allocated(error)) call copy_file(folder, view, name, copied, error)
    end subroutine copy_example
 
-   !> Make a folder; nothing may be in it.
+   !> Make a folder, or accept an empty one.
    subroutine prepare_folder(folder, error)
-      character(len=*), intent(in) :: folder         !! The folder
-      type(error_t), allocatable, intent(out) :: error !! Something is there, or not writable
+      character(len=*), intent(in) :: folder         !! New or empty
+      type(error_t), allocatable, intent(out) :: error !! Not empty, or not writable
       character(len=longest_name), allocatable :: entries(:)
 
       if (file_exists(folder)) then
@@ -131,13 +131,13 @@ contains
             if (all(entries == "." .or. entries == "..")) return
          end if
          call fail(error, exit_file, "'"//folder// &
-            "' is there already and nothing is overwritten; choose another name")
+            "' exists and is not overwritten; choose another name")
          return
       end if
       call make_folder(folder, error)
    end subroutine prepare_folder
 
-   !> Copy one file; texts are told where they now are.
+   !> Copy one file; paths in the README become those of the copy.
    subroutine copy_file(folder, name, example, copied, error)
       character(len=*), intent(in) :: folder         !! Where it is
       character(len=*), intent(in) :: name           !! Its name
@@ -150,13 +150,13 @@ contains
       if (allocated(error)) return
       new_name = name
       if (name == scene) new_name = copied%deck
-      if (name == "README.md") text = own_readme(text, example)
+      if (name == "README.md") text = copied_readme(text, example)
       call write_file(join_path(copied%folder, new_name), text, error)
       if (.not. allocated(error)) call append(copied%files, new_name)
    end subroutine copy_file
 
-   !> The text of an example as it is true outside of the sources.
-   function own_readme(readme, example) result(text)
+   !> README of a copy: links and paths that exist only in the sources are replaced.
+   function copied_readme(readme, example) result(text)
       character(len=*), intent(in) :: readme         !! Text in the sources
       character(len=*), intent(in) :: example        !! Name of the example
       character(len=:), allocatable :: text
@@ -177,7 +177,7 @@ contains
          path = first + 2 + verify(text(first + 2:), "./") - 1
          bracket = index(text(:first), "[", back=.true.)
          if (text(bracket - 1:bracket - 1) == "!") then
-            ! pictures stay with the sources, so does their line
+            ! pictures are not copied
             text = text(:bracket - 2)//text(last + 1:)
          else
             text = text(:bracket - 1)//text(bracket + 1:first - 1)//" (in the sources, "// &
@@ -190,13 +190,13 @@ contains
       text = replaced(text, "scripts/run.sh "//example, "scree "//example)
       text = text//newline//"This is a copy of the example `"//example// &
          "` of Scree. `scripts/`, `doc/` and `test/` are folders of the sources."//newline
-   end function own_readme
+   end function copied_readme
 
-   !> A text with all occurrences of one word replaced by another that does not hold it.
+   !> A text with all occurrences of one word replaced by another that does not contain it.
    pure function replaced(text, old, new) result(changed)
       character(len=*), intent(in) :: text           !! Any text
-      character(len=*), intent(in) :: old            !! What is taken out
-      character(len=*), intent(in) :: new            !! What comes in
+      character(len=*), intent(in) :: old            !! Word to replace
+      character(len=*), intent(in) :: new            !! Its replacement
       character(len=:), allocatable :: changed
       integer :: first, from
 
@@ -211,7 +211,7 @@ contains
       changed = changed//text(from:)
    end function replaced
 
-   !> What the user may do next.
+   !> Commands for the next steps of the user.
    function next_steps(copied) result(text)
       type(copied_t), intent(in) :: copied           !! What was copied
       character(len=:), allocatable :: text
@@ -229,7 +229,7 @@ contains
          "  sbatch job.slurm       # on a cluster"//newline
    end function next_steps
 
-   !> Was the program started by a path, so that its bare name may not be found?
+   !> True if the program was started by a path: then its bare name may not be found.
    logical function started_by_path() result(by_path)
       character(len=:), allocatable :: word
       integer :: length

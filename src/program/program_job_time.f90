@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How long the job of a cluster still lasts, asked once at the start of a run.
-! allow(C071, C072): the texts of C have no length of their own
+!> Wall time that is left to a Slurm job, requested once at the start of a run.
+! allow(C071, C072): texts of C have no length
 module program_job_time
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_input, fail
@@ -10,11 +10,11 @@ module program_job_time
    implicit none
    private
 
-   public :: job_seconds_left, no_job, span_seconds, wall_limit_of
+   public :: job_seconds_left, no_job, span_seconds
 
    integer, parameter :: longest_answer = 256        !! Characters of a line
    real(wp), parameter :: unlimited = 1.0e12_wp      !! Seconds of a job without an end
-   real(wp), parameter :: no_job = huge(1.0_wp)      !! Seconds of a run that is no job
+   real(wp), parameter :: no_job = huge(1.0_wp)      !! Seconds of a run outside of a job
 
    interface
       !> Seconds since 1970.
@@ -39,7 +39,7 @@ module program_job_time
          import :: c_char, c_int, c_ptr
          implicit none
          character(kind=c_char), intent(inout) :: line(*) !! Gets the line and a null
-         integer(c_int), value :: length             !! Its room
+         integer(c_int), value :: length             !! Capacity of the line
          type(c_ptr), value :: stream                !! From popen
          type(c_ptr) :: answer
       end function c_fgets
@@ -55,13 +55,13 @@ module program_job_time
 
 contains
 
-   !> Wall time until Slurm ends the job of this run: SLURM_JOB_END_TIME where it is set, else what
-   !! `squeue` says. A run that is no job of Slurm has no end: decks move between workstations and
-   !! clusters. Collective; the first rank asks.
+   !> Wall time until the end of the Slurm job of this run, from SLURM_JOB_END_TIME or else from
+   !! `squeue`. Outside of Slurm the time is not limited, so that a deck for a cluster also runs on
+   !! a workstation. Collective.
    subroutine job_seconds_left(communicator, seconds, error)
-      type(communicator_t), intent(in) :: communicator !! The ranks
+      type(communicator_t), intent(in) :: communicator
       real(wp), intent(out) :: seconds               !! [s]; `no_job` outside of a job
-      type(error_t), allocatable, intent(out) :: error !! Nobody knows the end of the job
+      type(error_t), allocatable, intent(out) :: error !! The end of the job is not known
       character(len=:), allocatable :: word
       integer(int64) :: ends
       integer :: status
@@ -80,14 +80,14 @@ contains
          end if
       end if
       seconds = communicator%maximum(seconds)
-      if (seconds < 0.0_wp) call fail(error, exit_input, "wall_limit = 'slurm', but nothing "// &
-         "tells when the job ends: neither SLURM_JOB_END_TIME nor squeue for SLURM_JOB_ID; "// &
+      if (seconds < 0.0_wp) call fail(error, exit_input, "wall_limit = 'slurm': the end "// &
+         "of the job is not known, neither from SLURM_JOB_END_TIME nor from squeue; "// &
          "write hours, minutes and seconds such as '03:30:00' instead")
    end subroutine job_seconds_left
 
-   !> Value of a word of the environment, empty if it has none.
+   !> Value of an environment variable, empty if it is not set.
    function environment(name) result(value)
-      character(len=*), intent(in) :: name           !! Which
+      character(len=*), intent(in) :: name           !! Name of the variable
       character(len=:), allocatable :: value
       integer :: length
 
@@ -96,7 +96,7 @@ contains
       if (length > 0) call get_environment_variable(name, value)
    end function environment
 
-   !> First line that a command prints, empty if there is none.
+   !> First line that a command prints, empty if it fails.
    function first_line(command) result(line)
       character(len=*), intent(in) :: command        !! For the shell
       character(len=:), allocatable :: line
@@ -117,8 +117,8 @@ contains
       if (c_pclose(stream) /= 0) line = ""
    end function first_line
 
-   !> Seconds of a span as Slurm writes it: days-hours:minutes:seconds, of which the front may be
-   !! missing, or UNLIMITED; negative for anything else.
+   !> Seconds of a duration of Slurm, days-hours:minutes:seconds with optional leading parts, or
+   !! UNLIMITED; negative for any other text.
    pure real(wp) function span_seconds(text) result(seconds)
       character(len=*), intent(in) :: text           !! Such as 1-03:30:00
       character(len=len(text)) :: rest
@@ -147,20 +147,4 @@ contains
       seconds = 86400.0_wp*real(number(1), wp) + 3600.0_wp*real(number(2), wp) &
          + 60.0_wp*real(number(3), wp) + real(number(4), wp)
    end function span_seconds
-
-   !> Seconds of a text hh:mm:ss; no limit for `none` and `slurm`.
-   pure real(wp) function wall_limit_of(text) result(seconds)
-      character(len=*), intent(in) :: text           !! From the deck
-      integer :: hours, minutes, rest, status
-
-      seconds = huge(1.0_wp)
-      if (len(text) < 7) return
-      read (text(:len(text) - 6), *, iostat=status) hours
-      if (status /= 0) return
-      read (text(len(text) - 4:len(text) - 3), *, iostat=status) minutes
-      if (status /= 0) return
-      read (text(len(text) - 1:), *, iostat=status) rest
-      if (status /= 0) return
-      seconds = real(3600*hours + 60*minutes + rest, wp)
-   end function wall_limit_of
 end module program_job_time

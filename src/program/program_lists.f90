@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What the program can list of itself: materials, fields, shapes, former names of decks.
+!> Lists of `scree --list`: models of materials, fields, shapes, units.
 module program_lists
    use base_former, only: former_line
    use base_schema, only: schema_t
@@ -18,9 +18,10 @@ module program_lists
 
 contains
 
-   !> The list of a name that the command line allows.
+   !> The list of a name.
    function list_text(name, schema) result(text)
-      character(len=*), intent(in) :: name           !! One of them, or empty for all names
+      !> Accepted by the command line; empty for the names of the lists
+      character(len=*), intent(in) :: name
       type(schema_t), intent(in) :: schema           !! All keys of a deck
       character(len=:), allocatable :: text
 
@@ -46,7 +47,7 @@ contains
       end select
    end function list_text
 
-   !> What can be listed.
+   !> Names of the lists.
    pure function lists_text() result(text)
       character(len=:), allocatable :: text
       character(len=*), parameter :: newline = new_line("a")
@@ -60,9 +61,9 @@ contains
          "   former      keys and words of old decks, and what they are called now"
    end function lists_text
 
-   !> One line a preset.
+   !> One line for each preset.
    pure function preset_lines(schema) result(text)
-      type(schema_t), intent(in) :: schema           !! All keys of a deck
+      type(schema_t), intent(in) :: schema
       character(len=:), allocatable :: text
       integer :: n
 
@@ -76,7 +77,7 @@ contains
    !> The format of decks, and a line a name that they are not written with any more. What
    !! scree-deck migrate does follows from it.
    function former_lines(schema) result(text)
-      type(schema_t), intent(in) :: schema           !! All keys of a deck
+      type(schema_t), intent(in) :: schema
       character(len=:), allocatable :: text
       integer :: group, n
 
@@ -92,7 +93,7 @@ contains
 
    !> Words with blanks between them.
    pure function joined(words) result(text)
-      character(len=*), intent(in) :: words(:)       !! The words
+      character(len=*), intent(in) :: words(:)       !! With trailing blanks
       character(len=:), allocatable :: text
       integer :: n
 

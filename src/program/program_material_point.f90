@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> scree --point: drives one material of a deck along a path and writes what its state was.
+!> scree --point: drives one material of a deck along a strain path and writes its states.
 module program_material_point
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
@@ -12,7 +12,7 @@ module program_material_point
    implicit none
    private
 
-   public :: declare_point, drive_point, relieve
+   public :: declare_point, drive_point, make_scene_optional
 
 contains
 
@@ -21,37 +21,39 @@ contains
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
       call schema%group("point", "path of one material point, for scree --point; a run of the "// &
-         "scene does not look at it")
+         "scene ignores it")
       call schema%text("point", "material", "name of the material; default: the first one")
       call schema%text("point", "path", "uniaxial_strain along x, shear of x along y, "// &
-         "triaxial with a pressure from the sides, hydrostatic, hugoniot: states behind "// &
-         "shocks, free: the velocity gradient", default="uniaxial_strain", &
+         "triaxial with a lateral pressure, hydrostatic, hugoniot: states behind "// &
+         "shocks, free: any velocity gradient", default="uniaxial_strain", &
             words="uniaxial_strain "// &
          "shear triaxial hydrostatic hugoniot free")
-      call schema%real("point", "rate", "rate of strain", unit="1/s", default="1", range="> 0", &
+      call schema%real("point", "rate", "strain rate", unit="1/s", default="1", range="> 0", &
          owner="path = uniaxial_strain shear triaxial hydrostatic free")
-      call schema%real("point", "strain", "strain at the end: logarithmic, of the volume or "// &
-         "of shear; negative in compression", default="-0.1", &
+      call schema%real("point", "strain", "strain at the end: logarithmic, volumetric or "// &
+         "shear strain; negative in compression", default="-0.1", &
          owner="path = uniaxial_strain shear triaxial hydrostatic free")
-      call schema%logical("point", "returns", "back again, in as many steps", default=".false.", &
+      call schema%logical("point", "returns", "return to the start in the same number of steps", &
+         default=".false.", &
          owner="path = uniaxial_strain shear triaxial hydrostatic free")
       call schema%integer("point", "steps", "steps from the start to the end", default="1000", &
          range="> 0 <= 100000000")
-      call schema%real("point", "confinement", "pressure from the sides", unit="Pa", &
+      call schema%real("point", "confinement", "lateral pressure", unit="Pa", &
          default="0", range=">= 0", owner="path = triaxial")
       call schema%real("point", "velocity_gradient(9)", "du_x/dx du_y/dx du_z/dx du_x/dy ... "// &
-         "over the rate", owner="path = free")
+         "divided by rate", owner="path = free")
       call schema%real("point", "speed", "greatest particle speed", unit="m/s", range="> 0", &
          owner="path = hugoniot")
-      call schema%real("point", "temperature", "at the start", unit="K", default="293", &
+      call schema%real("point", "temperature", "initial temperature", unit="K", default="293", &
          range="> 0")
-      call schema%real("point", "volume", "at the start, which flaws ask for", unit="m3", &
+      call schema%real("point", "volume", "initial volume, for the flaws of brittle materials", &
+         unit="m3", &
          default="1.0e-9", range="> 0")
       call schema%require("point", "velocity_gradient speed")
    end subroutine declare_point
 
-   !> A deck for a point needs no scene: nothing of it is required.
-   subroutine relieve(schema)
+   !> Make the keys of the scene optional: a deck for --point needs only &material and &point.
+   subroutine make_scene_optional(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       integer :: i
 
@@ -63,14 +65,14 @@ contains
             schema%groups(i)%keys%required = .false.
          end select
       end do
-   end subroutine relieve
+   end subroutine make_scene_optional
 
    !> Drive the point and write CASE_point.csv.
    subroutine drive_point(deck, folder, note, error)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      character(len=:), allocatable, intent(in) :: folder !! Wish of the user, if any
-      character(len=:), allocatable, intent(out) :: note  !! What was done
-      type(error_t), allocatable, intent(out) :: error    !! The deck is wrong or a file fails
+      character(len=:), allocatable, intent(in) :: folder !! Output folder of the command line
+      character(len=:), allocatable, intent(out) :: note  !! Line for the screen
+      type(error_t), allocatable, intent(out) :: error    !! Errors in the deck or of a file
       type(material_t) :: material
       type(point_t) :: point
       type(group_t) :: group
@@ -91,7 +93,7 @@ contains
       end if
       call deck%verdict(error)
       if (allocated(error)) return
-      ! A point has no neighbours that a shock could run into.
+      ! there is no shock front in a single point, so no artificial viscosity
       if (allocated(material%viscosity)) deallocate (material%viscosity)
       call read_point(group, point)
       call point%run(material, table)
@@ -106,10 +108,10 @@ contains
       note = "point     "//material%name//"  "//point%path//"  "//name
    end subroutine drive_point
 
-   !> What is to be done.
+   !> Read the path.
    subroutine read_point(group, point)
       type(group_t), intent(in) :: group             !! &point
-      type(point_t), intent(inout) :: point          !! Gets it
+      type(point_t), intent(inout) :: point          !! Gets the path
 
       call group%get("path", point%path)
       call group%get("rate", point%rate)
@@ -123,7 +125,7 @@ contains
       call group%get("volume", point%volume)
    end subroutine read_point
 
-   !> A table as text, all digits.
+   !> A table as comma separated values with all digits.
    function csv(header, table) result(text)
       character(len=*), intent(in) :: header         !! Names of the columns
       real(wp), intent(in) :: table(:, :)            !! (column, row)

@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A scene before it runs: its first state and its walls in files, and a picture of them.
+!> scree --preview: writes the first state and the walls of a scene, and has scree-post draw them.
 !!
-!! The program writes what only it knows; scree-post draws it. doc/developer/decisions.md says why
-!! (Interface).
+!! The reason for the two programs is in doc/developer/decisions.md, section Interface.
 module program_preview
    use base_agreement, only: agree
    use base_error, only: error_t
@@ -12,65 +11,67 @@ module program_preview
    use io_snapshot, only: snapshot_format_t, snapshot_write
    use output_walls, only: write_walls
    use program_batch_job, only: quoted
-   use program_plan, only: plan_t
+   use program_run_setup, only: run_setup_t
    use scene_first_state, only: begin_run
    implicit none
    private
 
    public :: draw_preview, write_preview
 
-   integer(int64), parameter :: most_particles = 2000000_int64 !! More are thinned out
+   !> Of a larger scene every n-th is written
+   integer(int64), parameter :: most_particles = 2000000_int64
    character(len=*), parameter :: newline = new_line("a")
-   character(len=*), parameter :: tool = "scree-post" !! What draws
+   character(len=*), parameter :: tool = "scree-post" !! Program that draws
 
 contains
 
-   !> Write the first state and the walls into a folder of their own, beside that of the results, so
-   !! that a preview never touches results. Collective.
-   subroutine write_preview(plan, folder, error)
-      class(plan_t), intent(inout) :: plan           !! Laid out, without particles
-      character(len=:), allocatable, intent(out) :: folder !! Where the files are
-      type(error_t), allocatable, intent(out) :: error !! Bodies cannot begin, files not written
+   !> Write the first state and the walls into a separate folder beside that of the results, so that
+   !! a preview does not change results. Collective.
+   subroutine write_preview(setup, folder, error)
+      class(run_setup_t), intent(inout) :: setup           !! Without particles
+      character(len=:), allocatable, intent(out) :: folder !! Folder of the files
+      type(error_t), allocatable, intent(out) :: error !! The first state cannot be built or written
       character(len=64), allocatable :: fields(:)
       type(snapshot_format_t) :: format
       type(series_t) :: series
       character(len=:), allocatable :: note
 
-      folder = plan%outputs%folder
+      folder = setup%outputs%folder
       folder = folder(:max(verify(folder, "/", back=.true.), 1))//"_preview"
-      call begin_run(plan%simulation, plan%bodies, plan%survey, plan%shapes, error)
+      call begin_run(setup%simulation, setup%bodies, setup%survey, setup%shapes, error)
       if (allocated(error)) return
-      associate (communicator => plan%simulation%communicator, case => plan%outputs%case, &
-         header => plan%outputs%header)
+      associate (communicator => setup%simulation%communicator, case => setup%outputs%case, &
+         header => setup%outputs%header)
          if (communicator%rank == 0) call make_folder(folder, error)
          call agree(communicator, error)
          if (allocated(error)) return
          fields = [character(len=64) :: "identity", "material", "mass", "volume", "velocity"]
-         if (size(plan%bodies) > 1) fields = [fields, [character(len=64) :: "body"]]
-         format%stride = int(1 + plan%survey%particles/most_particles)
+         if (size(setup%bodies) > 1) fields = [fields, [character(len=64) :: "body"]]
+         format%stride = int(1 + setup%survey%particles/most_particles)
          header%time = 0.0_wp
          call series%open(communicator, folder, case//"_p", 0, note, error)
          if (allocated(error)) return
-         call snapshot_write(communicator, series%path(0), plan%simulation%stores, fields, format, &
+         call snapshot_write(communicator, series%path(0), setup%simulation%stores, fields, &
+            format, &
             header, error)
          if (.not. allocated(error)) call series%add(communicator, series%path(0), error)
          if (.not. allocated(error)) call series%close(communicator, error)
-         if (.not. allocated(error)) call write_walls(plan%simulation, plan%outputs, &
-            folder, plan%limits%time_end, error)
+         if (.not. allocated(error)) call write_walls(setup%simulation, setup%outputs, &
+            folder, setup%limits%time_end, error)
       end associate
    end subroutine write_preview
 
-   !> Draw a preview with scree-post, or say what to type where it is not found. Call this when
-   !! message passing has ended: it starts another program.
+   !> Draw a preview with scree-post, or print the command if it is not found. Call this after the
+   !! end of message passing, since it starts another program.
    subroutine draw_preview(folder, quiet, text)
-      character(len=*), intent(in) :: folder         !! Where the files are
-      logical, intent(in) :: quiet                   !! The tool prints nothing
-      character(len=:), allocatable, intent(out) :: text !! What to tell the user, or empty
-      character(len=:), allocatable :: program, silence
+      character(len=*), intent(in) :: folder         !! Folder of the files
+      logical, intent(in) :: quiet                   !! Suppress the output of scree-post
+      character(len=:), allocatable, intent(out) :: text !! Message for the user, or empty
+      character(len=:), allocatable :: program, redirection
       integer :: code, status
 
       text = ""
-      silence = merge(" >/dev/null", "           ", quiet)
+      redirection = merge(" >/dev/null", "           ", quiet)
       program = join_path(folder_of(program_path()), "../venv/bin/"//tool)
       if (.not. file_exists(program)) program = tool
       call execute_command_line("command -v "//quoted(program)//" >/dev/null 2>&1", &
@@ -81,9 +82,10 @@ contains
             "  build/venv/bin/"//tool//" preview "//quoted(folder)
          return
       end if
-      call execute_command_line(quoted(program)//" preview "//quoted(folder)//trim(silence), &
+      call execute_command_line(quoted(program)//" preview "//quoted(folder)//trim(redirection), &
          exitstat=code, cmdstat=status)
-      if (status /= 0 .or. code /= 0) text = "written to "//folder//". No picture: see above. "// &
-         "To try again, type"//newline//"  "//quoted(program)//" preview "//quoted(folder)
+      if (status /= 0 .or. code /= 0) text = &
+         "written to "//folder//". No picture: see the messages "// &
+         "above. To try again, type"//newline//"  "//quoted(program)//" preview "//quoted(folder)
    end subroutine draw_preview
 end module program_preview

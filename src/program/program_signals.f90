@@ -1,13 +1,17 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Signals that ask a run to write a checkpoint and leave.
+!> Signals that make a run write a checkpoint and stop, by their Linux numbers.
 module program_signals
    use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int
    implicit none
    private
 
-   public :: outlive_file_limit, signal_caught, watch_signal
+   public :: caught_signal, ignore_file_size_limit, signal_name, watch_signal
 
-   !> A signal handler has no arguments of its own, so this one number cannot live in a type.
+   character(len=4), parameter :: names(5) = [character(len=4) :: "HUP", "INT", "USR1", "USR2", &
+      "TERM"]
+   integer, parameter :: numbers(5) = [1, 2, 10, 12, 15]
+
+   !> A signal handler has no arguments, so this number cannot be a component of a type.
    integer(c_int), volatile :: caught = 0
 
    interface
@@ -15,58 +19,60 @@ module program_signals
       function c_signal(number, handler) bind(c, name="signal") result(previous)
          import :: c_funptr, c_int
          implicit none
-         integer(c_int), value, intent(in) :: number   !! Which signal
-         type(c_funptr), value, intent(in) :: handler  !! What it calls
+         integer(c_int), value, intent(in) :: number
+         type(c_funptr), value, intent(in) :: handler
          type(c_funptr) :: previous
       end function c_signal
    end interface
 
 contains
 
-   !> Catch a signal by name: TERM, USR1, USR2, INT or HUP (Linux numbers).
+   !> Catch a signal. A name that is not in the list, such as `none`, has no effect.
    subroutine watch_signal(name)
-      character(len=*), intent(in) :: name             !! Without SIG
+      character(len=*), intent(in) :: name             !! TERM, USR1, USR2, INT or HUP
       type(c_funptr) :: previous
+      integer :: n
 
-      select case (name)
-      case ("TERM")
-         previous = c_signal(15_c_int, c_funloc(handle))
-      case ("USR1")
-         previous = c_signal(10_c_int, c_funloc(handle))
-      case ("INT")
-         previous = c_signal(2_c_int, c_funloc(handle))
-      case ("USR2")
-         previous = c_signal(12_c_int, c_funloc(handle))
-      case ("HUP")
-         previous = c_signal(1_c_int, c_funloc(handle))
-      case default
-         ! `none` and whatever this system does not know
-      end select
+      do n = 1, size(names)
+         if (names(n) == name) previous = c_signal(int(numbers(n), c_int), c_funloc(store_signal))
+      end do
    end subroutine watch_signal
 
-   !> A write beyond the limit on the size of files (`ulimit -f`) becomes an error of that write, as
-   !! on a full disk. Without this the signal SIGXFSZ ends the program.
-   subroutine outlive_file_limit()
-      integer(c_int), parameter :: file_limit = 25_c_int  ! SIGXFSZ of Linux
+   !> Make a write beyond the limit on file sizes (`ulimit -f`) an error of that write, as on a full
+   !! disk. By default the signal SIGXFSZ ends the program.
+   subroutine ignore_file_size_limit()
+      integer(c_int), parameter :: sigxfsz = 25_c_int
       type(c_funptr) :: previous
 
-      previous = c_signal(file_limit, c_funloc(pass_over))
-   end subroutine outlive_file_limit
+      previous = c_signal(sigxfsz, c_funloc(ignore_signal))
+   end subroutine ignore_file_size_limit
 
-   !> Do nothing: the write that caused the signal fails with a reason of its own.
-   subroutine pass_over(number) bind(c)
-      integer(c_int), value, intent(in) :: number      !! Which signal
-   end subroutine pass_over
+   !> Do nothing: the write that caused the signal fails with its own error.
+   subroutine ignore_signal(number) bind(c)
+      integer(c_int), value, intent(in) :: number
+   end subroutine ignore_signal
 
-   !> Note the signal; the run looks at it between steps.
-   subroutine handle(number) bind(c)
-      integer(c_int), value, intent(in) :: number      !! Which signal
+   !> Store the number of the signal; the time loop reads it between steps.
+   subroutine store_signal(number) bind(c)
+      integer(c_int), value, intent(in) :: number
 
       caught = number
-   end subroutine handle
+   end subroutine store_signal
 
-   !> Number of the signal that came, 0 if none.
-   integer function signal_caught() result(number)
+   !> Number of the signal that was caught last, 0 if none.
+   integer function caught_signal() result(number)
       number = caught
-   end function signal_caught
+   end function caught_signal
+
+   !> Name of a signal that `watch_signal` knows.
+   pure function signal_name(number) result(name)
+      integer, intent(in) :: number                    !! From `caught_signal`
+      character(len=:), allocatable :: name
+      integer :: n
+
+      name = "of another kind"
+      do n = 1, size(numbers)
+         if (numbers(n) == number) name = trim(names(n))
+      end do
+   end function signal_name
 end module program_signals

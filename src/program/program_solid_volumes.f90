@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What `--check` says of bodies whose volume is known: that of their shape against that of the
-!! lattice sites which fill it.
+!> Lines of `--check` that compare the volume of a shape with that of the particles which fill it.
 module program_solid_volumes
    use base_kinds, only: int64, wp
    use base_text, only: brief, number
@@ -18,11 +17,11 @@ module program_solid_volumes
 
 contains
 
-   !> A line a body of facets, voxels or a prism. Rings around an axis are left out: the volume of
-   !! their shape is not that of a plane.
+   !> One line for each body of facets, voxels or a prism, and for each list of particles. In
+   !! axisymmetric scenes the volume of the shape is not that of the body, and there is no line.
    function solid_volumes_text(grid, bodies, particles) result(text)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
       integer(int64), intent(in) :: particles(:)     !! (body) Their particles
       character(len=:), allocatable :: text
       character(len=:), allocatable :: what
@@ -32,11 +31,11 @@ contains
       text = ""
       do n = 1, size(bodies)
          if (.not. bodies(n)%on_lattice()) then
-            text = text//given_text(grid, bodies(n), particles(n))
+            text = text//listed_particles_text(grid, bodies(n), particles(n))
             cycle
          end if
          if (grid%axisymmetric) cycle
-         call enclosed(grid, bodies(n), what, volume)
+         call find_volume(grid, bodies(n), what, volume)
          if (what == "") cycle
          filled = real(particles(n), wp)*grid%depth*grid%spacing**grid%dimensions &
             /real(product(bodies(n)%per_cell), wp)
@@ -46,10 +45,10 @@ contains
       end do
    end function solid_volumes_text
 
-   !> A line for a body whose particles do not stand for lattice sites.
-   function given_text(grid, body, particles) result(text)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(body_t), intent(in) :: body               !! The body
+   !> A line for a body whose particles are not on a lattice.
+   function listed_particles_text(grid, body, particles) result(text)
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       integer(int64), intent(in) :: particles        !! Its particles
       character(len=:), allocatable :: text
 
@@ -64,13 +63,13 @@ contains
          text = "list       "//body%name//": "//number(particles)//" of "//number(given%rows)// &
             " points of the file, which hold "//brief(given%whole_volume())//" m3"//new_line("a")
       end select
-   end function given_text
+   end function listed_particles_text
 
-   !> Volume of a shape.
-   subroutine enclosed(grid, body, what, volume)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(body_t), intent(in) :: body               !! The body
-      character(len=:), allocatable, intent(out) :: what !! Begin of its line, or empty
+   !> Volume of a shape, if it is known.
+   subroutine find_volume(grid, body, what, volume)
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
+      character(len=:), allocatable, intent(out) :: what !! Start of its line, or empty
       real(wp), intent(out) :: volume                !! [m3]
       real(wp) :: edge(3)
 
@@ -90,5 +89,5 @@ contains
          volume = shape%area()*merge(shape%height(), grid%depth, grid%dimensions == 3)
          what = "prism      "//body%name//": it has"
       end select
-   end subroutine enclosed
+   end subroutine find_volume
 end module program_solid_volumes

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How many threads a rank uses, and how they wait for each other. What the user has set in the
-!! environment stays as it is.
+!> Number of threads of a rank, and how they wait for each other. Environment variables that the
+!! user has set have precedence.
 module program_threads
    use base_kinds, only: int64, wp
    use base_process, only: cores_here, is_set, ranks_here, restart_process, set_default
@@ -14,29 +14,30 @@ module program_threads
    public :: adjust_threads, choose_threads, is_starved, share_cores, starved_text, &
       threads_text, warranted_threads, yield_when_waiting
 
-   integer, parameter :: adjust_every = 25           !! Steps between two looks at the load
+   integer, parameter :: adjust_every = 25           !! Steps between adjustments
 
-   !> Fewest particles that occupy a thread. A step has about 25 places where threads wait for each
-   !! other, 5 us each on a quiet node, and a particle takes about 0.3 us: below 800 particles for
-   !! two threads, waiting takes longer than what the second one saves.
+   !> Least number of particles for each thread. Threads wait for each other about 25 times a step,
+   !! 5 us each on an idle node, and a particle takes about 0.3 us: below 800 particles for two
+   !! threads, waiting takes longer than the second thread saves.
    integer(int64), parameter :: particles_a_thread = 500
 
-   !> Turns of the loop in which a thread waits before it gives its core away. On common processors
-   !! it lasts 0.1 to 0.5 ms, longer than most waits in a step and shorter than the time slice of
-   !! another program. The default of libgomp is 30 times as long, and a thread that waits for one
-   !! without a core then holds up both.
+   !> Iterations of the loop in which a thread waits before it releases its core: 0.1 to 0.5 ms on
+   !! common processors, longer than most waits in a step and shorter than the time slice of another
+   !! program. With the default of libgomp, 30 times as long, a thread that waits for one without a
+   !! core delays both.
    character(len=*), parameter :: spin_count = "10000"
 
 contains
 
-   !> Give each rank on a machine its share of the cores, if the user does not say how many threads.
+   !> Share the cores of a node between its ranks, unless OMP_NUM_THREADS is set.
    subroutine share_cores()
       if (is_set("OMP_NUM_THREADS")) return
       call omp_set_num_threads(max(1, min(omp_get_num_procs(), cores_here()/ranks_here())))
    end subroutine share_cores
 
-   !> Have threads that wait for long give their core away. The library of OpenMP reads how before
-   !! the program begins, so the program begins again, once, with this in its environment.
+   !> Have threads release their cores after a short wait. The OpenMP library reads the setting
+   !! before
+   !! the program starts, so the program restarts itself once with it in the environment.
    subroutine yield_when_waiting(arguments)
       type(text_t), intent(in) :: arguments(:)       !! Of the command line
       character(len=:), allocatable :: name
@@ -48,7 +49,8 @@ contains
       if (is_set("OMP_WAIT_POLICY")) return
       if (is_set("GOMP_SPINCOUNT")) return
       call set_default("GOMP_SPINCOUNT", spin_count)
-      ! an empty word of the user, which set_default leaves, must not lead here for ever
+      ! set_default keeps an empty value of the user: without this test the restart would be
+      ! repeated
       if (.not. is_set("GOMP_SPINCOUNT")) return
       call get_command_argument(0, length=length)
       allocate (character(len=length) :: name)
@@ -56,7 +58,7 @@ contains
       if (len(program_path()) > 0) call restart_process(program_path(), name, arguments)
    end subroutine yield_when_waiting
 
-   !> Threads that tiles and particles can keep busy.
+   !> Number of threads that tiles and particles keep busy.
    pure integer function warranted_threads(most, tiles, particles) result(threads)
       integer, intent(in) :: most                    !! Greatest number
       integer, intent(in) :: tiles                   !! Tiles with particles of this rank
@@ -66,7 +68,7 @@ contains
       threads = max(threads, 1)
    end function warranted_threads
 
-   !> Choose the threads from what the bodies will fill, before there are particles.
+   !> Set the number of threads, unless OMP_NUM_THREADS is set.
    subroutine choose_threads(most, tiles, particles)
       integer, intent(in) :: most                    !! Greatest number
       integer, intent(in) :: tiles                   !! Tiles with particles of a rank
@@ -76,10 +78,10 @@ contains
       call omp_set_num_threads(warranted_threads(most, tiles, particles))
    end subroutine choose_threads
 
-   !> Follow the load of this rank, which changes as material spreads over tiles and tiles move
-   !! between ranks. The numbers that are computed do not depend on it.
+   !> Adjust the number of threads to the load of this rank, which changes as material spreads and
+   !! tiles move between ranks. Results do not depend on it.
    subroutine adjust_threads(simulation)
-      type(simulation_t), intent(in) :: simulation   !! The run with particles
+      type(simulation_t), intent(in) :: simulation   !! With particles
       integer(int64) :: particles
       integer :: index
 
@@ -92,7 +94,7 @@ contains
       call choose_threads(size(simulation%scratch), simulation%tiles%own, particles)
    end subroutine adjust_threads
 
-   !> A line on the threads of a rank; empty if all its cores have one.
+   !> A line on the threads of a rank; empty if all are busy.
    function threads_text(most, tiles, particles) result(text)
       integer, intent(in) :: most                    !! Greatest number
       integer, intent(in) :: tiles                   !! Tiles with particles of a rank
@@ -113,18 +115,17 @@ contains
       end if
    end function threads_text
 
-   !> True if a part of a run took far more wall time than the processor worked for it: half of the
-   !! time or more its threads had no core, or nothing to do.
+   !> True if the threads were without a core, or idle, for at least half of the wall time.
    pure logical function is_starved(wall, processor, threads) result(starved)
       real(wp), intent(in) :: wall                   !! Wall time of the part [s]
       real(wp), intent(in) :: processor              !! Processor time of all threads [s]
       integer, intent(in) :: threads                 !! Threads that it uses
-      real(wp), parameter :: least = 5.0_wp          ! shorter runs are not worth a remark [s]
+      real(wp), parameter :: least = 5.0_wp          ! no warning for shorter runs [s]
 
       starved = wall > least .and. wall*real(threads, wp) > 2.0_wp*processor
    end function is_starved
 
-   !> The warning that says so.
+   !> Warning for a part of a run with too little processor time.
    function starved_text(what, wall, processor, threads) result(text)
       character(len=*), intent(in) :: what           !! Part of the run
       real(wp), intent(in) :: wall                   !! Wall time of the part [s]
@@ -138,7 +139,7 @@ contains
       text = "warning: "//what//trim(line)//" "//number(threads)//" threads: other work shares "// &
          "the cores, the run was suspended, "
       if (threads > 1) then
-         text = text//"or threads wait for each other; try OMP_NUM_THREADS="// &
+         text = text//"or threads wait for each other; use OMP_NUM_THREADS="// &
             number(max(threads/2, 1))
       else
          text = text//"or files are slow; give the run a core of its own and a local disk"

@@ -109,7 +109,7 @@ def scheduler(options, sheet):
         os.environ.pop("SLURM_JOB_ID", None)
         run = case.Case(options, "no_job", deck(5, "wall_limit='slurm'"))
         run.run()
-        sheet.require("this is no job of Slurm" in run.output, f"no job: says so: {run.output}")
+        sheet.require("this is not a Slurm job" in run.output, f"no job: says so: {run.output}")
         os.environ["SLURM_JOB_ID"] = "no number"
         run = case.Case(options, "no_end", deck(ENDLESS, "wall_limit='slurm'"))
         run.run("-q", expect=2)

@@ -14,8 +14,8 @@ program fuzz_decks
    use fuzz_mutation, only: choice_t, mutate, respell
    use io_file, only: read_file
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use program_command_line, only: parse
-   use program_plan, only: declare_all, lay_out, plan_t, read_plan
+   use program_command_line, only: parse_command_line
+   use program_run_setup, only: declare_deck_keys, build_setup, run_setup_t, read_setup
    implicit none
 
    call fuzz()
@@ -31,7 +31,7 @@ contains
       integer :: first, mutations, n, refused, words, failures, which
 
       call arguments(folder, first, mutations, decks)
-      call declare_all(schema)
+      call declare_deck_keys(schema)
       refused = 0
       do which = 1, size(decks)
          call look_at(schema, folder, decks(which)%text, "", refused, fault)
@@ -98,7 +98,7 @@ contains
       character(len=*), intent(in) :: unknown        !! Word that must be refused, or empty
       integer, intent(inout) :: refused              !! Decks refused so far
       character(len=:), allocatable, intent(out) :: fault !! What does not hold, or empty
-      type(plan_t) :: plan
+      type(run_setup_t) :: setup
       type(error_t), allocatable :: error
       type(text_t), allocatable :: words(:)
 
@@ -106,11 +106,11 @@ contains
       call append(words, folder//"/deck.nml")
       fault = ""
       call write_deck(folder, text)
-      plan%schema = schema
-      plan%most_points = 1.0e6
-      call parse(words, plan%command, error)
-      if (.not. allocated(error)) call read_plan(plan, error)
-      if (.not. allocated(error)) call lay_out(plan, error)
+      setup%schema = schema
+      setup%most_points = 1.0e6
+      call parse_command_line(words, setup%command, error)
+      if (.not. allocated(error)) call read_setup(setup, error)
+      if (.not. allocated(error)) call build_setup(setup, error)
       if (allocated(error)) then
          refused = refused + 1
          if (error%code /= exit_input .and. error%code /= exit_file) then
@@ -123,27 +123,27 @@ contains
       else if (unknown /= "") then
          fault = "'"//unknown//"' is accepted"
       else
-         call read_echo(schema, folder, plan, fault)
+         call read_echo(schema, folder, setup, fault)
       end if
    end subroutine look_at
 
    !> An echo must read back to itself.
-   subroutine read_echo(schema, folder, plan, fault)
+   subroutine read_echo(schema, folder, setup, fault)
       type(schema_t), intent(in) :: schema           !! What is allowed
       character(len=*), intent(in) :: folder         !! Where to write
-      type(plan_t), intent(in) :: plan               !! Without errors
+      type(run_setup_t), intent(in) :: setup               !! Without errors
       character(len=:), allocatable, intent(inout) :: fault !! What does not hold, or empty
-      type(plan_t) :: again
+      type(run_setup_t) :: again
       type(error_t), allocatable :: error
       character(len=:), allocatable :: echo, second
 
-      echo = plan%deck%echo()
+      echo = setup%deck%echo()
       call write_deck(folder, echo)
       again%schema = schema
-      again%most_points = plan%most_points
-      again%command = plan%command
-      call read_plan(again, error)
-      if (.not. allocated(error)) call lay_out(again, error)
+      again%most_points = setup%most_points
+      again%command = setup%command
+      call read_setup(again, error)
+      if (.not. allocated(error)) call build_setup(again, error)
       if (allocated(error)) then
          fault = "the echo is refused: "//error%message
          return

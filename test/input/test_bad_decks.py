@@ -54,13 +54,13 @@ FAULTY = """&run
 &effects gravity = yes /
 """
 SAID = """faulty.nml:3: error: &run: unknown key 'dimention'; did you mean 'dimension'?
-faulty.nml:8: error: &grid: dx = 1 mmm  <- 'mmm' is no unit
+faulty.nml:8: error: &grid: dx = 1 mmm  <- 'mmm' is not a unit
 faulty.nml:12: error: &material: density = 2700 kg  <- expects kg/m3 or a unit
 faulty.nml:15: error: &material: strength_model = 'jonson_cook' is none of:
 faulty.nml:18: error: &material opened in line 17 is not closed before this group
 faulty.nml:19: error: &body 'one': no region 'bal'; defined: ball; did you mean 'ball'?
 faulty.nml:23: error: unknown group &boundry; did you mean &boundary?
-faulty.nml:24: error: &output: every = 2.5  <- expects a whole number
+faulty.nml:24: error: &output: every = 2.5  <- expects an integer
 faulty.nml:25: error: &time appears twice; only one is allowed
 faulty.nml:26: error: &effects: gravity = yes  <- expects .true. or .false.
 faulty.nml: 11 groups, 10 errors, 0 warnings"""

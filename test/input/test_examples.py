@@ -82,9 +82,9 @@ class Examples(unittest.TestCase):
         (self.folder / "empty").mkdir()
         for words, code, message in [
                 (["two_disc", "new"], 2, "there is no example 'two_disc', but .*; did you mean two_discs?"),
-                (["two_discs"], 2, "--new needs a folder behind the example"),
-                (["two_discs", "full"], 3, "'full' is there already and nothing is overwritten"),
-                (["two_discs", "file"], 3, "'file' is there already and nothing is overwritten"),
+                (["two_discs"], 2, "--new needs a folder after the example"),
+                (["two_discs", "full"], 3, "'full' exists and is not overwritten"),
+                (["two_discs", "file"], 3, "'file' exists and is not overwritten"),
                 (["two_discs", "file/new"], 3, "cannot make the folder 'file"),
                 (["two_discs", "/proc/new"], 3, "cannot make the folder '/proc/new'")]:
             with self.subTest(words):
@@ -118,7 +118,7 @@ class Examples(unittest.TestCase):
         shutil.rmtree(moved / "share")
         code, said, wrong = run(program, "--list", "examples", folder="/")
         self.assertEqual(code, 3)
-        self.assertIn("the examples are not where the program looks for them", wrong)
+        self.assertIn("the examples are not in the folder of this installation", wrong)
 
 
 if __name__ == "__main__":

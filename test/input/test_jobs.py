@@ -124,8 +124,8 @@ class Jobs(unittest.TestCase):
         """Would catch a number or word that is taken for another, and a job that no signal reaches."""
         for words, message in [
                 (["--job", "lsf"], "--job knows slurm and pbs, not 'lsf'"),
-                (["--job", "slurm", "--ranks", "0"], "--ranks = '0' must be a whole number above 0"),
-                (["--job", "slurm", "--threads", "two"], "--threads = 'two' must be a whole number above 0"),
+                (["--job", "slurm", "--ranks", "0"], "--ranks = '0' must be an integer above 0"),
+                (["--job", "slurm", "--threads", "two"], "--threads = 'two' must be an integer above 0"),
                 (["--job", "slurm", "--time", "4h"], "--time = '4h' must be hours, minutes and seconds"),
                 (["--job", "slurm", "--time", "0:61:00"], "--time = '0:61:00' must be hours"),
                 (["--job", "slurm", "--check"], "--job excludes --check, --point and --restart"),
@@ -133,7 +133,7 @@ class Jobs(unittest.TestCase):
                 (["--threads", "4"], "--threads needs --job"),
                 (["--time", "1:00:00"], "--time needs --job"),
                 (["--job", "slurm", "--set", "checkpoint.on_signal='TERM'"],
-                 "the job is told of its end by the signal USR1; add 'USR1' to on_signal"),
+                 "the scheduler announces the end of the job with signal USR1; add 'USR1' to on_signal"),
                 (["--job", "slurm", "--set", "grid.dxx=1"], "unknown key 'dxx'")]:
             with self.subTest(words):
                 self.assertIn(message, self.script(*words, expect=2))

@@ -1,15 +1,16 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a run will cost, said before it starts.
-module program_cost
+!> Report of `--check` and of the log on the size of a run: grid, particles, fields, steps, memory,
+!! output.
+module program_cost_report
    use base_kinds, only: int64, wp
    use base_text, only: number, size_text
    use constitutive_field_requests, only: field_requests_t
    use mesh_tiles, only: neighbors
    use particle_fill, only: body_t
+   use program_bulk_modulus_advice, only: bulk_modulus_advice
+   use program_expected_steps, only: expected_steps, find_first_step
+   use program_run_limits, only: limits_t
    use program_solid_volumes, only: solid_volumes_text
-   use program_step_count, only: expected_steps, first_step
-   use program_stiffness_advice, only: stiffness_text
-   use program_time_loop, only: limits_t
    use scene_contact, only: contact_columns, contact_text
    use scene_particles, only: survey_t
    use step_simulation, only: simulation_t
@@ -18,43 +19,43 @@ module program_cost
    implicit none
    private
 
-   public :: cost_text
+   public :: cost_report
 
 contains
 
-   !> The table of costs.
-   function cost_text(simulation, bodies, survey, limits, snapshots) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(survey_t), intent(in) :: survey           !! The counts
+   !> The report, one subject a line.
+   function cost_report(simulation, bodies, survey, limits, snapshots) result(text)
+      type(simulation_t), intent(in) :: simulation   !! Without particles
+      type(body_t), intent(in) :: bodies(:)
+      type(survey_t), intent(in) :: survey
       type(limits_t), intent(in) :: limits           !! End of the run
-      integer(int64), intent(in) :: snapshots        !! Snapshots that will be written
+      integer(int64), intent(in) :: snapshots        !! Expected number of snapshots
       character(len=:), allocatable :: text
       character(len=:), allocatable :: cause
       real(wp) :: dt, steps, bytes
 
-      call first_step(simulation, bodies, limits, dt, cause)
+      call find_first_step(simulation, bodies, limits, dt, cause)
       steps = expected_steps(simulation, bodies, limits)
       bytes = memory(simulation, survey)
-      text = grid_line(simulation, survey)//new_line("a")//points_text(bodies, survey) &
+      text = grid_line(simulation, survey)//new_line("a")//particles_text(bodies, survey) &
          //solid_volumes_text(simulation%grid, bodies, survey%body) &
          //fields_text(simulation, survey)
       if (allocated(simulation%contact)) text = text//contact_text(simulation, bodies)
       text = text &
          //"step       first dt "//short(dt)//" s"//cause//"; about "// &
          number(nint(steps, int64))//" steps"// &
-         new_line("a")//stiffness_text(simulation, bodies, limits)// &
+         new_line("a")//bulk_modulus_advice(simulation, bodies, limits)// &
          "memory     "//size_text(bytes)//" for particle and node fields, on all ranks together"// &
          new_line("a")// &
          "output     "//number(snapshots)//" snapshots, about "//size_text(real(snapshots, wp) &
          *real(survey%particles, wp)*snapshot_bytes)//"; a checkpoint "// &
-         size_text(real(survey%particles, wp)*carried(simulation, survey))//new_line("a")
-   end function cost_text
+         size_text(real(survey%particles, wp)*particle_bytes(simulation, survey))//new_line("a")
+   end function cost_report
 
    !> The grid in one line.
    function grid_line(simulation, survey) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(survey_t), intent(in) :: survey           !! The counts
+      type(simulation_t), intent(in) :: simulation
+      type(survey_t), intent(in) :: survey
       character(len=:), allocatable :: text
 
       associate (grid => simulation%grid)
@@ -66,10 +67,10 @@ contains
       end associate
    end function grid_line
 
-   !> The particles, a line a body.
-   function points_text(bodies, survey) result(text)
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(survey_t), intent(in) :: survey           !! The counts
+   !> The number of particles of each body.
+   function particles_text(bodies, survey) result(text)
+      type(body_t), intent(in) :: bodies(:)
+      type(survey_t), intent(in) :: survey
       character(len=:), allocatable :: text
       integer :: n
 
@@ -79,14 +80,14 @@ contains
          text = text//merge(": ", ", ", n == 1)//bodies(n)%name//" "//number(survey%body(n))
       end do
       text = text//new_line("a")
-   end function points_text
+   end function particles_text
 
-   !> The fields that particles carry, a block a material.
+   !> The fields of particles and their reasons, for each material.
    function fields_text(simulation, survey) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(survey_t), intent(in) :: survey           !! The counts
+      type(simulation_t), intent(in) :: simulation
+      type(survey_t), intent(in) :: survey
       character(len=:), allocatable :: text, lines
-      type(field_requests_t) :: wishes
+      type(field_requests_t) :: requests
       integer :: n, first, last
 
       text = "fields     "//number(base_bytes(simulation))// &
@@ -96,8 +97,8 @@ contains
       text = text//new_line("a")
       do n = 1, size(simulation%materials)
          text = text//"  "//simulation%stores(n)%name//new_line("a")
-         wishes = simulation%materials(n)%field_requests()
-         lines = wishes%report()
+         requests = simulation%materials(n)%field_requests()
+         lines = requests%report()
          first = 1
          do while (first <= len(lines))
             last = index(lines(first:), new_line("a")) + first - 1
@@ -106,16 +107,16 @@ contains
             first = last + 1
          end do
       end do
-      text = text//"           "//number(nint(carried(simulation, survey), int64))// &
-         " bytes a particle carried, "//number(nint(memory(simulation, survey) &
+      text = text//"           "//number(nint(particle_bytes(simulation, survey), int64))// &
+         " bytes a particle, "//number(nint(memory(simulation, survey) &
          /real(max(survey%particles, 1_int64), wp), &
-         int64))//" with node fields and room to move"// &
+         int64))//" with node fields and spare capacity"// &
          new_line("a")
    end function fields_text
 
-   !> Bytes of what every particle carries beside its matter.
+   !> Bytes of a particle for the fields that do not depend on its material.
    pure integer function base_bytes(simulation) result(bytes)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
 
       bytes = 8*7 + 4
       associate (store => simulation%stores(1))
@@ -130,35 +131,35 @@ contains
       if (allocated(simulation%exact)) bytes = bytes + 24
    end function base_bytes
 
-   !> Bytes a particle, of the material that carries most.
-   real(wp) function carried(simulation, survey) result(bytes)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(survey_t), intent(in) :: survey           !! The counts
-      type(field_requests_t) :: wishes
+   !> Bytes of a particle of the material with the most fields.
+   real(wp) function particle_bytes(simulation, survey) result(bytes)
+      type(simulation_t), intent(in) :: simulation
+      type(survey_t), intent(in) :: survey
+      type(field_requests_t) :: requests
       integer :: n
 
       bytes = 0.0_wp
       if (survey%particles == 0) return
       do n = 1, size(simulation%materials)
-         wishes = simulation%materials(n)%field_requests()
-         bytes = max(bytes, real(base_bytes(simulation) + wishes%bytes(), wp))
+         requests = simulation%materials(n)%field_requests()
+         bytes = max(bytes, real(base_bytes(simulation) + requests%bytes(), wp))
       end do
-   end function carried
+   end function particle_bytes
 
-   !> Bytes of particle and node fields of the whole run at its start.
+   !> Bytes of all particle and node fields of the first state.
    real(wp) function memory(simulation, survey) result(bytes)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(survey_t), intent(in) :: survey           !! The counts
+      type(simulation_t), intent(in) :: simulation
+      type(survey_t), intent(in) :: survey
       real(wp), &
-         parameter :: room = 1.07_wp          ! ranges and arrays have some to spare
+         parameter :: spare = 1.07_wp          ! spare capacity of arrays
       ! mass, velocity, acceleration, velocity of the strain of all nodes
-      integer, parameter :: whole = 10
+      integer, parameter :: always = 10
       real(wp) :: columns
       integer :: d
 
-      ! pieces hold the components along the directions of the scene
+      ! packed patches hold the components along the directions of the scene
       d = simulation%grid%dimensions
-      columns = real(whole + 1 + 2*d, wp)
+      columns = real(always + 1 + 2*d, wp)
       if (simulation%method%dual) columns = columns + real(4 + d + d*d, wp)
       if (simulation%method%dual .and. simulation%carries_energy) columns = columns + real(d*d, wp)
       if (simulation%method%controlled()) columns = columns + real(7 + 6, wp)
@@ -169,13 +170,13 @@ contains
          + merge(26.0_wp, 7.0_wp, simulation%method%dual)
       if (simulation%repacks) columns = columns + 1.0_wp
       if (simulation%method%heat_flux > 0.0_wp) columns = columns + 5.0_wp
-      bytes = room*real(survey%particles, wp)*carried(simulation, survey) &
+      bytes = spare*real(survey%particles, wp)*particle_bytes(simulation, survey) &
          + real(size(survey%key), wp)*(8.0_wp*columns &
          *real(simulation%grid%tile_nodes, wp) &
          + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
    end function memory
 
-   !> A number as short text.
+   !> A number with four digits.
    pure function short(value) result(text)
       real(wp), intent(in) :: value                  !! Any
       character(len=:), allocatable :: text
@@ -184,4 +185,4 @@ contains
       write (line, "(es10.3)") value
       text = trim(adjustl(line))
    end function short
-end module program_cost
+end module program_cost_report

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Advice where the bulk modulus alone makes a slow flow take many steps. Section "Stiffness of slow
-!! flows" of doc/theory/time_step.md.
-module program_stiffness_advice
+!> Advice to lower the bulk modulus of a slow flow that would take many steps because of it. Section
+!! "Stiffness of slow flows" of doc/theory/time_step.md.
+module program_bulk_modulus_advice
    use base_kinds, only: int64, wp
    use base_text, only: number
    use law_drucker_prager, only: law_drucker_prager_t
@@ -12,24 +12,24 @@ module program_stiffness_advice
    use mesh_boundary, only: face_periodic
    use mesh_motion, only: motion_t
    use particle_fill, only: body_t
-   use program_step_count, only: expected_steps
-   use program_time_loop, only: limits_t
+   use program_expected_steps, only: expected_steps
+   use program_run_limits, only: limits_t
    use step_simulation, only: simulation_t
    implicit none
    private
 
-   public :: stiffness_text
+   public :: bulk_modulus_advice
 
-   real(wp), parameter :: compression = 0.01_wp      !! Change of volume that is proposed [1]
-   real(wp), parameter :: many_steps = 10000.0_wp    !! Fewer need no advice
-   real(wp), parameter :: worthwhile = 0.25_wp       !! Greatest share of the steps that is left
+   real(wp), parameter :: compression = 0.01_wp      !! Proposed change of volume [1]
+   real(wp), parameter :: many_steps = 10000.0_wp    !! No advice for fewer steps
+   real(wp), parameter :: worthwhile = 0.25_wp       !! Greatest fraction of steps that remains
 
 contains
 
-   !> A line of advice, empty if there is none to give.
-   function stiffness_text(simulation, bodies, limits) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+   !> A line of advice, or empty.
+   function bulk_modulus_advice(simulation, bodies, limits) result(text)
+      type(simulation_t), intent(in) :: simulation   !! Without particles
+      type(body_t), intent(in) :: bodies(:)
       type(limits_t), intent(in) :: limits           !! End of the run
       character(len=:), allocatable :: text
       character(len=12) :: now, then
@@ -38,17 +38,17 @@ contains
 
       text = ""
       if (limits%dt_fixed > 0.0_wp) return
-      if (waves_matter(simulation, bodies)) return
+      if (has_wave_loads(simulation, bodies)) return
       stiffest = fastest_body(simulation, bodies)
       if (stiffest == 0) return
       steps = expected_steps(simulation, bodies, limits)
       if (steps < many_steps) return
       associate (material => simulation%materials(bodies(stiffest)%store))
          if (.not. flows(material)) return
-         bulk = load(simulation, bodies, material)/compression
-         ! at rest without a load nothing tells what the modulus must bear
+         bulk = load_pressure(simulation, bodies, material)/compression
+         ! without loads there is no pressure from which to choose a modulus
          if (.not. bulk > 0.0_wp) return
-         fewer = steps*share_of_steps(simulation, bodies, stiffest, bulk/material%bulk)
+         fewer = steps*remaining_steps(simulation, bodies, stiffest, bulk/material%bulk)
          if (.not. fewer < worthwhile*steps) return
          write (now, "(es8.1)") material%bulk
          write (then, "(es8.1)") bulk
@@ -58,12 +58,12 @@ contains
          text = text//" would take about "//number(nint(fewer, int64))//" steps, and loads "// &
             "would change volumes by about 1 % (doc/guide/running.md)"//new_line("a")
       end associate
-   end function stiffness_text
+   end function bulk_modulus_advice
 
-   !> May waves or given stresses be what the scene is about? Then its loads are not known here.
-   pure logical function waves_matter(simulation, bodies) result(state)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+   !> True if waves or initial stresses may determine the result: then the loads are not known here.
+   pure logical function has_wave_loads(simulation, bodies) result(state)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
       integer :: n
 
       state = allocated(simulation%shaking) .or. allocated(simulation%absorbing) .or. &
@@ -71,12 +71,12 @@ contains
       do n = 1, size(bodies)
          state = state .or. allocated(bodies(n)%formula) .or. allocated(bodies(n)%given)
       end do
-   end function waves_matter
+   end function has_wave_loads
 
-   !> The body with the fastest signal, 0 without bodies.
+   !> The body with the highest signal speed, 0 without bodies.
    pure integer function fastest_body(simulation, bodies) result(fastest)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
       real(wp) :: signal, greatest
       integer :: n
 
@@ -91,37 +91,37 @@ contains
       end do
    end function fastest_body
 
-   !> Does a material flow, so that its stiffness only keeps its volume? Elastic bodies and gases do
-   !! not: there the modulus decides on the result.
-   pure logical function flows(material) result(does)
-      type(material_t), intent(in) :: material       !! The material
+   !> True for granular materials and liquids, whose bulk modulus only keeps the volume. The results
+   !! of elastic bodies and gases depend on the modulus.
+   pure logical function flows(material) result(flow)
+      type(material_t), intent(in) :: material
 
-      does = .false.
+      flow = .false.
       if (material%carries_energy()) return
       if (allocated(material%eos)) then
          if (material%eos%sets_bulk()) return
       end if
       if (.not. allocated(material%law)) then
-         does = .true.
+         flow = .true.
          return
       end if
       select type (law => material%law)
       type is (law_drucker_prager_t)
-         does = .true.
+         flow = .true.
       type is (law_mohr_coulomb_t)
-         does = .true.
+         flow = .true.
       type is (law_mu_i_t)
-         does = .true.
+         flow = .true.
       type is (law_newtonian_t)
-         does = .true.
+         flow = .true.
       end select
    end function flows
 
-   !> Pressure of the weight and of the speeds of a scene, and strength [Pa]. Equation (S.6).
-   pure real(wp) function load(simulation, bodies, material) result(pressure)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(material_t), intent(in) :: material       !! Its density counts
+   !> Sum of hydrostatic pressure, dynamic pressure and cohesion [Pa]. Equation (S.6).
+   pure real(wp) function load_pressure(simulation, bodies, material) result(pressure)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
+      type(material_t), intent(in) :: material       !! Material of the flow
       real(wp) :: speed, head, low(3), high(3), reach(3)
       integer :: n, k
 
@@ -151,11 +151,11 @@ contains
          head = max(head, dot_product(abs(simulation%gravity), reach))
       end do
       pressure = material%density*(0.5_wp*speed**2 + head) + cohesion(material)
-   end function load
+   end function load_pressure
 
-   !> Strength of a material without pressure [Pa].
+   !> Shear strength of a material at zero pressure [Pa].
    pure real(wp) function cohesion(material) result(strength)
-      type(material_t), intent(in) :: material       !! The material
+      type(material_t), intent(in) :: material
 
       strength = 0.0_wp
       if (.not. allocated(material%law)) return
@@ -177,12 +177,12 @@ contains
       if (allocated(motion%speed)) speed = speed + maxval(norm2(motion%speed, dim=1))
    end function wall_speed
 
-   !> Steps that are left if one material is softer, as a share.
-   pure real(wp) function share_of_steps(simulation, bodies, stiffest, factor) result(share)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+   !> Fraction of the steps that remains if one material is softer.
+   pure real(wp) function remaining_steps(simulation, bodies, stiffest, factor) result(fraction)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: stiffest                !! A body of this material
-      real(wp), intent(in) :: factor                 !! Of its moduli
+      real(wp), intent(in) :: factor                 !! Factor of its moduli
       real(wp) :: sound, before, after
       integer :: n
 
@@ -195,6 +195,6 @@ contains
             simulation%materials(bodies(stiffest)%store)%name) sound = sound*sqrt(factor)
          after = max(after, sound + norm2(bodies(n)%velocity))
       end do
-      share = after/before
-   end function share_of_steps
-end module program_stiffness_advice
+      fraction = after/before
+   end function remaining_steps
+end module program_bulk_modulus_advice

@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Does a part of a run, forgets it, and tells what it cost.
-module program_trial_run
+!> Runs steps to measure their cost. The simulation is not used afterwards.
+module program_trial_steps
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use base_timer, only: process_seconds, wall_seconds
-   use program_time_loop, only: choose_step, limits_t
+   use program_next_step, only: choose_step
+   use program_run_limits, only: limits_t
    use step_advance, only: advance
    use step_exact_error, only: take_errors
    use step_ledger, only: balance_t
@@ -12,12 +13,12 @@ module program_trial_run
    implicit none
    private
 
-   public :: row_seconds, trial_t, try_steps
+   public :: time_history_row, trial_t, run_trial
 
-   integer, parameter, public :: warm_steps = 3      !! Before anything counts: memory is fetched
-   real(wp), parameter :: timeable = 0.1_wp          !! Processor time that is no accident [s]
+   integer, parameter, public :: warm_steps = 3      !! Not measured: the first steps load caches
+   real(wp), parameter :: timeable = 0.1_wp          !! Least processor time of a measurement [s]
 
-   !> A point of a run.
+   !> Costs up to a time of a run.
    type :: mark_t
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: processor = 0.0_wp                 !! Of all threads since the start [s]
@@ -25,24 +26,24 @@ module program_trial_run
       integer :: steps = 0                           !! Steps done
    end type mark_t
 
-   !> What a trial cost.
+   !> Costs of a trial.
    type :: trial_t
-      type(mark_t) :: first                          !! After the warm steps, or at a given time
-      type(mark_t) :: middle                         !! At a given time
-      type(mark_t) :: clocked                        !! Then, or when there is enough to time
+      type(mark_t) :: first                          !! After the warm steps, or at the time `from`
+      type(mark_t) :: middle                         !! At the time `to`
+      type(mark_t) :: clocked                        !! Then, or after the least processor time
       type(mark_t) :: last                           !! At the end of the trial
-      logical :: whole = .false.                     !! Was that the end of the run?
+      logical :: whole = .false.                     !! Did the trial reach the end of the run?
    end type trial_t
 
 contains
 
-   !> Do steps until the run ends or patience does. Processor time hardly changes with other work on
-   !! the machine; wall time does. The state of the run is spoilt by it.
-   subroutine try_steps(simulation, limits, patience, trial, from, to)
-      type(simulation_t), intent(inout) :: simulation !! The run in its first state
+   !> Run steps to the end of the run or of the allowed wall time. Costs are processor time, which
+   !! other programs on the machine hardly change.
+   subroutine run_trial(simulation, limits, patience, trial, from, to)
+      type(simulation_t), intent(inout) :: simulation !! In its first state, which is lost
       type(limits_t), intent(in) :: limits           !! End of the run
-      real(wp), intent(in) :: patience               !! Wall time [s]
-      type(trial_t), intent(out) :: trial            !! What they cost
+      real(wp), intent(in) :: patience               !! Allowed wall time [s]
+      type(trial_t), intent(out) :: trial            !! Their costs
       real(wp), intent(in), optional :: from         !! Time of the first mark [s]
       real(wp), intent(in), optional :: to           !! Time of the middle one [s]
       type(error_t), allocatable :: error
@@ -79,11 +80,11 @@ contains
             trial%first = trial%last
          end if
       end do
-   end subroutine try_steps
+   end subroutine run_trial
 
-   !> Time that a row of a history takes [s].
-   real(wp) function row_seconds(simulation) result(seconds)
-      type(simulation_t), intent(inout) :: simulation !! The run with particles
+   !> Processor time of one row of the history [s].
+   real(wp) function time_history_row(simulation) result(seconds)
+      type(simulation_t), intent(inout) :: simulation !! With particles
       type(balance_t) :: now
       real(wp) :: begin
 
@@ -92,5 +93,5 @@ contains
          simulation%materials, now)
       if (allocated(simulation%exact)) call take_errors(simulation)
       seconds = process_seconds() - begin
-   end function row_seconds
-end module program_trial_run
+   end function time_history_row
+end module program_trial_steps

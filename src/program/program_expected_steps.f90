@@ -1,53 +1,53 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How many steps a run takes, from what is known before it starts: the first step, and the impacts
-!! that the velocities of bodies lead to. Section "Number of steps" of doc/theory/time_step.md.
-module program_step_count
+!> Expected number of steps of a run, from the first time step and from the impacts that follow from
+!! the velocities of the bodies. Section "Number of steps" of doc/theory/time_step.md.
+module program_expected_steps
    use base_kinds, only: int64, wp
    use constitutive_state, only: material_state_t
    use material_type, only: material_t
    use mesh_boundary, only: face_friction, face_slip, face_stick, face_symmetry
    use particle_fill, only: body_t
-   use program_time_loop, only: limits_t
+   use program_run_limits, only: limits_t
    use step_conduction, only: conduction_step
    use step_simulation, only: simulation_t
    implicit none
    private
 
-   public :: expected_steps, first_step
+   public :: expected_steps, find_first_step
 
-   integer, parameter :: spans = 600                 !! Equal parts of the time of a run
-   real(wp), parameter :: slope = 1.5_wp             !! Of shock speed over jump, common to metals
+   integer, parameter :: spans = 600                 !! Equal intervals of the time of a run
+   real(wp), parameter :: slope = 1.5_wp !! d(shock speed)/d(velocity jump), typical of metals
 
-   !> Boxes of bodies on their way, and what each one meets first.
+   !> Bounding boxes of the bodies, and the first impact of each.
    type :: flight_t
       real(wp), allocatable :: low(:, :), high(:, :) !! (3, body) Corners of the boxes [m]
-      real(wp), allocatable :: extent(:, :)          !! (3, body) With what mirrors add [m]
-      real(wp), allocatable :: met(:)                !! (body) When it meets something first [s]
-      logical, allocatable :: passes(:)              !! (body) Does it fly on as debris?
+      real(wp), allocatable :: extent(:, :)          !! (3, body) With mirror images [m]
+      real(wp), allocatable :: met(:)                !! (body) Time of its first impact [s]
+      logical, allocatable :: passes(:)              !! (body) Does it perforate its target?
    end type flight_t
 
-   !> Two bodies that meet.
+   !> Impact of two bodies.
    type :: meeting_t
       real(wp) :: time = huge(1.0_wp)                !! When their boxes touch, huge = never [s]
-      real(wp) :: speed = 0.0_wp                     !! At which they come nearer [m/s]
-      real(wp) :: path(2) = 0.0_wp                   !! Through each along the way [m]
-      real(wp) :: fresh = 0.0_wp                     !! For how long surfaces meet [s]
-      real(wp) :: lasts = 0.0_wp                     !! For how long the shock runs [s]
-      integer :: striker = 1                         !! The smaller one: 1 or 2
+      real(wp) :: speed = 0.0_wp                     !! Relative speed [m/s]
+      real(wp) :: path(2) = 0.0_wp !! Through each body along the relative velocity [m]
+      real(wp) :: fresh = 0.0_wp                     !! Duration of fresh contact [s]
+      real(wp) :: lasts = 0.0_wp                     !! Duration of the shock [s]
+      integer :: striker = 1                         !! The smaller body: 1 or 2
    end type meeting_t
 
 contains
 
-   !> Steps of the whole run.
+   !> Expected number of steps.
    pure real(wp) function expected_steps(simulation, bodies, limits) result(steps)
-      type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(simulation_t), intent(in) :: simulation   !! Without particles
+      type(body_t), intent(in) :: bodies(:)
       type(limits_t), intent(in) :: limits           !! End of the run
-      real(wp), parameter :: countless = 1.0e18_wp   ! still a long integer
+      real(wp), parameter :: countless = 1.0e18_wp   ! fits a 64-bit integer
       character(len=:), allocatable :: cause
       real(wp) :: dt, signal(spans)
 
-      call first_step(simulation, bodies, limits, dt, cause)
+      call find_first_step(simulation, bodies, limits, dt, cause)
       steps = 0.0_wp
       if (dt > 0.0_wp .and. dt < huge(dt)) then
          signal = 0.0_wp
@@ -60,42 +60,43 @@ contains
       if (limits%max_steps < huge(1_int64)) steps = min(steps, real(limits%max_steps, wp))
    end function expected_steps
 
-   !> Fastest signal of impacts in each part of the time of a run, 0 without one [m/s].
+   !> Fastest signal of impacts in each interval of time, 0 without an impact [m/s].
    pure subroutine find_impacts(simulation, bodies, time_end, signal)
-      type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
       real(wp), intent(in) :: time_end               !! [s]
-      real(wp), intent(inout) :: signal(:)           !! (part) Raised [m/s]
+      real(wp), intent(inout) :: signal(:)           !! (interval) Raised [m/s]
       type(flight_t) :: flight
       type(meeting_t) :: meeting
       integer :: one, other
 
-      call prepare(simulation, bodies, flight)
+      call set_boxes(simulation, bodies, flight)
       do other = 2, size(bodies)
          do one = 1, other - 1
             meeting = meeting_of(simulation, bodies, flight, one, other)
-            if (meeting%time < time_end) call note_first(simulation, bodies, flight, meeting, &
+            if (meeting%time < time_end) call record_first_impact(simulation, bodies, flight, &
+               meeting, &
                one, other)
          end do
       end do
       do other = 2, size(bodies)
          do one = 1, other - 1
             meeting = meeting_of(simulation, bodies, flight, one, other)
-            if (meeting%time < time_end) call strike(simulation, bodies, flight, meeting, one, &
+            if (meeting%time < time_end) call add_impact(simulation, bodies, flight, meeting, one, &
                other, time_end, signal)
          end do
       end do
       do one = 1, size(bodies)
-         call strike_walls(simulation, bodies(one), flight%low(:, one), flight%high(:, one), &
+         call add_wall_impact(simulation, bodies(one), flight%low(:, one), flight%high(:, one), &
             flight%extent(:, one), time_end, signal)
       end do
    end subroutine find_impacts
 
-   !> Boxes of the bodies within the grid.
-   pure subroutine prepare(simulation, bodies, flight)
-      type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(flight_t), intent(out) :: flight          !! Their boxes
+   !> Set the boxes of the bodies within the grid.
+   pure subroutine set_boxes(simulation, bodies, flight)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
+      type(flight_t), intent(out) :: flight          !! Boxes
       logical :: mirrors(6)
       integer :: n, k
 
@@ -116,14 +117,14 @@ contains
          where (flight%high(k, :) >= simulation%grid%upper(k) .and. mirrors(2*k)) &
             flight%extent(k, :) = 2.0_wp*flight%extent(k, :)
       end do
-   end subroutine prepare
+   end subroutine set_boxes
 
-   !> When and how the boxes of two bodies meet.
+   !> When and how the boxes of two bodies meet: their impact.
    pure type(meeting_t) function meeting_of(simulation, bodies, flight, one, other) &
       result(meeting)
-      type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(flight_t), intent(in) :: flight           !! Their boxes
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
+      type(flight_t), intent(in) :: flight           !! Boxes
       integer, intent(in) :: one                     !! Body
       integer, intent(in) :: other                   !! Body
       real(wp) :: coming(3), begin, end, gap(2), volume(2), size_of(2), width, slide
@@ -147,7 +148,7 @@ contains
             flight%high(k, other) - flight%low(k, one)]
          if (abs(coming(k)) > 1.0e-12_wp*meeting%speed) then
             gap = gap/coming(k)
-            ! the boxes meet at the faces across the axis that is the last to bring them together
+            ! the boxes first touch across the axis whose gap closes last
             if (minval(gap) > begin) axis = k
             begin = max(begin, minval(gap))
             end = min(end, maxval(gap))
@@ -157,14 +158,14 @@ contains
          end if
       end do
       if (.not. end > begin) return
-      ! boxes that overlap already are of bodies that touch, and may be on their way apart
+      ! overlapping boxes belong to bodies in contact, which may be separating
       if (.not. begin > 0.0_wp .and. .not. dot_product(coming, flight%low(:, other) &
          + flight%high(:, other) - flight%low(:, one) - flight%high(:, one)) > 0.0_wp) return
       meeting%time = begin
       meeting%striker = merge(2, 1, volume(2) < volume(1))
       striker = merge(other, one, meeting%striker == 2)
       width = minval(flight%extent(:, striker), mask=simulation%grid%active)
-      ! what slides along as it comes meets fresh surface with its whole length
+      ! a body that slides along the surface makes fresh contact over its whole length
       slide = sqrt(max(1.0_wp - (coming(axis)/meeting%speed)**2, 0.0_wp)) &
          *flight%extent(axis, striker)
       meeting%fresh = 0.5_wp*(width + slide)/abs(coming(axis))
@@ -172,11 +173,11 @@ contains
          + slide)/abs(coming(axis))
    end function meeting_of
 
-   !> Note the first meeting of the striker, and whether it goes through: if it has more mass along
-   !! its way than what it meets.
-   pure subroutine note_first(simulation, bodies, flight, meeting, one, other)
-      type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+   !> Record the first impact of the striker. It perforates the target if it has more mass per area
+   !! along its path.
+   pure subroutine record_first_impact(simulation, bodies, flight, meeting, one, other)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
       type(flight_t), intent(inout) :: flight        !! Changed
       type(meeting_t), intent(in) :: meeting         !! Of the two
       integer, intent(in) :: one                     !! Body
@@ -190,19 +191,19 @@ contains
       mass = meeting%path*[simulation%materials(bodies(one)%store)%density, &
          simulation%materials(bodies(other)%store)%density]
       flight%passes(striker) = mass(meeting%striker) > mass(3 - meeting%striker)
-   end subroutine note_first
+   end subroutine record_first_impact
 
-   !> Raise the signal while two bodies run into each other. Equation (S.5).
-   pure subroutine strike(simulation, bodies, flight, meeting, one, other, time_end, signal)
-      type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+   !> Raise the signal for the duration of an impact of two bodies. Equation (S.5).
+   pure subroutine add_impact(simulation, bodies, flight, meeting, one, other, time_end, signal)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
       type(flight_t), intent(in) :: flight           !! First meetings
       type(meeting_t), intent(in) :: meeting         !! Of the two
       integer, intent(in) :: one                     !! Body
       integer, intent(in) :: other                   !! Body
       real(wp), intent(in) :: time_end               !! [s]
-      real(wp), intent(inout) :: signal(:)           !! (part) Raised [m/s]
-      real(wp), parameter :: stretch = 2.0_wp/3.0_wp ! length of a cloud over its way
+      real(wp), intent(inout) :: signal(:)           !! (interval) Raised [m/s]
+      real(wp), parameter :: stretch = 2.0_wp/3.0_wp ! length of a debris cloud over its path
       real(wp) :: coming(3), impedance(2), share(2), moving(3), later, contact, shock
       integer :: body(2), k, striker
 
@@ -223,7 +224,7 @@ contains
       contact = 0.0_wp
       shock = 0.0_wp
       do k = 1, 2
-         ! halfway through the jump
+         ! velocity in the middle of the jump
          moving = bodies(body(k))%velocity - merge(0.5_wp, -0.5_wp, k == 1)*share(k)*coming
          associate (material => simulation%materials(bodies(body(k))%store), &
             jump => share(k)*meeting%speed)
@@ -233,17 +234,16 @@ contains
       end do
       call raise(meeting%time, meeting%fresh + later, contact, time_end, signal)
       call raise(meeting%time, meeting%lasts + later, shock, time_end, signal)
-   end subroutine strike
-
-   !> Raise the signal while a body runs into closed faces or a rigid region.
-   pure subroutine strike_walls(simulation, body, low, high, extent, time_end, signal)
-      type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: body               !! The body
+   end subroutine add_impact
+   !> Raise the signal for the impact of a body on closed boundaries or a rigid region.
+   pure subroutine add_wall_impact(simulation, body, low, high, extent, time_end, signal)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: body
       real(wp), intent(in) :: low(3)                 !! Corner of its box [m]
       real(wp), intent(in) :: high(3)                !! The opposite corner [m]
-      real(wp), intent(in) :: extent(3)              !! With what mirrors add [m]
+      real(wp), intent(in) :: extent(3)              !! With mirror images [m]
       real(wp), intent(in) :: time_end               !! [s]
-      real(wp), intent(inout) :: signal(:)           !! (part) Raised [m/s]
+      real(wp), intent(inout) :: signal(:)           !! (interval) Raised [m/s]
       real(wp) :: speed, gap, moving
       integer :: k, face
 
@@ -268,15 +268,15 @@ contains
                moving + shock_signal(material, speed), time_end, signal)
          end do
       end associate
-   end subroutine strike_walls
+   end subroutine add_wall_impact
 
-   !> Raise the signal for a time.
+   !> Raise the signal in an interval of time.
    pure subroutine raise(begin, lasts, fastest, time_end, signal)
       real(wp), intent(in) :: begin                  !! [s]
       real(wp), intent(in) :: lasts                  !! [s]
-      real(wp), intent(in) :: fastest                !! Signal in this time [m/s]
+      real(wp), intent(in) :: fastest                !! Signal in this interval [m/s]
       real(wp), intent(in) :: time_end               !! End of the run [s]
-      real(wp), intent(inout) :: signal(:)           !! (part) [m/s]
+      real(wp), intent(inout) :: signal(:)           !! (interval) [m/s]
       integer :: first, last
 
       if (.not. begin < time_end) return
@@ -286,9 +286,9 @@ contains
       signal(first:last) = max(signal(first:last), fastest)
    end subroutine raise
 
-   !> Do nodes of a face stop what comes?
+   !> True for boundaries that material cannot pass.
    elemental function closed(kind) result(stops)
-      integer, intent(in) :: kind                    !! Of the face
+      integer, intent(in) :: kind                    !! Kind of boundary
       logical :: stops
 
       stops = kind == face_symmetry .or. kind == face_slip .or. kind == face_stick &
@@ -297,10 +297,10 @@ contains
 
    !> Wave speed with artificial viscosity where surfaces meet [m/s]. Equation (S.5).
    pure real(wp) function contact_signal(material, closing, jump) result(speed)
-      type(material_t), intent(in) :: material       !! Its material
+      type(material_t), intent(in) :: material
       real(wp), intent(in) :: closing                !! Speed at which the surfaces meet [m/s]
-      real(wp), intent(in) :: jump                   !! Of the velocity of this material [m/s]
-      real(wp), parameter :: width = 3.0_wp          ! over which velocity falls [cells]
+      real(wp), intent(in) :: jump                   !! Velocity jump of this material [m/s]
+      real(wp), parameter :: width = 3.0_wp          ! over which the velocity changes [cells]
       real(wp) :: damping, sound
 
       sound = shocked_sound(material, jump)
@@ -315,8 +315,8 @@ contains
 
    !> Wave speed with artificial viscosity in the middle of a steady shock [m/s]. Equation (S.4).
    pure real(wp) function shock_signal(material, jump) result(speed)
-      type(material_t), intent(in) :: material       !! Its material
-      real(wp), intent(in) :: jump                   !! Of the velocity of matter [m/s]
+      type(material_t), intent(in) :: material
+      real(wp), intent(in) :: jump                   !! Velocity jump of this material [m/s]
       real(wp) :: damping, sound
 
       sound = shocked_sound(material, jump)
@@ -332,31 +332,33 @@ contains
 
    !> Wave speed halfway up a shock [m/s].
    pure real(wp) function shocked_sound(material, jump) result(sound)
-      type(material_t), intent(in) :: material       !! Its material
-      real(wp), intent(in) :: jump                   !! Of the velocity of matter [m/s]
+      type(material_t), intent(in) :: material
+      real(wp), intent(in) :: jump                   !! Velocity jump of this material [m/s]
 
       sound = material%reference_speed() + (slope - 0.5_wp)*jump
    end function shocked_sound
 
-   !> The first time step.
-   pure subroutine first_step(simulation, bodies, limits, dt, cause)
-      type(simulation_t), intent(in) :: simulation   !! The run without particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+   !> Find the first time step.
+   pure subroutine find_first_step(simulation, bodies, limits, dt, cause)
+      type(simulation_t), intent(in) :: simulation   !! Without particles
+      type(body_t), intent(in) :: bodies(:)
       type(limits_t), intent(in) :: limits           !! Bounds of the step
       real(wp), intent(out) :: dt                    !! [s]
-      character(len=:), allocatable, intent(out) :: cause !! If not the fastest signal
+      !> What limits it, empty for the wave speed
+      character(len=:), allocatable, intent(out) :: cause
 
-      call least_step(simulation, bodies, dt, cause)
+      call find_stable_step(simulation, bodies, dt, cause)
       if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
       dt = min(dt, limits%dt_max)
-   end subroutine first_step
+   end subroutine find_first_step
 
-   !> Stable time step for bodies as they begin.
-   pure subroutine least_step(simulation, bodies, dt, cause)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+   !> Stable time step of the first state.
+   pure subroutine find_stable_step(simulation, bodies, dt, cause)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
       real(wp), intent(out) :: dt                    !! [s]
-      character(len=:), allocatable, intent(out) :: cause !! If not the fastest signal
+      !> What limits it, empty for the wave speed
+      character(len=:), allocatable, intent(out) :: cause
       type(material_state_t) :: state
       real(wp) :: fastest, diffusivity, longest
       integer :: n
@@ -381,5 +383,5 @@ contains
       cause = ""
       if (longest < dt) cause = " (heat conduction)"
       dt = min(dt, longest)
-   end subroutine least_step
-end module program_step_count
+   end subroutine find_stable_step
+end module program_expected_steps

@@ -1,0 +1,48 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The text of `scree --help`.
+module program_help
+   implicit none
+   private
+
+   public :: help_text
+
+contains
+
+   !> Options, exit codes and examples on one screen of 80 columns.
+   function help_text() result(text)
+      character(len=:), allocatable :: text
+      character(len=*), parameter :: newline = new_line("a")
+
+      text = "usage: scree [options] DECK.nml"//newline//newline// &
+         "  -n, --check            check the deck and print what a run costs"//newline// &
+         "  -p, --preview          draw the first state and the walls into OUTDIR_preview"// &
+         newline// &
+         "      --no-estimate      with --check: no estimate of the run time"//newline// &
+         "  -s, --set G.K=VALUE    replace a value of the deck; --unset G.K removes it"// &
+         newline// &
+         "  -c, --case NAME        prefix of all output files"//newline// &
+         "  -o, --outdir DIR       folder of all output files, default out/CASE"//newline// &
+         "  -r, --restart [FILE]   continue from FILE.h5 or the newest valid checkpoint"// &
+         newline// &
+         "      --overwrite        remove the results of a previous run of this case"//newline// &
+         "  -q, --quiet            print only warnings and errors"//newline// &
+         "  -v, --verbose          print details as well"//newline// &
+         "      --force            override the limits on particles and output size"//newline// &
+         "      --template         print a deck with all keys and defaults"//newline// &
+         "      --explain KEY      explain a key or group of the deck"//newline// &
+         "      --point            drive one material point, write CASE_point.csv"// &
+         newline// &
+         "      --list [WHAT]      materials, fields, shapes, units, examples, former"//newline// &
+         "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
+         "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
+         newline//"                         --threads N and --time HH:MM:SS"//newline// &
+         "      --digest FILE      digest of the state in a checkpoint"//newline// &
+         "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline
+      text = text//"exit codes: 0 finished, 2 error in deck or command line, 3 file error or "// &
+         "existing"//newline//"  results, 4 physics error, 5 internal error, 75 "// &
+         "stopped: run again"//newline//newline//"examples:"//newline// &
+         "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
+         "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline// &
+         "See the README and doc/guide for more."
+   end function help_text
+end module program_help

@@ -1,0 +1,64 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Command lines that print a text and start no run: help, version, template, explanations, lists,
+!! digests.
+module program_information
+   use base_communicator, only: communicator_t, message_passing_version
+   use base_error, only: error_t
+   use base_schema, only: schema_t
+   use base_schema_text, only: explain, template
+   use base_version, only: build_type, compiler_flags, compiler_name, compiler_version_text, &
+      git_commit, version_text
+   use io_digest, only: file_digest
+   use, intrinsic :: iso_fortran_env, only: output_unit
+   use program_command_line, only: information_request_t
+   use program_examples, only: examples_text
+   use program_help, only: help_text
+   use program_lists, only: list_text
+   implicit none
+   private
+
+   public :: print_information, version_line
+
+contains
+
+   !> Print the text that the command line requests. Needs no message passing.
+   subroutine print_information(request, schema, error)
+      type(information_request_t), intent(in) :: request !! One of them is set
+      type(schema_t), intent(in) :: schema           !! All keys of a deck
+      type(error_t), allocatable, intent(out) :: error !! No such key, list or file
+      type(communicator_t) :: communicator
+      character(len=:), allocatable :: text
+      character(len=16) :: digest
+
+      if (request%help) then
+         text = help_text()
+      else if (request%version) then
+         text = version_line()
+      else if (request%template) then
+         text = template(schema)
+      else if (allocated(request%explain)) then
+         call explain(schema, request%explain, text, error)
+      else if (allocated(request%list)) then
+         if (request%list == "examples") then
+            call examples_text(text, error)
+         else
+            text = list_text(request%list, schema)
+         end if
+      else
+         call file_digest(communicator, request%digest, digest, error)
+         text = digest
+      end if
+      if (allocated(error)) return
+      if (text(max(len(text), 1):) == new_line("a")) text = text(:len(text) - 1)
+      write (output_unit, "(a)") text
+   end subroutine print_information
+
+   !> Versions of the program, the compiler and the message passing library, in one line.
+   function version_line() result(text)
+      character(len=:), allocatable :: text
+
+      text = "scree "//version_text//" (git "//git_commit//")  "//compiler_name//" " &
+         //compiler_version_text//" "//build_type//" "//compiler_flags//"  " &
+         //message_passing_version()
+   end function version_line
+end module program_information

@@ -1,0 +1,73 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Lines of progress in the log, and a warning if the run gets too little processor time.
+module program_progress
+   use base_kinds, only: int64, wp
+   use base_log, only: log_t, progress_line, progress_t
+   use base_timer, only: process_seconds, wall_seconds
+   use omp_lib, only: omp_get_max_threads
+   use program_loop_clock, only: loop_clock_t
+   use program_run_limits, only: limits_t
+   use program_threads, only: is_starved, starved_text
+   use step_advance, only: count_particles
+   use step_ledger, only: balance_t, kinetic
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: log_progress, warn_if_starved
+
+contains
+
+   !> Write a line of progress to the log. Collective.
+   subroutine log_progress(simulation, limits, log, clock)
+      type(simulation_t), intent(inout) :: simulation !! After a step
+      type(limits_t), intent(in) :: limits           !! End of the run
+      type(log_t), intent(inout) :: log              !! Gets the line
+      type(loop_clock_t), intent(inout) :: clock     !! Gets the time of the line
+      type(progress_t) :: progress
+      type(balance_t) :: balance
+      real(wp) :: wall, done
+      integer(int64) :: counts(2)
+
+      wall = wall_seconds()
+      clock%last_line = wall
+      call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
+         simulation%materials, balance)
+      counts = [count_particles(simulation), simulation%updates]
+      call simulation%communicator%total(counts)
+      progress%wall = wall - clock%begin
+      progress%time = simulation%time
+      progress%time_end = limits%time_end
+      progress%step = simulation%step
+      progress%step_length = simulation%dt
+      progress%kinetic = balance%entry(kinetic)
+      progress%energy_error = balance%energy_error
+      progress%particles = counts(1)
+      progress%updates_per_second = real(counts(2), wp)/progress%wall
+      done = (simulation%time - clock%time_begin)/(limits%time_end - clock%time_begin)
+      progress%seconds_left = progress%wall*(1.0_wp/done - 1.0_wp)
+      call log%info(progress_line(progress))
+   end subroutine log_progress
+
+   !> Warn once if wall time is far longer than processor time, of the steps or of the whole run.
+   subroutine warn_if_starved(simulation, log, clock, warned)
+      type(simulation_t), intent(in) :: simulation   !! With the processor time of its steps
+      type(log_t), intent(inout) :: log              !! Gets the warning
+      type(loop_clock_t), intent(in) :: clock        !! Wall times
+      logical, intent(inout) :: warned               !! Has the warning been given?
+      real(wp) :: wall(2), processor(2)
+      integer :: threads(2), part
+      character(len=9), parameter :: parts(2) = [character(len=9) :: "the steps", "the run"]
+
+      wall = [clock%steps_wall, wall_seconds() - clock%begin]
+      processor = [simulation%worked, process_seconds() - clock%processor_begin]
+      ! the steps use all threads, output only one
+      threads = [omp_get_max_threads(), 1]
+      do part = 1, 2
+         if (warned) return
+         warned = is_starved(wall(part), processor(part), threads(part))
+         if (warned) call log%warn(starved_text(trim(parts(part)), wall(part), processor(part), &
+            threads(part)))
+      end do
+   end subroutine warn_if_starved
+end module program_progress

@@ -1,0 +1,122 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The setup of a run: everything that is known and checked before there are particles. `--check`
+!! ends after it; runs, previews and job scripts continue with it. It writes no files.
+module program_run_setup
+   use base_agreement, only: agree
+   use base_deck, only: deck_t
+   use base_error, only: error_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use base_text, only: text_t
+   use io_checkpoint, only: checkpoint_place_t
+   use io_deck_file, only: read_deck_file
+   use material_keys, only: declare_material_keys
+   use output_deck, only: check_output_fields, check_output_groups, declare_output_groups
+   use output_description, only: describe_simulation
+   use output_streams, only: outputs_t
+   use particle_fill, only: body_t
+   use program_command_line, only: command_t
+   use program_expected_steps, only: expected_steps
+   use program_material_point, only: declare_point, make_scene_optional
+   use program_run_limits, only: limits_t, read_limits
+   use scene_build, only: build_scene
+   use scene_check_bodies, only: check_elastic, check_places, check_size, default_most_points
+   use scene_deck_check, only: check_deck
+   use scene_deck_schema, only: declare_deck
+   use scene_exact, only: declare_exact
+   use scene_method, only: declare_method
+   use scene_particles, only: survey_t, take_survey
+   use scene_shapes, only: named_shape_t
+   use scene_velocity_formula, only: check_formulas
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: declare_deck_keys, build_setup, run_setup_t, read_setup
+
+   !> Setup of a run.
+   type :: run_setup_t
+      type(command_t) :: command                     !! Command line
+      type(schema_t) :: schema                       !! All keys of a deck
+      type(deck_t) :: deck                           !! Input deck
+      character(len=:), allocatable :: deck_text     !! As written, stored in output files
+      type(simulation_t) :: simulation               !! Without particles
+      type(body_t), allocatable :: bodies(:)         !! Bodies that the particles will fill
+      type(named_shape_t), allocatable :: shapes(:)  !! Regions of the deck
+      real(wp) :: most_points = default_most_points  !! Bodies with more need --force
+      type(survey_t) :: survey                       !! Particles and occupied tiles
+      type(limits_t) :: limits                       !! End of the run, bounds of the step
+      type(outputs_t) :: outputs                     !! Output streams
+      type(checkpoint_place_t) :: place              !! Folder and numbers of checkpoints
+   end type run_setup_t
+
+contains
+
+   !> Declare all keys of a deck.
+   subroutine declare_deck_keys(schema)
+      type(schema_t), intent(inout) :: schema        !! Gets the keys
+
+      call declare_deck(schema)
+      call declare_output_groups(schema)
+      call declare_method(schema)
+      call declare_material_keys(schema)
+      call declare_exact(schema)
+      call declare_point(schema)
+   end subroutine declare_deck_keys
+
+   !> Read the deck on rank 0 and parse it on all ranks.
+   subroutine read_setup(setup, error)
+      class(run_setup_t), intent(inout) :: setup !! With the command line; gets the deck
+      type(error_t), allocatable, intent(out) :: error !! The deck cannot be read
+      type(text_t), allocatable :: overrides(:)
+
+      associate (communicator => setup%simulation%communicator, command => setup%command)
+         if (communicator%rank == 0) call read_deck_file(command%deck, setup%deck_text, error)
+         call agree(communicator, error)
+         if (allocated(error)) return
+         call communicator%broadcast(setup%deck_text)
+         if (.not. allocated(setup%schema%groups)) call declare_deck_keys(setup%schema)
+         if (command%point) call make_scene_optional(setup%schema)
+         overrides = command%overrides
+         call setup%deck%read(setup%schema, setup%deck_text, command%deck, overrides, error)
+         if (allocated(error)) return
+         if (command%point) return
+         call check_deck(setup%deck)
+         call check_output_groups(setup%deck)
+      end associate
+   end subroutine read_setup
+
+   !> Build the simulation without particles, and check what depends on several groups of the deck.
+   subroutine build_setup(setup, error)
+      class(run_setup_t), intent(inout) :: setup           !! With the deck
+      type(error_t), allocatable, intent(out) :: error !! Errors in the deck
+
+      call build_scene(setup%deck, setup%simulation, setup%bodies, setup%shapes)
+      ! errors in other groups do not hide errors in the positions of bodies
+      if (allocated(setup%bodies) .and. setup%deck%sound("body")) call check_size(setup%deck, &
+         setup%simulation%grid, setup%bodies, setup%most_points, setup%command%force)
+      if (allocated(setup%bodies) .and. setup%deck%sound("body")) then
+         call take_survey(setup%simulation, setup%bodies, setup%survey)
+         call check_places(setup%deck, setup%simulation, setup%bodies, setup%survey)
+         ! a material with an error has no wave speed
+         if (setup%deck%sound("material")) &
+            call check_elastic(setup%deck, setup%simulation, setup%bodies)
+      end if
+      if (.not. allocated(setup%simulation%stores)) then
+         call check_output_fields(setup%deck, setup%simulation)
+         call setup%deck%verdict(error)
+         return
+      end if
+      if (allocated(setup%survey%key)) &
+         call check_formulas(setup%deck, setup%simulation, setup%bodies, setup%survey%key)
+      call read_limits(setup%deck, setup%limits)
+      call describe_simulation(setup%deck, setup%simulation, setup%bodies, setup%deck_text, &
+         setup%command%output%folder, setup%outputs, setup%place)
+      call setup%outputs%plan(setup%deck, setup%simulation, setup%shapes, setup%limits%time_end)
+      call setup%deck%verdict(error)
+      if (allocated(error)) return
+      if (.not. setup%command%force) call setup%outputs%limit(setup%deck, setup%survey%particles, &
+         setup%limits%time_end, expected_steps(setup%simulation, setup%bodies, setup%limits))
+      call setup%deck%verdict(error)
+   end subroutine build_setup
+end module program_run_setup

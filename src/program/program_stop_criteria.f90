@@ -1,0 +1,81 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Reasons to end a run: the end of its time or of its steps, wall time, signals, kinetic energy, or
+!! no material left.
+module program_stop_criteria
+   use base_error, only: exit_again, exit_success
+   use base_kinds, only: int64, wp
+   use program_run_limits, only: limits_t
+   use program_signals, only: signal_name
+   use step_advance, only: count_particles
+   use step_ledger, only: balance_t, kinetic
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: is_finished, stop_criteria_t
+
+   integer, parameter, public :: wall_limit_request = 1000 !! Stop request that is not a signal
+   character(len=*), parameter, public :: none_left = "all material has left the grid"
+   integer(int64), parameter :: kinetic_interval = 20 !! Steps between tests of kinetic energy
+
+   !> State of the criteria between steps.
+   type :: stop_criteria_t
+      real(wp) :: greatest_kinetic = 0.0_wp          !! Maximum of the kinetic energy so far [J]
+   contains
+      procedure :: test => stop_criteria_test        !! Test all criteria
+   end type stop_criteria_t
+
+contains
+
+   !> Test whether the run ends before the next step. Collective; the same result on all ranks.
+   subroutine stop_criteria_test(self, simulation, limits, finished, code, reason)
+      class(stop_criteria_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation !! With the requests of all ranks
+      type(limits_t), intent(in) :: limits           !! When to stop
+      logical, intent(out) :: finished               !! Does the run end?
+      integer, intent(out) :: code                   !! Exit code
+      character(len=:), allocatable, intent(out) :: reason !! Why it ends
+      type(balance_t) :: balance
+      integer :: request
+
+      finished = .true.
+      code = exit_success
+      ! no step has counted the particles yet
+      if (simulation%requests%present < 0.0_wp) simulation%requests%present = &
+         merge(1.0_wp, 0.0_wp, simulation%communicator%any(count_particles(simulation) > 0))
+      request = nint(simulation%requests%leave)
+      reason = "t_end reached"
+      if (simulation%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp))) return
+      reason = "max_steps reached"
+      if (simulation%step >= limits%max_steps) return
+      code = exit_again
+      reason = "wall_limit reached"
+      if (request >= wall_limit_request) return
+      reason = "signal "//signal_name(request)
+      if (request > 0) return
+      code = exit_success
+      reason = none_left
+      if (.not. simulation%requests%present > 0.0_wp) return
+      reason = "kinetic energy below stop_value"
+      if (max(limits%kinetic_below, limits%rest_below) >= 0.0_wp .and. &
+         mod(simulation%step, kinetic_interval) == 0) then
+         call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+            simulation%stores, simulation%materials, balance)
+         self%greatest_kinetic = max(self%greatest_kinetic, balance%entry(kinetic))
+         if (balance%entry(kinetic) < limits%kinetic_below) return
+         if (balance%entry(kinetic) < limits%rest_below*self%greatest_kinetic) return
+      end if
+      finished = .false.
+   end subroutine stop_criteria_test
+
+   !> True if a run ends before its first step. Collective.
+   logical function is_finished(simulation, limits) result(finished)
+      type(simulation_t), intent(inout) :: simulation !! With particles
+      type(limits_t), intent(in) :: limits           !! When to stop
+      type(stop_criteria_t) :: criteria
+      character(len=:), allocatable :: reason
+      integer :: code
+
+      call criteria%test(simulation, limits, finished, code, reason)
+   end function is_finished
+end module program_stop_criteria
