@@ -60,8 +60,8 @@ module program_command_line
       option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
       option_t("no-estimate", " ", nothing), option_t("overwrite", " ", nothing), &
       option_t("preview ", "p", nothing), option_t("unset   ", " ", a_value)]
-   character(len=9), parameter :: lists(6) = [character(len=9) :: "materials", "fields", &
-      "shapes", "units", "examples", "former"]
+   character(len=9), parameter :: lists(5) = [character(len=9) :: "materials", "fields", &
+      "shapes", "units", "examples"]
    character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
 
 contains
@@ -423,8 +423,8 @@ contains
       end do
       near = closest(name, names)
       if (near /= "") near = "; did you mean "//near//"?"
-      call complain(error, "--list knows materials, fields, shapes, units, examples and "// &
-         "former, not '"//name//"'"//near)
+      call complain(error, "--list knows materials, fields, shapes, units and "// &
+         "examples, not '"//name//"'"//near)
    end subroutine check_list
 
    !> A job is printed, not run; numbers of it need it.
@@ -476,7 +476,7 @@ contains
          "      --explain KEY      what a key or group of the deck means"//newline// &
          "      --point            drive one material along &point, write CASE_point.csv"// &
          newline// &
-         "      --list [WHAT]      materials, fields, shapes, units, examples, former"//newline// &
+         "      --list [WHAT]      materials, fields, shapes, units, examples"//newline// &
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
          "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
          newline//"                         --threads N and --time HH:MM:SS"//newline// &

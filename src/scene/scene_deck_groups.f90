@@ -120,8 +120,6 @@ contains
       call schema%require("body", "name region material")
       call schema%refer("body", "region", "region")
       call schema%refer("body", "material", "material")
-      call schema%former("body", "porosity", doc="pores belong to the material: its density is "// &
-         "that with pores, eos_model = 'p_alpha' crushes them")
    end subroutine declare_body
 
    !> Declare &boundary.
@@ -155,8 +153,6 @@ contains
          owner="effects.thermal")
       call schema%require("boundary", "type friction")
       call schema%refer("boundary", "region", "region")
-      call schema%former("boundary", "face = none", becomes="", doc="a rigid region stands "// &
-         "without a face", holds=.true.)
    end subroutine declare_boundary
 
    !> Declare &contact.

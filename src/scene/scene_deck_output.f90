@@ -83,9 +83,6 @@ contains
          default="25", range="> 0", owner="balance = auto")
       call schema%real("parallel", "imbalance", "greatest over mean work that moves tiles", &
          default="1.1", range=">= 1", owner="balance = auto")
-      call schema%former("parallel", "balance = every", becomes="balance = auto")
-      call schema%former("parallel", "layout", becomes="", doc="ranks share the tiles along a "// &
-         "curve through the box, and results do not depend on it", holds=.true.)
    end subroutine declare_parallel
 
    !> Declare &log.
@@ -98,8 +95,5 @@ contains
       call schema%text("log", "level", "what the log file holds", default="info", &
          words="error warn info debug")
       call schema%logical("log", "timing", "table of phases at the end", default=".true.")
-      call schema%former("log", "colour = never auto", becomes="", doc="screen and log are "// &
-         "without colours", holds=.true.)
-      call schema%former("log", "colour", becomes="", doc="screen and log are without colours")
    end subroutine declare_log
 end module scene_deck_output

@@ -95,13 +95,6 @@ contains
       call schema%integer("grid", "block", "cells along the edge of a tile, 0 = automatic", &
          default="0", range=">= 0 <= 64")
       call schema%require("grid", "lo hi")
-      call schema%former("grid", "sparse = .true.", becomes="", doc="tiles exist only where "// &
-         "matter is", holds=.true.)
-      call schema%former("grid", "sparse", becomes="", doc="tiles exist only where matter is")
-      call schema%former("grid", "grow = .false.", becomes="", doc="the box keeps its size", &
-         holds=.true.)
-      call schema%former("grid", "grow", doc="the box keeps its size; choose lo and hi for all "// &
-         "of the run, empty space costs nothing")
    end subroutine declare_grid
 
    !> Declare &time.
@@ -163,11 +156,5 @@ contains
          default=".false.")
       call schema%logical("effects", "erosion", "failed particles are taken out and booked", &
          default=".false.", owner="effects.damage")
-      call schema%former("effects", "conduction = .true.", becomes="", doc="materials with a "// &
-         "conductivity conduct", holds=.true.)
-      call schema%former("effects", "conduction", becomes="", doc="materials with a "// &
-         "conductivity conduct")
-      call schema%former("effects", "granular", becomes="", doc="strength_model = 'granular' "// &
-         "of a material says so")
    end subroutine declare_effects
 end module scene_deck_schema

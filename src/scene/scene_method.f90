@@ -33,8 +33,8 @@ contains
          call choose_velocity(velocity_names(n), transfer)
          call transfer%declare(schema)
       end do
-      call schema%logical("method", "paper", "the exact scheme of the seed of the method; it "// &
-         "fixes the other keys of the scheme", default=".false.", owner="run.method = ddmp")
+      call schema%logical("method", "paper", "the scheme of LA-UR-11-06616 (2011); it fixes "// &
+         "the other keys of the scheme", default=".false.", owner="run.method = ddmp")
       call schema%text("method", "alpha", "share of the own cell in the gradient: one bubble a "// &
          "direction, their product, or its square", default="split", owner="run.method = ddmp")
       call schema%words("method", "alpha", alpha_names)

@@ -163,7 +163,7 @@ contains
          limiter == "none"
    end function may_normalise
 
-   !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.
+   !> Settle the keys that the scheme of LA-UR-11-06616 fixes, and refuse other values of them.
    subroutine settle_paper(deck, group)
       type(deck_t), intent(inout) :: deck            !! The deck
       type(group_t), intent(in) :: group             !! &method

@@ -153,8 +153,8 @@ contains
    !!
    !! Position and stress stand at the times of the steps, velocities half a step before: forces
    !! lead from the middle of the last step to the middle of this one, and the velocity there moves
-   !! and strains through the whole step (leapfrog), which is of second order. The scheme of the
-   !! seed has the velocity at the time of the position.
+   !! and strains through the whole step (leapfrog), which is of second order. The scheme of
+   !! LA-UR-11-06616 has the velocity at the time of the position.
    pure real(wp) function method_kick(self, last, dt) result(kick)
       class(method_t), intent(in) :: self            !! The method
       real(wp), intent(in) :: last                   !! Length of the last step, 0 at the start [s]
