@@ -21,7 +21,7 @@ module output_stream_deck
    use output_history, only: choose_history, history_columns_t
    use output_schedule, only: read_schedule, schedule_t
    use particle_shape, only: shape_holder_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private

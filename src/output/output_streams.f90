@@ -14,7 +14,7 @@ module output_streams
    use io_stream_names, only: of_bins, of_cells, of_fragments, of_particles
    use output_history, only: choose_history, heading_length, history_row
    use output_stream_deck, only: plan_streams, snapshots_t, tables_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private

@@ -46,7 +46,7 @@ module particle_body
       type(shape_holder_t) :: shape                   !! Where it is
       class(given_t), allocatable :: given            !! Its particles, if not those of the lattice
       integer :: store = 1                            !! Index of its material
-      integer :: per_cell(3) = 2                      !! Particles along each edge of a cell
+      integer :: per_cell(3) = 1                      !! Particles along each edge of a cell
       !> Do sites at the surface hold what is inside?
       logical :: cut = .false.
       logical :: jitter = .false.                     !! Are particles moved aside by chance?
@@ -55,7 +55,7 @@ module particle_body
       real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
       !> (3) Formulas of velocities that are added, if there are any
       type(text_t), allocatable :: formula(:)
-      real(wp) :: temperature = 293.0_wp              !! [K]
+      real(wp) :: temperature = 0.0_wp                !! [K]
       real(wp) :: energy = 0.0_wp                     !! Internal, per mass, at the start [J/kg]
       integer :: region = 0                           !! Number of its region
       logical :: keeps_stress = .false.               !! Is its stress that of a file?

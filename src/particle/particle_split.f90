@@ -30,8 +30,8 @@ module particle_split
 
    !> When particles are halved.
    type :: splitting_t
-      real(wp) :: longest = 0.55_wp                  !! Greatest edge of a particle [cells]
-      integer :: generations = 10                    !! Halvings of a particle and its parts
+      real(wp) :: longest = huge(1.0_wp)             !! Greatest edge of a particle [cells]
+      integer :: generations = 0                     !! Halvings of a particle and its parts
    end type splitting_t
 
    !> Copies the last of some particles from others.

@@ -2,6 +2,7 @@
 !> Scripts for the schedulers of clusters. A job that comes to the end of its time writes a
 !! checkpoint, leaves with the exit code that asks for another run, and is put into the queue again.
 module program_batch_job
+   use base_clock, only: clock_seconds, clock_text
    use base_deck_override, only: removal_mark
    use base_error, only: error_t, exit_again, exit_input, fail
    use base_kinds, only: int64, wp
@@ -73,7 +74,7 @@ contains
       if (plan%command%threads > 0) job%threads = plan%command%threads
       job%time = usual_time
       if (allocated(plan%command%job_time)) job%time = plan%command%job_time
-      job%seconds = seconds_of(job%time)
+      job%seconds = clock_seconds(job%time)
       job%notice = min(usual_notice, max(least_notice, job%seconds/10))
       job%case = plan%place%case
       job%checkpoints = quoted(join_path(plan%place%folder, job%case//"_chk_")//"*.h5")
@@ -171,7 +172,7 @@ contains
          "export OMP_NUM_THREADS="//number(job%threads)//newline//places_text()// &
          restart_text(job)// &
          "mpirun -n "//number(job%ranks)//" "//job%command//" --set time.wall_limit="// &
-         clock_of(job%seconds - job%notice)//" ""${restart[@]}"" || code=$?"//newline// &
+         clock_text(job%seconds - job%notice)//" ""${restart[@]}"" || code=$?"//newline// &
          "if [ ""${code}"" -eq "//number(exit_again)//" ]; then"//newline// &
          "   qsub ""$0"" || echo 'submit this script again' >&2"//newline// &
          "fi"//newline//"exit ""${code}"""//newline
@@ -195,30 +196,6 @@ contains
          "elif [ ! -e "//job%summary//" ]; then restart=(--overwrite); fi"//newline// &
          "code=0"//newline
    end function restart_text
-
-   !> Seconds of hours:minutes:seconds.
-   pure integer function seconds_of(time) result(seconds)
-      character(len=*), intent(in) :: time           !! As the command line has checked
-      integer :: hours, minutes, rest, last
-
-      last = len(time)
-      read (time(:last - 6), *) hours
-      read (time(last - 4:last - 3), *) minutes
-      read (time(last - 1:), *) rest
-      seconds = 3600*hours + 60*minutes + rest
-   end function seconds_of
-
-   !> Hours:minutes:seconds; a second at least.
-   pure function clock_of(seconds) result(time)
-      integer, intent(in) :: seconds                 !! [s]
-      character(len=:), allocatable :: time
-      character(len=24) :: line
-      integer :: left
-
-      left = max(seconds, 1)
-      write (line, "(i0.2, 2(':', i2.2))") left/3600, mod(left/60, 60), mod(left, 60)
-      time = trim(line)
-   end function clock_of
 
    !> The command that goes on with a run that was stopped with a checkpoint: what was typed, with
    !! --restart in place of one that may name an older file.

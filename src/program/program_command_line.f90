@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The command line: what the user asks the program to do.
 module program_command_line
+   use base_clock, only: clock_seconds, is_clock
    use base_deck_override, only: removal_mark
    use base_error, only: error_t, exit_input, fail
    use base_text, only: append, closest, text_t
@@ -317,6 +318,7 @@ contains
       character(len=*), intent(in) :: value              !! Its value
       type(command_t), intent(inout) :: command          !! Gets what it says
       type(error_t), allocatable, intent(out) :: error   !! The value is none of its kind
+      logical :: right
 
       select case (option%name)
       case ("ranks")
@@ -325,7 +327,9 @@ contains
          call read_count(option, value, command%threads, error)
       case ("time")
          command%job_time = value
-         if (.not. is_clock(value)) call complain(error, "--time = '"//value// &
+         right = is_clock(value)
+         if (right) right = clock_seconds(value) > 0
+         if (.not. right) call complain(error, "--time = '"//value// &
             "' must be hours, minutes and seconds such as 04:00:00")
       case default
          command%job = value
@@ -347,26 +351,6 @@ contains
       if (count <= 0) call complain(error, "--"//trim(option%name)//" = '"//value// &
          "' must be a whole number above 0")
    end subroutine read_count
-
-   !> The text for two digits below 60.
-   pure logical function below_sixty(text) result(right)
-      character(len=*), intent(in) :: text               !! Two characters
-
-      right = verify(text, "0123456789") == 0 .and. llt(text, "60")
-   end function below_sixty
-
-   !> True for hours:minutes:seconds, and not all of them 0.
-   pure logical function is_clock(text) result(right)
-      character(len=*), intent(in) :: text               !! Perhaps a time
-      integer :: last
-
-      last = len(text)
-      right = .false.
-      if (last < 7 .or. last > 9) return
-      right = verify(text(:last - 6), "0123456789") == 0 .and. text(last - 5:last - 5) == ":" &
-         .and. text(last - 2:last - 2) == ":" .and. below_sixty(text(last - 4:last - 3)) .and. &
-         below_sixty(text(last - 1:)) .and. verify(text, "0:") > 0
-   end function is_clock
 
    !> The parts must fit each other.
    subroutine check_command(command, error)

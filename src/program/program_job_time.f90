@@ -10,7 +10,7 @@ module program_job_time
    implicit none
    private
 
-   public :: job_seconds_left, no_job, span_seconds, wall_limit_of
+   public :: job_seconds_left, no_job, span_seconds
 
    integer, parameter :: longest_answer = 256        !! Characters of a line
    real(wp), parameter :: unlimited = 1.0e12_wp      !! Seconds of a job without an end
@@ -147,20 +147,4 @@ contains
       seconds = 86400.0_wp*real(number(1), wp) + 3600.0_wp*real(number(2), wp) &
          + 60.0_wp*real(number(3), wp) + real(number(4), wp)
    end function span_seconds
-
-   !> Seconds of a text hh:mm:ss; no limit for `none` and `slurm`.
-   pure real(wp) function wall_limit_of(text) result(seconds)
-      character(len=*), intent(in) :: text           !! From the deck
-      integer :: hours, minutes, rest, status
-
-      seconds = huge(1.0_wp)
-      if (len(text) < 7) return
-      read (text(:len(text) - 6), *, iostat=status) hours
-      if (status /= 0) return
-      read (text(len(text) - 4:len(text) - 3), *, iostat=status) minutes
-      if (status /= 0) return
-      read (text(len(text) - 1:), *, iostat=status) rest
-      if (status /= 0) return
-      seconds = real(3600*hours + 60*minutes + rest, wp)
-   end function wall_limit_of
 end module program_job_time

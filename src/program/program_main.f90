@@ -34,9 +34,9 @@ module program_main
    use program_threads, only: choose_threads, share_cores, threads_text, yield_when_waiting
    use program_time_estimate, only: estimate_text, most_particles
    use program_time_loop, only: is_finished, run_to_end
-   use scene_deck_check, only: check_case
    use scene_effects, only: effects_text
    use scene_first_state, only: begin_run
+   use scene_run, only: check_case
    use step_trust, only: number_lattices
    implicit none
    private

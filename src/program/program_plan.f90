@@ -10,7 +10,6 @@ module program_plan
    use base_text, only: text_t
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_file, only: read_deck_file
-   use material_type, only: declare_material_keys
    use output_description, only: describe_simulation
    use output_field_names, only: check_field_names
    use output_streams, only: outputs_t
@@ -23,10 +22,8 @@ module program_plan
    use scene_check_bodies, only: check_elastic, check_places, check_size, default_most_points
    use scene_deck_check, only: check_deck
    use scene_deck_schema, only: declare_deck
-   use scene_exact, only: declare_exact
-   use scene_method, only: declare_method
    use scene_particles, only: survey_t, take_survey
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use scene_velocity_formula, only: check_formulas
    use step_simulation, only: simulation_t
    implicit none
@@ -57,9 +54,6 @@ contains
       type(schema_t), intent(inout) :: schema        !! Gets the keys
 
       call declare_deck(schema)
-      call declare_method(schema)
-      call declare_material_keys(schema)
-      call declare_exact(schema)
       call declare_point(schema)
    end subroutine declare_all
 

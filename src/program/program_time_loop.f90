@@ -3,7 +3,6 @@
 module program_time_loop
    use base_constants, only: unset
    use base_deck, only: deck_t, group_t
-   use base_deck_group, only: unset_integer
    use base_error, only: error_t, exit_again, exit_physics, exit_success, fail
    use base_kinds, only: int64, wp
    use base_log, only: log_t, progress_heading, progress_line, progress_t
@@ -12,10 +11,11 @@ module program_time_loop
    use omp_lib, only: omp_get_max_threads
    use output_checkpoint, only: write_checkpoint
    use output_streams, only: outputs_t
-   use program_job_time, only: job_seconds_left, no_job, wall_limit_of
+   use program_job_time, only: job_seconds_left, no_job
    use program_signals, only: signal_caught, watch_signal
    use program_threads, only: adjust_threads, is_starved, starved_text
-   use scene_load_balance, only: read_balancing
+   use scene_parallel, only: read_balancing
+   use scene_time, only: read_time_limits, time_limits_t
    use step_advance, only: advance, count_particles
    use step_bounds, only: rule_deck, rule_end
    use step_ledger, only: balance_t, kinetic
@@ -32,22 +32,13 @@ module program_time_loop
    character(len=*), parameter :: none_left = "all material has left the grid"
    real(wp), parameter :: scheduler_reserve = 60.0_wp !! Kept before the end of a job [s]
 
-   !> When a run ends and when it looks after itself.
-   type :: limits_t
-      real(wp) :: time_end = 0.0_wp                  !! [s]
-      real(wp) :: dt_max = huge(1.0_wp)              !! Greatest time step [s]
-      real(wp) :: dt_min = 0.0_wp                    !! Smaller: give up [s]
-      real(wp) :: dt_fixed = 0.0_wp                  !! Always this one, 0 = stable one [s]
-      integer(int64) :: max_steps = huge(1_int64)    !! Stop after so many
-      real(wp) :: wall_limit = huge(1.0_wp)          !! Wall time to leave after [s]
-      logical :: ask_scheduler = .false.             !! Does the scheduler know that time?
-      real(wp) :: kinetic_below = -1.0_wp            !! Stop when the kinetic energy falls below [J]
-      real(wp) :: rest_below = -1.0_wp               !! ... or below this share of its greatest [1]
+   !> End of a simulation, and intervals of checkpoints, progress and load balancing.
+   type, extends(time_limits_t) :: limits_t
       real(wp) :: checkpoint_wall = huge(1.0_wp)     !! Wall time between checkpoints [s]
       real(wp) :: checkpoint_time = 0.0_wp           !! Simulated time between them, 0 = none [s]
-      logical :: checkpoint_at_end = .true.          !! One more at the end
+      logical :: checkpoint_at_end = .false.         !! One more at the end
       character(len=:), allocatable :: signals(:)    !! Signals that ask for one
-      real(wp) :: progress = 10.0_wp                 !! Wall time between lines of progress [s]
+      real(wp) :: progress = 0.0_wp                  !! Wall time between lines of progress [s]
       type(balancing_t) :: balancing                 !! When tiles move between ranks
    end type limits_t
 
@@ -75,26 +66,9 @@ contains
       type(deck_t), intent(in) :: deck               !! The deck
       type(limits_t), intent(out) :: limits          !! What it says
       type(group_t) :: group
-      character(len=:), allocatable :: word
       real(wp) :: number
-      integer :: steps
 
-      group = deck%group("time", 1)
-      call group%get("t_end", limits%time_end)
-      call group%get("dt_max", number)
-      if (number > unset) limits%dt_max = number
-      call group%get("dt_min", number)
-      if (number > unset) limits%dt_min = number
-      call group%get("dt_fixed", number)
-      if (number > unset) limits%dt_fixed = number
-      call group%get("max_steps", steps)
-      if (steps /= unset_integer) limits%max_steps = steps
-      call group%get("wall_limit", word)
-      limits%wall_limit = wall_limit_of(word)
-      limits%ask_scheduler = word == "slurm"
-      call group%get("stop_when", word)
-      if (word == "kinetic_below") call group%get("stop_value", limits%kinetic_below)
-      if (word == "at_rest") call group%get("stop_value", limits%rest_below)
+      call read_time_limits(deck, limits%time_limits_t)
       group = deck%group("checkpoint", 1)
       call group%get("wall_minutes", number)
       if (number > 0.0_wp) limits%checkpoint_wall = 60.0_wp*number

@@ -2,28 +2,23 @@
 !> Builds a run from a deck whose words and numbers are known to be right one by one.
 module scene_build
    use base_deck, only: deck_t, group_t
-   use base_kinds, only: int64, wp
-   use base_text, only: text_t
+   use base_kinds, only: wp
    use material_kinds, only: all_gases, stores_work
    use material_record, only: read_record
-   use material_type, only: material_t
    use mesh_boundary, only: face_names, face_outflow, face_periodic, face_symmetry, face_types
-   use mesh_grid, only: grid_t
-   use particle_disks, only: disks_t, start_disks
    use particle_fill, only: body_t
    use particle_store, only: traits_t
    use scene_absorbing, only: read_absorbing
-   use scene_bounds, only: read_bounds
+   use scene_bodies, only: read_bodies
    use scene_contact, only: read_contact
-   use scene_deck_check_grid, only: axis_names
+   use scene_effects, only: read_effects
    use scene_exact, only: read_exact
-   use scene_gravity, only: read_gravity
-   use scene_lithostatic, only: read_lithostatic
+   use scene_grid, only: check_periodic, coarsen, read_grid, tile_edge
    use scene_method, only: read_method
    use scene_particles, only: make_stores, prepare
-   use scene_points, only: compare_fields, pack_points
    use scene_points_clock, only: check_clocks
-   use scene_shapes, only: named_shape_t, read_shapes
+   use scene_regions, only: named_shape_t, read_shapes
+   use scene_time, only: read_bounds
    use scene_walls, only: read_walls
    use step_method, only: position_of
    use step_simulation, only: simulation_t
@@ -54,8 +49,8 @@ contains
          if (allocated(simulation%materials(n)%viscosity)) &
             simulation%materials(n)%viscosity%limited = simulation%method%limited
       end do
-      call read_bounds(deck, simulation%guard%bounds)
-      call read_grid(deck, simulation)
+      call read_bounds(deck, simulation%guard%bounds, simulation%method%cfl)
+      call read_grid(deck, simulation%grid)
       if (present(coarser)) call coarsen(simulation%grid, coarser)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
@@ -66,7 +61,7 @@ contains
       call read_boundary(deck, simulation)
       simulation%grid%margin = simulation%method%margin()
       simulation%grid%reaches = merge(2, 1, simulation%method%dual)
-      call simulation%grid%start(block_of(deck))
+      call simulation%grid%start(tile_edge(deck))
       call check_periodic(deck, simulation%grid)
       call read_effects(deck, simulation)
       if (.not. deck%sound("region")) return
@@ -105,69 +100,6 @@ contains
          sound = sound .and. deck%sound(trim(groups(n)))
       end do
    end function is_sound
-
-   !> Box, spacing and problem class.
-   subroutine read_grid(deck, simulation)
-      type(deck_t), intent(in) :: deck               !! The deck
-      type(simulation_t), intent(inout) :: simulation !! The run
-      type(group_t) :: group
-      character(len=:), allocatable :: word
-      integer :: cells(3)
-
-      group = deck%group("run", 1)
-      call group%get("dimension", word)
-      associate (grid => simulation%grid)
-         select case (word)
-         case ("1d")
-            grid%dimensions = 1
-         case ("plane_strain", "axisymmetric")
-            grid%dimensions = 2
-         case default
-            grid%dimensions = 3
-         end select
-         grid%axisymmetric = word == "axisymmetric"
-         group = deck%group("grid", 1)
-         call group%get("lo", grid%lower)
-         call group%get("hi", grid%upper)
-         if (group%given("cells")) then
-            call group%get("cells", cells)
-            grid%spacing = (grid%upper(1) - grid%lower(1))/real(cells(1), wp)
-         else
-            call group%get("dx", grid%spacing)
-         end if
-         ! a direction that the scene lacks counts with its full extent, or with a unit if it has
-         ! none
-         if (grid%dimensions < 3 .and. .not. grid%upper(2) > grid%lower(2)) &
-            grid%upper(2) = grid%lower(2) + merge(0.0_wp, 1.0_wp, grid%axisymmetric)
-         if (grid%dimensions < 2 .and. .not. grid%upper(3) > grid%lower(3)) &
-            grid%upper(3) = grid%lower(3) + 1.0_wp
-      end associate
-   end subroutine read_grid
-
-   !> Make the cells larger, and the box by less than one of them where it holds no whole number.
-   pure subroutine coarsen(grid, coarser)
-      type(grid_t), intent(inout) :: grid            !! Corners, spacing and dimensions are set
-      integer, intent(in) :: coarser                 !! How many times as large
-      real(wp), parameter :: grain = 1.0e-6_wp       ! rounding of a number of cells
-      integer :: direction
-
-      grid%spacing = grid%spacing*real(coarser, wp)
-      do direction = 1, 3
-         if (direction == 2 .and. grid%dimensions < 3) cycle
-         if (direction == 3 .and. grid%dimensions < 2) cycle
-         grid%upper(direction) = grid%lower(direction) + grid%spacing &
-            *real(ceiling((grid%upper(direction) - grid%lower(direction))/grid%spacing - grain), wp)
-      end do
-   end subroutine coarsen
-
-   !> Cells along a tile that the user wished, 0 = the program chooses.
-   integer function block_of(deck) result(block)
-      type(deck_t), intent(in) :: deck               !! The deck
-      type(group_t) :: group
-
-      group = deck%group("grid", 1)
-      call group%get("block", block)
-   end function block_of
 
    !> Conditions on the faces of the box.
    subroutine read_boundary(deck, simulation)
@@ -234,39 +166,6 @@ contains
          "remove heat_flux", "heat_flux")
    end subroutine check_heat_flux
 
-   !> Node functions that reach beyond a cell must not meet themselves round a periodic box.
-   subroutine check_periodic(deck, grid)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      type(grid_t), intent(in) :: grid               !! The grid
-      integer, parameter :: least = 4                ! nodes that a particle may touch along a line
-      type(group_t) :: group
-      character(len=:), allocatable :: basis
-      integer :: direction
-
-      if (grid%margin == 0) return
-      group = deck%group("method", 1)
-      call group%get("basis", basis)
-      do direction = 1, 3
-         if (.not. (grid%active(direction) .and. grid%periodic(direction))) cycle
-         if (grid%cells(direction) >= least) cycle
-         call deck%complain(group, "basis = '"//basis//"' needs at least 4 cells along "// &
-            axis_names(direction)//", which is periodic, but there are "// &
-            achar(iachar("0") + grid%cells(direction))//"; take smaller cells or "// &
-            "basis = 'linear'", "basis")
-      end do
-   end subroutine check_periodic
-
-   !> Erosion, and gravity if it acts.
-   subroutine read_effects(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      type(simulation_t), intent(inout) :: simulation !! The run
-      type(group_t) :: group
-
-      group = deck%group("effects", 1)
-      call group%get("erosion", simulation%erosion)
-      call read_gravity(deck, simulation)
-   end subroutine read_effects
-
    !> The materials.
    subroutine read_materials(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
@@ -279,120 +178,4 @@ contains
       end do
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
-
-   !> The bodies.
-   subroutine read_bodies(deck, simulation, shapes, bodies)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      type(simulation_t), intent(in) :: simulation   !! Materials and grid
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
-      type(body_t), allocatable, intent(out) :: bodies(:)
-      type(group_t) :: group
-      character(len=:), allocatable :: region, material, packing
-      integer :: index
-
-      allocate (bodies(deck%count("body")))
-      do index = 1, size(bodies)
-         group = deck%group("body", index)
-         associate (body => bodies(index))
-            call group%get("name", body%name)
-            call group%get("region", region)
-            call group%get("material", material)
-            body%region = deck%named("region", region)
-            body%shape = shapes(body%region)%shape
-            body%store = max(deck%named("material", material), 1)
-            call group%get("ppc", body%per_cell)
-            call group%get("packing", packing)
-            body%cut = packing == "cut"
-            body%jitter = packing == "jitter"
-            call read_velocity(group, body)
-            call group%get("spin", body%spin)
-            call group%get("temperature", body%temperature)
-            if (deck%sound("material", body%store)) &
-               call read_energy(deck, group, simulation%materials(body%store), body)
-            body%density = simulation%materials(body%store)%density
-            where (.not. simulation%grid%active)
-               body%per_cell = 1
-               body%velocity = 0.0_wp
-            end where
-            if (packing == "poisson_disk") call pack_disks(deck, simulation%grid, index, body)
-            call read_points(deck, simulation, group, shapes(body%region), body)
-            if (deck%sound("material", body%store)) &
-               call read_lithostatic(deck, simulation, group, body)
-         end associate
-      end do
-   end subroutine read_bodies
-
-   !> Velocity by its components, or by speed and direction, and formulas of what is added.
-   subroutine read_velocity(group, body)
-      type(group_t), intent(in) :: group             !! The &body
-      type(body_t), intent(inout) :: body            !! Gets its velocity
-      real(wp) :: direction(3), speed
-
-      call group%get("velocity", body%velocity)
-      if (group%given("speed")) then
-         call group%get("speed", speed)
-         call group%get("direction", direction)
-         direction = direction/maxval(abs(direction))
-         body%velocity = speed*(direction/norm2(direction))
-      end if
-      if (group%given("velocity_formula")) call group%list("velocity_formula", body%formula)
-   end subroutine read_velocity
-
-   !> Particles at random places, no two of them near each other.
-   subroutine pack_disks(deck, grid, index, body)
-      type(deck_t), intent(in) :: deck               !! The deck
-      type(grid_t), intent(in) :: grid               !! The grid
-      integer, intent(in) :: index                   !! Number of the body
-      type(body_t), intent(inout) :: body            !! Gets its particles
-      type(group_t) :: group
-      type(disks_t) :: disks
-      integer :: seed
-
-      group = deck%group("run")
-      call group%get("seed", seed)
-      call start_disks(disks, grid, product(body%per_cell), int(seed, int64), int(index, int64))
-      allocate (body%given, source=disks)
-   end subroutine pack_disks
-
-   !> Particles of a list, where region and packing say so, and what they take from it.
-   subroutine read_points(deck, simulation, group, shape, body)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      type(simulation_t), intent(in) :: simulation   !! Materials and grid
-      type(group_t), intent(in) :: group             !! The &body
-      type(named_shape_t), intent(in) :: shape       !! Its region
-      type(body_t), intent(inout) :: body            !! Gets its particles
-      character(len=:), allocatable :: packing, stress
-      type(traits_t) :: traits
-
-      call group%get("packing", packing)
-      call group%get("initial_stress", stress)
-      body%keeps_stress = stress == "file"
-      if (allocated(shape%points) .neqv. packing == "file") then
-         if (packing == "file") call deck%complain(group, "packing = 'file' needs a region of "// &
-            "shape = 'points'", "packing")
-         if (packing /= "file") call deck%complain(group, "its region is a list of points; "// &
-            "write packing = 'file'", "packing")
-      else if (allocated(shape%points)) then
-         call pack_points(deck, simulation%grid, simulation%boundary, group, shape%points, body)
-         call simulation%method%request(traits)
-         call compare_fields(deck, group, simulation%materials(body%store), traits, shape%points, &
-            body%keeps_stress)
-      else if (body%keeps_stress) then
-         call deck%complain(group, "initial_stress = 'file' needs packing = 'file' and a "// &
-            "snapshot of another run", "initial_stress")
-      end if
-   end subroutine read_points
-
-   !> Internal energy at the start, of a material that carries it.
-   subroutine read_energy(deck, group, material, body)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      type(group_t), intent(in) :: group             !! The &body
-      type(material_t), intent(in) :: material       !! Its material
-      type(body_t), intent(inout) :: body            !! Gets the energy
-
-      call group%get("specific_energy", body%energy)
-      if (body%energy > 0.0_wp .and. .not. material%carries_energy()) call deck%complain(group, &
-         "material '"//material%name//"' carries no internal energy; remove specific_energy or "// &
-         "choose an eos_model that depends on it", "specific_energy")
-   end subroutine read_energy
 end module scene_build

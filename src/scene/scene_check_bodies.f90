@@ -8,7 +8,7 @@ module scene_check_bodies
    use mesh_boundary, only: face_outflow, face_periodic, face_symmetry
    use mesh_grid, only: grid_t
    use particle_fill, only: body_t
-   use scene_deck_check_grid, only: axis_names
+   use scene_dimension, only: axis_names
    use scene_particles, only: survey_t
    use step_simulation, only: simulation_t
    implicit none
@@ -152,9 +152,8 @@ contains
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: body               !! The body
       integer, intent(in) :: place                   !! Its number in the deck
-      integer, parameter :: samples(3) = [4096, 128, 24] ! along an edge, by dimensions
-      real(wp) :: low(3), high(3), point(3)
-      integer :: number_of(3), x, y, z, inside, outside, k
+      real(wp) :: low(3), high(3)
+      integer :: inside, outside, k
 
       associate (grid => simulation%grid, kind => simulation%boundary%kind)
          call body%shape%bounds(low, high)
@@ -164,31 +163,44 @@ contains
          end do
          if (.not. any(grid%active .and. (low < grid%lower - round_off*grid%spacing .or. &
             high > grid%upper + round_off*grid%spacing))) return
-         number_of = merge(samples(grid%dimensions), 1, grid%active)
-         inside = 0
-         outside = 0
-         point = resting_place(grid)
-         do z = 1, number_of(3)
-            do y = 1, number_of(2)
-               do x = 1, number_of(1)
-                  where (grid%active) point = low + (high - low)*(real([x, y, z], wp) - 0.5_wp) &
-                     /real(number_of, wp)
-                  if (.not. body%shape%contains(point)) cycle
-                  if (any(grid%active .and. (point < grid%lower .or. point >= grid%upper))) then
-                     outside = outside + 1
-                  else
-                     inside = inside + 1
-                  end if
-               end do
-            end do
-         end do
+         call count_samples(grid, body, low, high, inside, outside)
       end associate
       if (outside == 0 .or. 100*outside < inside + outside) return
       call deck%warn("body", place, "its region lies "//number(nint(100.0_wp*real(outside, wp) &
          /real(inside + outside, wp)))//" % outside the grid and is cut there", "region")
    end subroutine check_outside
 
-   !> Where points lie along directions that the scene lacks [m].
+   !> Sample a box around a body: points of the body inside and outside the grid.
+   subroutine count_samples(grid, body, low, high, inside, outside)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(body_t), intent(in) :: body               !! The body
+      real(wp), intent(in) :: low(3), high(3)        !! Corners of the box [m]
+      integer, intent(out) :: inside                 !! Points of the body in the grid
+      integer, intent(out) :: outside                !! Points of the body beyond it
+      integer, parameter :: samples(3) = [4096, 128, 24] ! along an edge, by dimensions
+      real(wp) :: point(3)
+      integer :: number_of(3), points, x, y, z
+
+      number_of = merge(samples(grid%dimensions), 1, grid%active)
+      points = 0
+      outside = 0
+      point = resting_place(grid)
+      do z = 1, number_of(3)
+         do y = 1, number_of(2)
+            do x = 1, number_of(1)
+               where (grid%active) point = low + (high - low)*(real([x, y, z], wp) - 0.5_wp) &
+                  /real(number_of, wp)
+               if (.not. body%shape%contains(point)) cycle
+               points = points + 1
+               if (any(grid%active .and. (point < grid%lower .or. point >= grid%upper))) &
+                  outside = outside + 1
+            end do
+         end do
+      end do
+      inside = points - outside
+   end subroutine count_samples
+
+   !> Coordinates of points along the directions that the scene does not have [m].
    pure function resting_place(grid) result(point)
       type(grid_t), intent(in) :: grid               !! The grid
       real(wp) :: point(3)

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Contact as a deck asks for it: which bodies share a velocity field, and what holds between them.
+!> The group &contact: its keys, which bodies share a velocity field, and the laws between them.
 module scene_contact
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
+   use base_schema, only: schema_t
    use base_text, only: brief, number, text_t
    use material_type, only: material_t
    use particle_fill, only: body_t
@@ -13,12 +14,31 @@ module scene_contact
    implicit none
    private
 
-   public :: bond_stores, contact_columns, contact_text, read_contact, store_name
+   public :: bond_stores, contact_columns, contact_text, declare_contact, read_contact, store_name
 
    integer, parameter, public :: most_fields = 8     !! Their pairs grow as the square
    character(len=1), parameter :: any_body = "*"     !! Stands for every body
 
 contains
+
+   !> Declare &contact.
+   subroutine declare_contact(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("contact", &
+         "what holds between two bodies; pairs without one slip freely", many=.true.)
+      call schema%text("contact", "bodies(:2)", "names of the two, '*' for any other; pairs of "// &
+         "names win over '*'", default="*", owner="effects.contact")
+      call schema%text("contact", "law", "friction: Coulomb; stick: no slip while pressed "// &
+         "together; bonded: one body until the bond breaks, friction then", default="friction", &
+         words="friction stick frictionless bonded", owner="effects.contact")
+      call schema%real("contact", "friction", "coefficient of friction", default="0.0", &
+         range=">= 0", owner="effects.contact & law = friction bonded")
+      call schema%real("contact", "bond_strength", "stress that breaks the bond, by tension "// &
+         "and shear together; without it the bond holds for ever", unit="Pa", range="> 0", &
+         owner="effects.contact & law = bonded")
+      call schema%refer("contact", "bodies", "body")
+   end subroutine declare_contact
 
    !> Give the bodies their velocity fields and these their stores, if the deck asks for contact.
    subroutine read_contact(deck, simulation, bodies)

@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Keys of the deck that say what is written and how the run is spread over the machine.
+!> Keys of the deck that say what is written.
 module scene_deck_output
    use base_schema, only: schema_t
    implicit none
    private
 
-   public :: declare_checkpoint, declare_log, declare_output, declare_parallel
+   public :: declare_checkpoint, declare_log, declare_output
 
    character(len=*), parameter :: files = "kind = particles slice grid" !! Outputs of many files
    character(len=*), parameter :: points = "kind = particles slice" !! Outputs of single particles
@@ -71,19 +71,6 @@ contains
          "signals that ask for a checkpoint and exit "// &
          "code 75", default="TERM USR1 INT", words="TERM USR1 USR2 INT HUP none")
    end subroutine declare_checkpoint
-
-   !> Declare &parallel.
-   subroutine declare_parallel(schema)
-      type(schema_t), intent(inout) :: schema            !! Keys of the deck
-
-      call schema%group("parallel", "distribution over ranks; results do not depend on it")
-      call schema%text("parallel", "balance", "move tiles between ranks", default="auto", &
-         words="auto never")
-      call schema%integer("parallel", "balance_every", "steps between two looks at the work", &
-         default="25", range="> 0", owner="balance = auto")
-      call schema%real("parallel", "imbalance", "greatest over mean work that moves tiles", &
-         default="1.1", range=">= 1", owner="balance = auto")
-   end subroutine declare_parallel
 
    !> Declare &log.
    subroutine declare_log(schema)

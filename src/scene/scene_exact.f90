@@ -27,7 +27,8 @@ contains
       do n = 1, size(exact_names)
          owner = owner//" "//trim(exact_names(n))
       end do
-      call schema%group("exact", "a solution that is known")
+      call schema%group("exact", "an exact solution: it gives the first state and, if it was "// &
+         "manufactured, a body force; histories get its errors")
       call schema%text("exact", "solution", "which one", default="none", words="none")
       call schema%words("exact", "solution", exact_names)
       call schema%text("exact", "bodies(:40)", "bodies that follow it; without: all", owner=owner)

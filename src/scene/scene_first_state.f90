@@ -8,7 +8,7 @@ module scene_first_state
    use scene_particles, only: fill_simulation, first_step, spin_bodies, survey_t
    use scene_points_clock, only: take_clock
    use scene_points_fields, only: take_fields
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use scene_velocity_formula, only: add_formula_velocities
    use step_gravity, only: update_gravity
    use step_simulation, only: simulation_t

@@ -3,10 +3,11 @@
 module scene_method
    use base_deck, only: deck_t, group_t
    use base_schema, only: schema_t
+   use base_text, only: brief
    use ddmp_alpha, only: alpha_names
    use ddmp_catalogue, only: quadrature_names
    use ddmp_dual, only: surface_names
-   use scene_method_defaults, only: settle_method
+   use scene_method_defaults, only: settle_method, unseen_usual
    use step_method, only: method_t, position_of, stress_names
    use transfer_catalogue, only: basis_names, choose_velocity, velocity_names
    use transfer_velocity, only: velocity_t
@@ -80,7 +81,7 @@ contains
          "with ddmp, musl with mpm", words="usl usf musl usavg")
       call schema%real("method", "unseen_strain", "share of what nodes gain and particles do "// &
          "not take that strains with stress_update = 'usavg': damps differences of pressure "// &
-         "between particles; default 0 where all matter is elastic", default="0.2", &
+         "between particles; default 0 where all matter is elastic", default=brief(unseen_usual), &
          range=">= 0 <= 1")
       call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
          "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
@@ -142,8 +143,6 @@ contains
       call group%get("viscosity_limiter", word)
       method%limited = method%dual .and. word == "smooth"
       call read_splitting(method, group)
-      group = deck%group("time", 1)
-      call group%get("cfl", method%cfl)
    end subroutine read_method
 
    !> When long particles are halved.

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Brings a run whose parts are chosen to its first state: tiles, ranks, particles, time step.
 module scene_particles
+   use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
@@ -11,7 +12,7 @@ module scene_particles
    use particle_even, only: even_volumes
    use particle_fill, only: body_t, fill_bodies, survey_bodies
    use particle_place, only: find_place
-   use particle_store, only: traits_t
+   use particle_store, only: store_t, traits_t
    use scene_contact, only: bond_stores, store_name
    use step_advance, only: count_particles, limit_step, sort_particles
    use step_conduction, only: greatest_diffusivity
@@ -167,56 +168,78 @@ contains
       call sort_particles(simulation)
    end subroutine fill_simulation
 
-   !> Let bodies spin about their centres of mass, which only their particles know. Particles that
-   !! carry a linear velocity field turn like their body.
+   !> Add the rotation of bodies about their centres of mass, which are found from the particles.
+   !! Particles with a linear velocity field rotate like their body.
    subroutine spin_bodies(simulation, bodies)
-      type(simulation_t), intent(inout) :: simulation !! The run with particles
+      type(simulation_t), intent(inout) :: simulation !! With particles
       type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(exact_sum_t) :: sums(4)
-      real(wp) :: centre(3), arm(3)
-      integer(int64) :: last
-      integer :: body, tile, p, k
+      real(wp) :: centre(3)
+      integer(int64) :: first, last
+      integer :: body
 
       do body = 1, size(bodies)
          if (.not. any(abs(bodies(body)%spin) > 0.0_wp)) cycle
-         associate (store => simulation%stores(bodies(body)%store), spin => bodies(body)%spin)
-            last = bodies(body)%first_identity + product(bodies(body)%sites(simulation%grid)) - 1
-            do k = 1, 4
-               call sums(k)%clear()
-            end do
-            do tile = 1, size(store%count)
-               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  if (store%identity(p) < bodies(body)%first_identity) cycle
-                  if (store%identity(p) > last) cycle
-                  do k = 1, 3
-                     call sums(k)%add(store%state%mass(p)*store%position(p, k))
-                  end do
-                  call sums(4)%add(store%state%mass(p))
-               end do
-            end do
-            do k = 1, 4
-               call sums(k)%over_ranks(simulation%communicator)
-            end do
-            centre = [sums(1)%value(), sums(2)%value(), sums(3)%value()]/sums(4)%value()
-            do tile = 1, size(store%count)
-               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  if (store%identity(p) < bodies(body)%first_identity) cycle
-                  if (store%identity(p) > last) cycle
-                  do k = 1, 3
-                     arm(k) = store%position(p, k) - centre(k)
-                  end do
-                  arm = cross(spin, arm)
-                  do k = 1, 3
-                     store%velocity(p, k) = store%velocity(p, k) + arm(k)
-                  end do
-                  if (allocated(store%affine)) store%affine(p, :) = [0.0_wp, spin(3), -spin(2), &
-                     -spin(3), 0.0_wp, spin(1), spin(2), -spin(1), 0.0_wp]
-                  if (allocated(store%spin)) store%spin(p, :) = spin
-               end do
-            end do
-         end associate
+         first = bodies(body)%first_identity
+         last = first + product(bodies(body)%sites(simulation%grid)) - 1
+         call find_centre(simulation%communicator, simulation%stores(bodies(body)%store), first, &
+            last, centre)
+         call add_spin(first, last, bodies(body)%spin, centre, &
+            simulation%stores(bodies(body)%store))
       end do
    end subroutine spin_bodies
+
+   !> Centre of mass of the particles of a range of identities, on all ranks [m].
+   subroutine find_centre(communicator, store, first, last, centre)
+      type(communicator_t), intent(in) :: communicator !! Its ranks hold the particles
+      type(store_t), intent(in) :: store             !! The particles
+      integer(int64), intent(in) :: first, last      !! Least and greatest identity
+      real(wp), intent(out) :: centre(3)             !! [m]
+      type(exact_sum_t) :: sums(4)
+      integer :: tile, p, k
+
+      do k = 1, 4
+         call sums(k)%clear()
+      end do
+      do tile = 1, size(store%count)
+         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+            if (store%identity(p) < first .or. store%identity(p) > last) cycle
+            do k = 1, 3
+               call sums(k)%add(store%state%mass(p)*store%position(p, k))
+            end do
+            call sums(4)%add(store%state%mass(p))
+         end do
+      end do
+      do k = 1, 4
+         call sums(k)%over_ranks(communicator)
+      end do
+      centre = [sums(1)%value(), sums(2)%value(), sums(3)%value()]/sums(4)%value()
+   end subroutine find_centre
+
+   !> Add the velocities of a rotation to the particles of a range of identities.
+   subroutine add_spin(first, last, spin, centre, store)
+      integer(int64), intent(in) :: first, last      !! Least and greatest identity
+      real(wp), intent(in) :: spin(3)                !! Angular velocity [rad/s]
+      real(wp), intent(in) :: centre(3)              !! A point of the axis [m]
+      type(store_t), intent(inout) :: store          !! The particles
+      real(wp) :: arm(3)
+      integer :: tile, p, k
+
+      do tile = 1, size(store%count)
+         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+            if (store%identity(p) < first .or. store%identity(p) > last) cycle
+            do k = 1, 3
+               arm(k) = store%position(p, k) - centre(k)
+            end do
+            arm = cross(spin, arm)
+            do k = 1, 3
+               store%velocity(p, k) = store%velocity(p, k) + arm(k)
+            end do
+            if (allocated(store%affine)) store%affine(p, :) = [0.0_wp, spin(3), -spin(2), &
+               -spin(3), 0.0_wp, spin(1), spin(2), -spin(1), 0.0_wp]
+            if (allocated(store%spin)) store%spin(p, :) = spin
+         end do
+      end do
+   end subroutine add_spin
 
    !> Index of the body that a particle belongs to.
    pure integer function body_of(bodies, identity) result(body)

@@ -9,7 +9,7 @@ module scene_points_clock
    use base_kinds, only: wp
    use base_text, only: brief
    use particle_body, only: body_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private

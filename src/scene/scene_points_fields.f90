@@ -12,7 +12,7 @@ module scene_points_fields
    use particle_store, only: store_t
    use scene_points, only: comes_from_file, point_region_t
    use scene_points_placing, only: components_of, placing_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private

@@ -12,7 +12,7 @@ module scene_voxels
    use mesh_grid, only: grid_t
    use particle_shape, only: shape_holder_t
    use particle_voxels, only: set_voxels, voxels_t
-   use scene_deck_check_grid, only: axis_names
+   use scene_dimension, only: axis_names
    use scene_file_paths, only: path_in_deck
    implicit none
    private

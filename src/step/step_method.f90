@@ -40,7 +40,7 @@ module step_method
       real(wp) :: heat_flux = 0.0_wp                 !! Coefficient of artificial heat flux [1]
       type(splitting_t), allocatable :: splitting    !! When long particles are halved, if they are
       class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
-      real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
+      real(wp) :: cfl = 0.0_wp                       !! Fraction of the stable step [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
    contains
       procedure :: choose => method_choose           !! Make it from words

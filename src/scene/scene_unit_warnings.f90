@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Numbers that only forgotten or mistaken units explain. They are allowed, so this only warns.
-module scene_deck_check_units
+module scene_unit_warnings
    use base_constants, only: pi
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -172,4 +172,4 @@ contains
          return
       end do
    end subroutine check_angles
-end module scene_deck_check_units
+end module scene_unit_warnings
