@@ -35,7 +35,7 @@ module program_main
    use program_time_estimate, only: estimate_text, most_particles
    use program_time_loop, only: is_finished, run_to_end
    use scene_effects, only: effects_text
-   use scene_first_state, only: begin_run
+   use scene_first_state, only: make_first_state
    use scene_run, only: check_case
    use step_trust, only: number_lattices
    implicit none
@@ -274,7 +274,8 @@ contains
       if (session%command%restart) then
          call tell_restart(session%log, note, changes)
       else
-         call begin_run(session%simulation, session%bodies, session%survey, session%shapes, error)
+         call make_first_state(session%simulation, session%bodies, session%survey, &
+            session%shapes, error)
       end if
       if (allocated(error)) return
       call number_lattices(session%simulation, session%bodies)

@@ -1,6 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> From a deck to a run that could begin: all that `--check` does. Nothing is written, and no
-!! particle is made.
+!> From a deck to a simulation without particles, which is all that `--check` does: read and check
+!! the
+!! deck (`scene_deck_check`), set up the simulation (`scene_setup`), count particles, plan outputs.
+!! Nothing is written. `program_main` goes on with `scene_first_state` and `program_time_loop`.
 module program_plan
    use base_agreement, only: agree
    use base_deck, only: deck_t
@@ -18,12 +20,12 @@ module program_plan
    use program_material_point, only: declare_point, relieve
    use program_step_count, only: expected_steps
    use program_time_loop, only: limits_t, read_limits
-   use scene_build, only: build_scene
-   use scene_check_bodies, only: check_elastic, check_places, check_size, default_most_points
+   use scene_body_placement, only: check_elastic, check_places, check_size, default_most_points
    use scene_deck_check, only: check_deck
    use scene_deck_schema, only: declare_deck
    use scene_particles, only: survey_t, take_survey
    use scene_regions, only: named_shape_t
+   use scene_setup, only: set_up_scene
    use scene_velocity_formula, only: check_formulas
    use step_simulation, only: simulation_t
    implicit none
@@ -82,7 +84,7 @@ contains
       class(plan_t), intent(inout) :: plan           !! The deck is read
       type(error_t), allocatable, intent(out) :: error !! The deck is wrong
 
-      call build_scene(plan%deck, plan%simulation, plan%bodies, plan%shapes)
+      call set_up_scene(plan%deck, plan%simulation, plan%bodies, plan%shapes)
       ! Errors elsewhere do not hide those of places; the deck is refused after them.
       if (allocated(plan%bodies) .and. plan%deck%sound("body")) call check_size(plan%deck, &
          plan%simulation%grid, plan%bodies, plan%most_points, plan%command%force)

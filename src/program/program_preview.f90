@@ -13,7 +13,7 @@ module program_preview
    use output_walls, only: write_walls
    use program_batch_job, only: quoted
    use program_plan, only: plan_t
-   use scene_first_state, only: begin_run
+   use scene_first_state, only: make_first_state
    implicit none
    private
 
@@ -38,7 +38,7 @@ contains
 
       folder = plan%outputs%folder
       folder = folder(:max(verify(folder, "/", back=.true.), 1))//"_preview"
-      call begin_run(plan%simulation, plan%bodies, plan%survey, plan%shapes, error)
+      call make_first_state(plan%simulation, plan%bodies, plan%survey, plan%shapes, error)
       if (allocated(error)) return
       associate (communicator => plan%simulation%communicator, case => plan%outputs%case, &
          header => plan%outputs%header)

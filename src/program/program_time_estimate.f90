@@ -12,10 +12,10 @@ module program_time_estimate
    use program_plan, only: plan_t, read_plan
    use program_time_loop, only: read_limits
    use program_trial_run, only: row_seconds, trial_t, try_steps, warm_steps
-   use scene_build, only: build_scene
-   use scene_check_bodies, only: check_places
-   use scene_first_state, only: begin_run
+   use scene_body_placement, only: check_places
+   use scene_first_state, only: make_first_state
    use scene_particles, only: take_survey
+   use scene_setup, only: set_up_scene
    implicit none
    private
 
@@ -41,7 +41,7 @@ contains
       real(wp) :: row, seconds, files, steps, share
 
       text = ""
-      call begin_run(plan%simulation, plan%bodies, plan%survey, plan%shapes, error)
+      call make_first_state(plan%simulation, plan%bodies, plan%survey, plan%shapes, error)
       if (allocated(error)) return
       row = row_seconds(plan%simulation)
       call try_steps(plan%simulation, plan%limits, patience, trial)
@@ -175,7 +175,7 @@ contains
       small%command = plan%command
       call read_plan(small, error)
       if (allocated(error)) return
-      call build_scene(small%deck, small%simulation, small%bodies, small%shapes, coarser)
+      call set_up_scene(small%deck, small%simulation, small%bodies, small%shapes, coarser)
       if (.not. allocated(small%bodies)) return
       call take_survey(small%simulation, small%bodies, small%survey)
       call check_places(small%deck, small%simulation, small%bodies, small%survey)
@@ -183,7 +183,7 @@ contains
       if (allocated(error)) return
       call read_limits(small%deck, small%limits)
       small%limits%max_steps = huge(1_int64)
-      call begin_run(small%simulation, small%bodies, small%survey, small%shapes, error)
+      call make_first_state(small%simulation, small%bodies, small%survey, small%shapes, error)
       if (allocated(error)) return
       call try_steps(small%simulation, small%limits, copy_patience, copy, trial%first%time, &
          trial%last%time)

@@ -1,5 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Checks of a deck that compare keys with each other, before anything is built from it.
+!> Checks of a deck that compare keys with each other. `program_plan` calls it after reading the
+!! deck
+!! and before `scene_setup`.
 module scene_deck_check
    use base_constants, only: unset
    use base_deck, only: deck_t, group_t

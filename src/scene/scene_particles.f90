@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Brings a run whose parts are chosen to its first state: tiles, ranks, particles, time step.
+!> Stores and particles of a simulation: empty ones for `scene_setup`, filled ones for
+!! `scene_first_state`, and particles of a checkpoint distributed over ranks.
 module scene_particles
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
@@ -22,7 +23,8 @@ module scene_particles
    implicit none
    private
 
-   public :: body_of, distribute, fill_simulation, first_step, make_stores, prepare, spin_bodies, &
+   public :: body_of, distribute_particles, fill_simulation, first_step, make_stores, &
+      prepare_simulation, spin_bodies, &
       survey_t, take_survey
 
    !> What the bodies will fill, known before there are particles.
@@ -37,7 +39,7 @@ contains
 
    !> Scratch, timers, the dual gradient: everything that does not depend on particles. Grid,
    !! boundary, materials and method are set.
-   subroutine prepare(simulation)
+   subroutine prepare_simulation(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer(int64) :: none(0)
       integer(int64), allocatable :: border(:)
@@ -59,7 +61,7 @@ contains
       simulation%repacks = any(simulation%materials%repacks)
       call choose_normalised(simulation)
       call name_phases(simulation)
-   end subroutine prepare
+   end subroutine prepare_simulation
 
    !> Names of the timed phases, in the order of the table.
    subroutine name_phases(simulation)
@@ -254,7 +256,7 @@ contains
 
    !> Share the particles out among the ranks anew and bring each to its tile; what tiles there were
    !! is forgotten. For particles that were just read, each store in one range.
-   subroutine distribute(simulation)
+   subroutine distribute_particles(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer(int64), allocatable :: own(:), whole(:), key(:), weight(:), border(:)
       integer, allocatable :: order(:)
@@ -283,7 +285,7 @@ contains
          call simulation%stores(n)%unsettle(simulation%grid%tile_cells)
       end do
       call sort_particles(simulation)
-   end subroutine distribute
+   end subroutine distribute_particles
 
    !> Pairs of tile and number of particles on this rank.
    subroutine count_tiles(simulation, pairs)

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Builds a run from a deck whose words and numbers are known to be right one by one.
-module scene_build
+!> Sets up a simulation without particles from a deck that `check_deck` has checked. `program_plan`
+!! calls it for a run and for `--check`; `scene_first_state` comes next.
+module scene_setup
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
    use material_kinds, only: all_gases, stores_work
@@ -15,7 +16,7 @@ module scene_build
    use scene_exact, only: read_exact
    use scene_grid, only: check_periodic, coarsen, read_grid, tile_edge
    use scene_method, only: read_method
-   use scene_particles, only: make_stores, prepare
+   use scene_particles, only: make_stores, prepare_simulation
    use scene_points_clock, only: check_clocks
    use scene_regions, only: named_shape_t, read_shapes
    use scene_time, only: read_bounds
@@ -25,7 +26,7 @@ module scene_build
    implicit none
    private
 
-   public :: build_scene
+   public :: set_up_scene
 
 contains
 
@@ -33,7 +34,7 @@ contains
    !! deck's list of problems. What does not depend on them is built and checked all the same, so
    !! that one pass reports as much as can be known: bodies are then allocated if their places are
    !! sound, and stores if nothing that they depend on has an error.
-   subroutine build_scene(deck, simulation, bodies, shapes, coarser)
+   subroutine set_up_scene(deck, simulation, bodies, shapes, coarser)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
@@ -78,7 +79,7 @@ contains
       call read_exact(deck, simulation, bodies)
       if (.not. is_sound(deck)) return
       call check_clocks(deck, simulation, bodies, shapes)
-      call prepare(simulation)
+      call prepare_simulation(simulation)
       traits%body = size(bodies) > 1
       allocate (simulation%body_names(size(bodies)))
       do n = 1, size(bodies)
@@ -86,7 +87,7 @@ contains
       end do
       call simulation%method%request(traits)
       call make_stores(simulation, traits)
-   end subroutine build_scene
+   end subroutine set_up_scene
 
    !> True if no group has an error on which bodies and the fields of their particles depend.
    logical function is_sound(deck) result(sound)
@@ -178,4 +179,4 @@ contains
       end do
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
-end module scene_build
+end module scene_setup

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Checks of bodies against the grid and each other: how many points, where, and how thick.
-module scene_check_bodies
+module scene_body_placement
    use base_deck, only: deck_t
    use base_kinds, only: int64, wp
    use base_text, only: brief, number
@@ -281,4 +281,4 @@ contains
       call deck%warn("body", pair(2), "overlaps '"//bodies(pair(1))%name//"' in "//about// &
          number(points)//" points; the later body wins, or use shape = 'difference'", "region")
    end subroutine check_overlap
-end module scene_check_bodies
+end module scene_body_placement
