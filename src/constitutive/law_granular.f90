@@ -54,9 +54,9 @@ contains
          "relaxes at rest", unit="s", range="> 0", owner=owner)
       call schema%real("material", "gr_gamma_c", "strain that a contact of granular matter "// &
          "survives", range="> 0", owner=owner)
-      call schema%text("material", "gr_mode", "what relaxes: total, the whole stress; deviator, "// &
-         "all but the pressure, which follows the equation of state", default="deviator", &
-         words="total deviator", owner=owner)
+      call schema%text("material", "gr_mode", "what relaxes: total, the whole stress; "// &
+         "deviator, all but the pressure, which follows the equation of state", &
+         default="deviator", words="total deviator", owner=owner)
    end subroutine granular_declare
 
    !> The mode decides whether there is an equation of state.

@@ -274,8 +274,7 @@ contains
       if (session%command%restart) then
          call tell_restart(session%log, note, changes)
       else
-         call make_first_state(session%simulation, session%bodies, session%survey, &
-            session%shapes, error)
+         call start_anew(session, error)
       end if
       if (allocated(error)) return
       call number_lattices(session%simulation, session%bodies)
@@ -310,6 +309,15 @@ contains
          call move_alloc(late, error)
       end if
    end subroutine perform
+
+   !> Make the first state from the deck.
+   subroutine start_anew(session, error)
+      type(session_t), intent(inout) :: session      !! Gets particles
+      type(error_t), allocatable, intent(out) :: error !! The first state cannot be made
+
+      call make_first_state(session%simulation, session%bodies, session%survey, session%shapes, &
+         error)
+   end subroutine start_anew
 
    !> From where a run goes on, and with what changes of its deck.
    subroutine tell_restart(log, note, changes)
