@@ -19,7 +19,7 @@ contains
    !> Find what lies beyond absorbing faces and how fast they slow their nodes, if there are some.
    !! Equations (R.6) and (R.7) of doc/theory/rigid.md.
    subroutine read_absorbing(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation !! The run, its faces are read
       type(body_t), intent(in) :: bodies(:)          !! Its bodies
       real(wp) :: share

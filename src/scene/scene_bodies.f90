@@ -129,7 +129,7 @@ contains
 
    !> The bodies.
    subroutine read_bodies(deck, simulation, shapes, bodies)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Materials and grid
       type(named_shape_t), intent(in) :: shapes(:)   !! The regions
       type(body_t), allocatable, intent(out) :: bodies(:) !! In the order of the deck
@@ -203,7 +203,7 @@ contains
 
    !> Particles of a list, where region and packing say so, and what they take from it.
    subroutine read_points(deck, simulation, group, shape, body)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Materials and grid
       type(group_t), intent(in) :: group             !! The &body
       type(named_shape_t), intent(in) :: shape       !! Its region
@@ -232,7 +232,7 @@ contains
 
    !> Internal energy at the start, of a material that carries it.
    subroutine read_energy(deck, group, material, body)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! The &body
       type(material_t), intent(in) :: material       !! Its material
       type(body_t), intent(inout) :: body            !! Gets the energy

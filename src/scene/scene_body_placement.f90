@@ -18,7 +18,7 @@ module scene_body_placement
 
    real(wp), parameter, public :: default_most_points = 1.0e10_wp !! About 2 TB of memory
    real(wp), parameter :: most_tiles = 2.0e8_wp      !! Tiles that bodies may reach; 1.6 GB of keys
-   real(wp), parameter :: most_identities = 4.0e18_wp !! Long whole numbers end at 9e18
+   real(wp), parameter :: most_identities = 4.0e18_wp !! 64-bit integers end at 9e18
    !> Of the speed of waves, from which on bodies that meet are strained by a quarter and more [1]
    real(wp), parameter :: fast = 0.5_wp
    real(wp), parameter :: thinnest = 2.0_wp          !! Cells across a body
@@ -26,10 +26,10 @@ module scene_body_placement
 
 contains
 
-   !> Refuse what cannot be counted, and what is hardly meant. Needs no survey, whose work grows
+   !> Refuse bodies of too many particles or tiles. Needs no survey, whose work grows
    !! with the number of points.
    subroutine check_size(deck, grid, bodies, most_points, force)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! The grid
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       real(wp), intent(in) :: most_points            !! More in one body need the user's word
@@ -76,7 +76,7 @@ contains
    !> Bodies without points are errors; those that are cut, thin or on top of each other may be
    !! meant.
    subroutine check_places(deck, simulation, bodies, survey)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       type(survey_t), intent(in) :: survey           !! Their points
@@ -101,7 +101,7 @@ contains
    !> Warn of bodies that meet so fast that a material without yield strength or failure is strained
    !! beyond what a law of small elastic strains can mean.
    subroutine check_elastic(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects warnings
+      type(deck_t), intent(inout) :: deck            !! Gets warnings
       type(simulation_t), intent(in) :: simulation   !! Materials, walls
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       real(wp) :: fastest, speed
@@ -129,7 +129,7 @@ contains
 
    !> Say why a body holds no point.
    subroutine refuse_empty(deck, grid, body, place)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! The grid
       type(body_t), intent(in) :: body               !! The body
       integer, intent(in) :: place                   !! Its number in the deck
@@ -148,7 +148,7 @@ contains
    !> Warn if a part of a body lies outside the grid. What lies behind a mirror plane is the image
    !! of what is computed and is not counted.
    subroutine check_outside(deck, simulation, body, place)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: body               !! The body
       integer, intent(in) :: place                   !! Its number in the deck
@@ -211,7 +211,7 @@ contains
    !> Warn if a body is thinner than two cells. Along a direction in which it reaches from one
    !! closed face to the other it has no thickness; at a mirror plane it has half of it.
    subroutine check_thickness(deck, simulation, body, place)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: body               !! The body
       integer, intent(in) :: place                   !! Its number in the deck
@@ -240,12 +240,12 @@ contains
 
    !> Warn of two bodies that overlap, with the number of points that the earlier one loses.
    subroutine check_overlap(deck, grid, bodies, pair, pairs)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! The grid
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       integer, intent(in) :: pair(2)                 !! Earlier and later body
       integer, intent(in) :: pairs                   !! Number of pairs that share the work
-      real(wp), parameter :: work = 2.0e6_wp         ! sites looked at, all pairs together
+      real(wp), parameter :: work = 2.0e6_wp         ! sites tested, all pairs together
       real(wp) :: low(3), high(3), other_low(3), other_high(3), point(3), edge(3), sites
       integer :: first(3), last(3), stride(3), x, y, z
       integer(int64) :: points

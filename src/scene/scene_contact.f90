@@ -40,9 +40,9 @@ contains
       call schema%refer("contact", "bodies", "body")
    end subroutine declare_contact
 
-   !> Give the bodies their velocity fields and these their stores, if the deck asks for contact.
+   !> Give the bodies their velocity fields and these their stores, if contact is on.
    subroutine read_contact(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation !! Materials are known
       type(body_t), intent(inout) :: bodies(:)       !! Get their stores
       type(contact_t), allocatable :: contact
@@ -75,16 +75,17 @@ contains
       type(deck_t), intent(in) :: deck               !! The deck
       integer, allocatable, intent(out) :: field(:)  !! (body) From 1
       type(group_t) :: group
-      integer :: wish(deck%count("body")), body, earlier, fields
+      integer :: request(deck%count("body")), body, earlier, fields
 
-      allocate (field(size(wish)))
+      allocate (field(size(request)))
       fields = 0
-      do body = 1, size(wish)
+      do body = 1, size(request)
          group = deck%group("body", body)
-         call group%get("field", wish(body))
+         call group%get("field", request(body))
          field(body) = 0
          do earlier = 1, body - 1
-            if (wish(body) > 0 .and. wish(earlier) == wish(body)) field(body) = field(earlier)
+            if (request(body) > 0 .and. request(earlier) == request(body)) field(body) = &
+               field(earlier)
          end do
          if (field(body) > 0) cycle
          fields = fields + 1
@@ -94,7 +95,7 @@ contains
 
    !> What does not go together with contact.
    subroutine refuse_others(deck, group, simulation)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! &effects
       type(simulation_t), intent(in) :: simulation   !! Materials are known
       type(group_t) :: exact
@@ -144,7 +145,7 @@ contains
 
    !> Laws between bodies; what is said of named ones wins over '*'.
    subroutine read_pairs(deck, bodies, contact)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       type(contact_t), intent(inout) :: contact      !! Gets the laws
       type(text_t), allocatable :: names(:)
@@ -235,7 +236,7 @@ contains
    !> The law of a group.
    subroutine read_law(group, law)
       type(group_t), intent(in) :: group             !! &contact
-      type(pair_law_t), intent(out) :: law           !! What it says
+      type(pair_law_t), intent(out) :: law           !! From the deck
       character(len=:), allocatable :: word
 
       call group%get("law", word)
@@ -248,7 +249,7 @@ contains
 
    !> A body does not touch itself, nor one that shares its velocity field.
    subroutine check_pair(deck, group, field_of_body, one, other)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! &contact
       integer, intent(in) :: field_of_body(:)        !! (body)
       integer, intent(in) :: one, other              !! The bodies

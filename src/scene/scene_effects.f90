@@ -33,7 +33,7 @@ contains
       call schema%group("effects", &
          "physics switches; a switched-off effect costs nothing and its "// &
          "keys are refused")
-      call schema%logical("effects", "gravity", "acceleration of all matter", default=".false.")
+      call schema%logical("effects", "gravity", "acceleration of all material", default=".false.")
       call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &
          default="0 0 -9.80665", owner="gravity")
       call schema%text("effects", "gravity_table", "file of lines t, gx, gy, gz in the units "// &
@@ -41,7 +41,7 @@ contains
          owner="gravity")
       call schema%logical("effects", "contact", "bodies have velocities of their own, and touch", &
          default=".false.")
-      call schema%logical("effects", "erosion", "failed particles are taken out and booked", &
+      call schema%logical("effects", "erosion", "failed particles are removed and recorded", &
          default=".false.", owner="effects.damage")
    end subroutine declare_effects
 
@@ -54,7 +54,7 @@ contains
 
    !> Read erosion and gravity. Collective.
    subroutine read_effects(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation !! The run
       type(group_t) :: group
 
@@ -65,7 +65,7 @@ contains
 
    !> Read gravity, if it acts. Collective.
    subroutine read_gravity(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation !! Gets it; its grid is read
       type(group_t) :: group
       logical :: acts
@@ -93,7 +93,7 @@ contains
    end subroutine read_gravity
 
    !> The effects that are on, then the models of each material, all with their reasons. What each
-   !! costs stands in the guide; fields that they add are listed with their bytes elsewhere.
+   !! costs is in the guide; fields that they add are listed with their bytes elsewhere.
    function effects_text(deck) result(text)
       type(deck_t), intent(in) :: deck               !! Read and checked
       character(len=:), allocatable :: text, named, usual

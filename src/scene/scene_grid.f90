@@ -160,7 +160,7 @@ contains
       else
          call group%get("dx", grid%spacing)
       end if
-      ! a direction that the scene lacks counts with its full extent, or with a unit if it has
+      ! a direction without cells counts with its full extent, or with a unit if it has
       ! none
       if (grid%dimensions < 3 .and. .not. grid%upper(2) > grid%lower(2)) &
          grid%upper(2) = grid%lower(2) + merge(0.0_wp, 1.0_wp, grid%axisymmetric)
@@ -196,7 +196,7 @@ contains
    !> Check that shape functions with extended support do not overlap themselves across a periodic
    !! grid.
    subroutine check_periodic(deck, grid)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! The grid
       integer, parameter :: least = 4                ! nodes that a particle may touch along a line
       type(group_t) :: group

@@ -42,7 +42,7 @@ contains
       call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
          range=">= 0 <= 1", owner="run.method = ddmp")
       call schema%text("method", "blend", "how the node gradient is interpolated: smooth has "// &
-         "no kinks; default smooth with alpha = 'split', linear with others and round an axis", &
+         "no kinks; default smooth with alpha = 'split', linear with others and in axisymmetry", &
          words="smooth linear", owner="run.method = ddmp")
       call schema%text("method", "free_surface", &
          "cell weights of the dual gradient: least fill "// &
@@ -53,7 +53,7 @@ contains
          default="point", owner="run.method = ddmp")
       call schema%words("method", "quadrature", quadrature_names)
       call schema%text("method", "normalise", "whose sums over particles are divided by the "// &
-         "sums of their weights, so that uniform pressure makes no force: matter without "// &
+         "sums of their weights, so that uniform pressure makes no force: material without "// &
          "strength that carries an internal energy, all without strength, none, all; default "// &
          "none where the rule of the dual gradient forbids it", &
          words="gases fluids none all", default="gases", owner="run.method = ddmp")
@@ -63,7 +63,7 @@ contains
          words="none bbar")
       call declare_shocks(schema)
       call schema%logical("method", "split", "particles that have become long are halved, so "// &
-         "that stretched matter stays in one piece; default .true. where all matter is "// &
+         "that stretched material stays in one piece; default .true. where all material is "// &
          "gas with normalised sums", default=".false.")
       call schema%real("method", "split_at", "edge of a particle in cells at which it is halved", &
          default="0.55", range="> 0 <= 2", owner="split")
@@ -81,10 +81,11 @@ contains
          "with ddmp, musl with mpm", words="usl usf musl usavg")
       call schema%real("method", "unseen_strain", "share of what nodes gain and particles do "// &
          "not take that strains with stress_update = 'usavg': damps differences of pressure "// &
-         "between particles; default 0 where all matter is elastic", default=brief(unseen_usual), &
+         "between particles; default 0 where all material is elastic", &
+            default=brief(unseen_usual), &
          range=">= 0 <= 1")
       call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
-         "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
+         "velocity around it, or the mean of the material of the tiles around, which keeps the "// &
          "energy of thin bodies", default="point", words="point tiles", &
          owner="transfer = rflip")
    end subroutine declare_strain
@@ -106,8 +107,8 @@ contains
    subroutine read_method(method, deck, stored, gases)
       type(method_t), intent(inout) :: method        !! The method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      logical, intent(in) :: stored                  !! Does all matter give back all work?
-      logical, intent(in) :: gases                   !! Is all matter a gas?
+      logical, intent(in) :: stored                  !! Does all material give back all work?
+      logical, intent(in) :: gases                   !! Is all material a gas?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 

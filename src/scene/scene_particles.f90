@@ -90,7 +90,7 @@ contains
    !> Make empty stores for the materials, with the fields that they ask for.
    subroutine make_stores(simulation, traits)
       type(simulation_t), intent(inout) :: simulation !! The run
-      type(traits_t), intent(in) :: traits           !! What particles carry besides their matter
+      type(traits_t), intent(in) :: traits !! Fields of particles besides those of materials
       integer :: index
 
       if (allocated(simulation%stores)) deallocate (simulation%stores)

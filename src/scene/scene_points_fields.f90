@@ -33,7 +33,7 @@ module scene_points_fields
    contains
       procedure :: scalar => put_scalar              !! A field of numbers
       procedure :: vector => put_vector              !! A field of vectors or tensors
-      procedure :: whole => put_integer                !! A field of whole numbers
+      procedure :: whole => put_integer                !! A field of integers
    end type putter_t
 
 contains
@@ -201,7 +201,7 @@ contains
       end do
    end subroutine put_vector
 
-   !> Put whole numbers.
+   !> Put integers.
    subroutine put_integer(self, name, unit, values)
       class(putter_t), intent(inout) :: self         !! The worker
       character(len=*), intent(in) :: name           !! Name in files

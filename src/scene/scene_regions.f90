@@ -57,7 +57,7 @@ contains
       call schema%real("region", "semi_axes(3)", "half the axes, along x, y and z", unit="m", &
          range="> 0", owner="shape = ellipsoid")
       call schema%real("region", "axis(3)", "direction of the axis; of a prism one of the "// &
-         "coordinates, in a plane scene the one that it lacks", default="0 0 1", &
+         "coordinates, in a plane scene y", default="0 0 1", &
          owner="shape = cylinder cone torus prism")
       call schema%real("region", "normal(3)", "direction out of the halfspace", &
          owner="shape = halfspace")
@@ -175,9 +175,9 @@ contains
 
    !> Build all regions.
    subroutine read_shapes(deck, communicator, grid, shapes)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
       type(group_t) :: group
       integer :: index
@@ -194,9 +194,9 @@ contains
 
    !> Build one region and those that it is made of.
    recursive subroutine build(deck, communicator, grid, shapes, index)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Which one
       type(group_t) :: group
@@ -262,10 +262,10 @@ contains
       translate = translate + (centre - turned)
    end subroutine keep_centre
 
-   !> A box, sphere or cylinder. In directions that the scene lacks a box reaches everywhere and a
+   !> A box, sphere or cylinder. In directions without cells a box is unbounded and a
    !! centre lies where the particles are.
    subroutine build_simple(grid, group, word, holder)
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(group_t), intent(in) :: group             !! The region
       character(len=*), intent(in) :: word           !! Kind of shape
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
@@ -299,7 +299,7 @@ contains
 
    !> An ellipsoid, cone, ring or half space.
    subroutine build_solid(grid, group, word, holder)
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(group_t), intent(in) :: group             !! The region
       character(len=*), intent(in) :: word           !! Kind of shape
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
@@ -328,9 +328,9 @@ contains
 
    !> A set operation on other regions.
    recursive subroutine build_set(deck, communicator, grid, shapes, index, group, word)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Which one
       type(group_t), intent(in) :: group             !! Its group

@@ -32,8 +32,8 @@ contains
       call schema%integer("run", "deck_version", "format of this deck", default="1", &
          range="> 0 <= "//number(deck_version))
       call schema%explain_range("run", "deck_version", "this is scree "//version_text//", "// &
-         "which supports decks up to deck_version "//number(deck_version)//"; a deck of a "// &
-         "higher version needs a later scree")
+         "which knows decks up to deck_version "//number(deck_version)//"; a deck of a "// &
+         "higher one needs a later scree")
    end subroutine declare_run
 
    !> Declare &units.

@@ -35,7 +35,7 @@ contains
    !! that one pass reports as much as can be known: bodies are then allocated if their places are
    !! sound, and stores if nothing that they depend on has an error.
    subroutine set_up_scene(deck, simulation, bodies, shapes, coarser)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation !! The run
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
       type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
@@ -142,7 +142,7 @@ contains
 
    !> The fill of nodes, which corrects volumes, is found with the dual gradient.
    subroutine check_volumes(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
@@ -153,9 +153,9 @@ contains
       end do
    end subroutine check_volumes
 
-   !> An artificial heat flux needs matter that carries an internal energy.
+   !> Check that an artificial heat flux finds a material with internal energy.
    subroutine check_heat_flux(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
@@ -169,7 +169,7 @@ contains
 
    !> The materials.
    subroutine read_materials(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation !! The run
       integer :: index
 

@@ -55,7 +55,7 @@ contains
       call schema%real("time", "volume_ratio_max", "a particle of more ends it too", &
          default="1e12", range="> 1")
       call schema%text("time", "on_bad", "what becomes of a particle that leaves these bounds: "// &
-         "it ends the run, or is taken out and booked", default="stop", words="stop retire")
+         "it ends the run, or is removed and recorded", default="stop", words="stop retire")
       call schema%real("time", "retire_max", "share of the mass at the start that may be taken "// &
          "out so before the run ends with exit code 4", default="0.01", range=">= 0 <= 1", &
          owner="on_bad = retire")
