@@ -4,7 +4,7 @@
 #
 # Installs what is missing to build and run Scree on Debian 12, Ubuntu and their like: compiler,
 # CMake, Open MPI and parallel HDF5 from the system's packages (as root or with sudo), and a Python
-# environment for tests and pictures in build/venv, with the commands scree-post and scree-deck in
+# environment for tests and pictures in build/venv, with the command scree-post in
 # build/venv/bin. If nothing is missing, nothing is downloaded.
 #
 #   --no-python   leave out the Python environment
@@ -128,8 +128,7 @@ setup_python() {
    # what cannot be brought here is made anew below
    renew_python || rm -rf "${root}/build/venv"
    if [[ -x "${python}" ]] && cmp -s "${requirements}" "${stamp}" \
-      && "${commands}/scree-post" --version > /dev/null 2>&1 \
-      && "${commands}/scree-deck" --version > /dev/null 2>&1; then
+      && "${commands}/scree-post" --version > /dev/null 2>&1; then
       return
    fi
    local creator

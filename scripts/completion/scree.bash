@@ -4,7 +4,7 @@ _scree() {
    local IFS=$' \t\n'
    COMPREPLY=()
    case "${before}" in
-      --list) words="materials fields shapes units examples former" ;;
+      --list) words="materials fields shapes units examples" ;;
       --new) words="$("${program}" --list examples 2> /dev/null | cut -d ' ' -f 1)" ;;
       --explain | -s | --set | --unset)
          words="$("${program}" --template 2> /dev/null \

@@ -81,9 +81,6 @@ FLAT_GRAINS = GRAINS.replace("3d", "plane_strain").replace(
     "'grains.csv' /", "'grains.csv'  rotate = 0 30 0 /")
 THREE = "x,y,z,volume\n0.2,0.2,0.2,1e-3\n0.5,0.5,0.5,1e-3\n0.7,0.7,0.7,1e-3\n"
 
-FLUID = BAR + """&material name = 'water'  density = 1000  bulk = 2.2e9  elastic = 'none' /
-""" + BODY.replace("metal", "water")
-
 MODE = "&exact solution = 'bar_mode'  bar_length = 1  mode_speed = 1"
 SECOND = """&region name = 'cube'  shape = 'box'  lo = 0 0 0  hi = 0.2 1 0.2 /
 &body name = 'two'  region = 'cube'  material = 'metal' /
@@ -110,9 +107,6 @@ DECKS = {
     "character-is-not-allowed": ("plain", "&time", "\x1b[1m&time", None),
     "the-line-is-too-long": ("plain", "'plane_strain' /", "'plane_strain' /  ! " + 60 * "a long word ", None),
     "unknown-key": ("plain", "centre", "center", None),
-    "key-is-called": ("sand", "friction_angle = 35", "friction_angle = 35  packing = 'grid'",
-                      "friction_angle = 35  volume_from = 'grid'"),
-    "word-is-called": (FLUID, "elastic = 'none'", "strength_model = 'fluid'", None),
     "this-is-an-older-scree": ("plain", "&run", "&run deck_version = 9 ", "&run deck_version = 1 "),
     "is-given-twice": ("plain", "density = 2700", "density = 2700  density = 7800", None),
     "appears-twice": ("plain", "&time t_end = 1e-5 /", "&time t_end = 1e-5 /\n&time cfl = 0.3 /",

@@ -6,7 +6,6 @@ module base_deck_check
    use base_deck_problems, only: command_line, problems_t
    use base_deck_value, only: read_default, value_t
    use base_error, only: error_t, exit_internal, fail
-   use base_former, only: former_t
    use base_schema, only: condition_t, group_rule_t, key_t, kind_logical, schema_t
    use base_text, only: append, closest, join, number, text_t
    implicit none
@@ -44,52 +43,8 @@ contains
                return
             end associate
          end do
-         do k = 1, size(schema%groups(i)%formers)
-            if (former_is_sound(schema%groups(i), schema%groups(i)%formers(k))) cycle
-            call fail(error, exit_internal, "declaration of the deck: former "// &
-               schema%groups(i)%name//"."//schema%groups(i)%formers(k)%key)
-            return
-         end do
       end do
    end subroutine check_schema
-
-   !> True if a former name is none of today and its new one is; what is always so has none.
-   function former_is_sound(rule, former) result(sound)
-      type(group_rule_t), intent(in) :: rule             !! Its group
-      type(former_t), intent(in) :: former               !! The entry
-      logical :: sound
-      character(len=:), allocatable :: new
-      integer :: i, place
-
-      place = rule%find(former%key)
-      sound = place == 0 .or. size(former%words) > 0
-      do i = 1, size(former%words)
-         if (place > 0) sound = sound .and. .not. takes(rule%keys(place), former%words(i)%text)
-      end do
-      if (.not. allocated(former%becomes)) then
-         sound = sound .and. former%doc /= "" .and. .not. former%holds
-         return
-      end if
-      if (former%becomes == "") return
-      sound = sound .and. .not. former%holds
-      new = former%becomes
-      place = rule%find(trim(new(:index(new//"=", "=") - 1)))
-      sound = sound .and. place > 0 .and. (size(former%words) == 0 .neqv. index(new, "=") > 0)
-      if (index(new, "=") > 0 .and. place > 0) sound = sound .and. &
-         takes(rule%keys(place), trim(adjustl(new(index(new, "=") + 1:))))
-   end function former_is_sound
-
-   !> True if a key of texts takes a word.
-   pure logical function takes(key, word) result(yes)
-      type(key_t), intent(in) :: key                     !! The key
-      character(len=*), intent(in) :: word               !! The word
-      integer :: i
-
-      yes = size(key%words) == 0
-      do i = 1, size(key%words)
-         yes = yes .or. key%words(i)%text == word
-      end do
-   end function takes
 
    !> Check all groups. Keys with an error of their own are taken as they were meant.
    subroutine check_groups(schema, groups, index, deck_file, problems)

@@ -3,9 +3,8 @@
 module base_deck_fill
    use base_deck_define, only: definitions_t
    use base_deck_group, only: group_t
-   use base_deck_problems, only: command_line, problems_t
+   use base_deck_problems, only: problems_t
    use base_deck_value, only: convert, read_default, value_t
-   use base_former, only: find_former, tell_former
    use base_namelist, only: as_written, block_t, namelist_t, piece_t, token_t
    use base_schema, only: group_rule_t, key_t, kind_integer, kind_logical, kind_real, kind_text, &
       schema_t
@@ -13,7 +12,7 @@ module base_deck_fill
    implicit none
    private
 
-   public :: fill_defaults, fill_groups, start_group, store, tell_unknown, written
+   public :: fill_defaults, fill_groups, start_group, store, report_unknown_key, written
 
    integer, parameter :: longest_quotation = 60          !! Longer values are cut in messages
 
@@ -113,8 +112,7 @@ contains
             place = rule%find(piece%key)
             if (piece%key == "") cycle
             if (place == 0) then
-               call tell_unknown(rule, piece%key, written(piece%tokens), block%file, piece%line, &
-                  problems)
+               call report_unknown_key(rule, piece%key, block%file, piece%line, problems)
                cycle
             end if
             if (group%values(place)%given .and. piece%subscript == "") then
@@ -130,49 +128,19 @@ contains
       end do
    end subroutine fill_group
 
-   !> Tell of a key that does not exist, or does not any more.
-   subroutine tell_unknown(rule, key, value, file, line, problems)
+   !> Report a key that does not exist, with the closest one that does.
+   subroutine report_unknown_key(rule, key, file, line, problems)
       type(group_rule_t), intent(in) :: rule             !! What is allowed
       character(len=*), intent(in) :: key                !! As written
-      character(len=*), intent(in) :: value              !! As written
-      character(len=*), intent(in) :: file               !! Where
+      character(len=*), intent(in) :: file               !! File, or the command line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
-      type(problems_t), intent(inout) :: problems        !! Gets it
+      type(problems_t), intent(inout) :: problems        !! Gets the error
       character(len=:), allocatable :: text
-      logical :: was
 
-      call tell_if_former(rule, key(:index(key//"(", "(") - 1), value, file, line, problems, was)
-      if (was) return
       text = meant("'", closest(key, rule%names()), "'")
-      if (text == "") text = "; scree --explain "//rule%name//" shows those that there are"
+      if (text == "") text = "; scree --explain "//rule%name//" lists the keys"
       call problems%error(file, line, "&"//rule%name//": unknown key '"//key//"'"//text)
-   end subroutine tell_unknown
-
-   !> Tell of a key or word of before: an error, or a warning if it says what is always so.
-   subroutine tell_if_former(rule, key, value, file, line, problems, was, holds)
-      type(group_rule_t), intent(in) :: rule             !! What is allowed
-      character(len=*), intent(in) :: key                !! Without its subscript
-      character(len=*), intent(in) :: value              !! As written
-      character(len=*), intent(in) :: file               !! Where
-      integer, intent(in) :: line                        !! Line of the file, 0 = none
-      type(problems_t), intent(inout) :: problems        !! Gets it
-      logical, intent(out) :: was                        !! Was it one?
-      logical, intent(out), optional :: holds            !! Does it say what is always so?
-      integer :: place
-
-      place = find_former(rule%formers, key, value)
-      was = place > 0
-      if (present(holds)) holds = .false.
-      if (.not. was) return
-      associate (former => rule%formers(place))
-         if (present(holds)) holds = former%holds
-         if (former%holds) then
-            call problems%warning(file, line, tell_former(former, rule%name, value, deck_of(file)))
-         else
-            call problems%error(file, line, tell_former(former, rule%name, value, deck_of(file)))
-         end if
-      end associate
-   end subroutine tell_if_former
+   end subroutine report_unknown_key
 
    !> Convert a piece and keep its value.
    subroutine store(rule, place, piece, file, system, problems, group)
@@ -185,7 +153,6 @@ contains
       type(group_t), intent(inout) :: group              !! Gets the value
       character(len=:), allocatable :: complaint, hint
       integer :: subscript
-      logical :: was, holds
 
       associate (key => rule%keys(place), value => group%values(place))
          value%given = .true.
@@ -204,25 +171,11 @@ contains
          end if
          call convert(key, piece%tokens, subscript, system, value, complaint)
          if (complaint == "") return
-         call tell_if_former(rule, key%name, written(piece%tokens), file, piece%line, problems, &
-            was, holds)
-         ! what is always so is as if it were not written
-         if (holds) value = value_t(key=key%name)
-         if (was) return
          hint = lost_sign(rule, piece%tokens)//lost_braces(key, piece%tokens)
          call problems%error(file, piece%line, "&"//rule%name//": "//key%name//piece%subscript// &
             " = "//written(piece%tokens)//complaint//hint)
       end associate
    end subroutine store
-
-   !> The file of a deck, empty for the command line, which no command can rewrite.
-   pure function deck_of(file) result(name)
-      character(len=*), intent(in) :: file               !! Where a piece stands
-      character(len=:), allocatable :: name
-
-      name = file
-      if (file == command_line) name = ""
-   end function deck_of
 
    !> The number in brackets, 0 without brackets, -1 if there is no number.
    pure integer function number_in(subscript) result(place)

@@ -4,7 +4,6 @@
 !! Each part of the program declares its own keys. Reading, checking, the echo, the template and the
 !! explanations all walk this one table.
 module base_schema
-   use base_former, only: former_t, make_former
    use base_kinds, only: wp
    use base_preset, only: preset_t, read_presets
    use base_text, only: append, split, text_t
@@ -56,7 +55,6 @@ module base_schema
       character(len=:), allocatable :: doc               !! Its meaning
       logical :: many = .false.                          !! May be given more than once
       type(key_t), allocatable :: keys(:)                !! In the order of the echo
-      type(former_t), allocatable :: formers(:)          !! Keys and words called otherwise now
    contains
       procedure :: find => group_rule_find               !! Index of a key
       procedure :: names => group_rule_names             !! Names of all keys
@@ -79,7 +77,6 @@ module base_schema
       procedure :: refer => schema_refer                 !! Names of which group a key refers to
       procedure :: explain_range => schema_explain_range !! Why the range is what it is
       procedure :: preset => schema_preset               !! Declare presets of a group
-      procedure :: former => schema_former               !! Declare a former name
       procedure :: find => schema_find                   !! Index of a group
       procedure :: names => schema_names                 !! Names of all groups
       procedure, private :: add => schema_add            !! Append a key
@@ -105,7 +102,7 @@ contains
       longer(known + 1)%name = name
       longer(known + 1)%doc = doc
       if (present(many)) longer(known + 1)%many = many
-      allocate (longer(known + 1)%keys(0), longer(known + 1)%formers(0))
+      allocate (longer(known + 1)%keys(0))
       call move_alloc(longer, self%groups)
    end subroutine schema_group
 
@@ -368,28 +365,6 @@ contains
       end do
       call move_alloc(longer, self%presets)
    end subroutine schema_preset
-
-   !> Declare a key, or words of one as key = word word, that decks are not written with any more.
-   subroutine schema_former(self, group, old, becomes, doc, since, holds)
-      class(schema_t), intent(inout) :: self             !! The schema
-      character(len=*), intent(in) :: group              !! Group it belonged to
-      character(len=*), intent(in) :: old                !! The key, or the key with the words
-      !> New name, or new key = word; blank: it can go; without it somebody must decide.
-      character(len=*), intent(in), optional :: becomes
-      character(len=*), intent(in), optional :: doc      !! Why, and what takes its place
-      integer, intent(in), optional :: since             !! deck_version that brought the new name
-      logical, intent(in), optional :: holds             !! It says what is always so: a warning
-      integer :: place
-
-      place = self%find(group)
-      if (place == 0) then
-         call blame(self, "group of the former "//group//"."//old)
-         return
-      end if
-      associate (rule => self%groups(place))
-         rule%formers = [rule%formers, make_former(old, becomes, doc, since, holds)]
-      end associate
-   end subroutine schema_former
 
    !> Keys that must be given where they apply.
    subroutine schema_require(self, group, names)

@@ -2,7 +2,6 @@
 !> What a deck may hold, as text for people: one key explained, or all of them as a template.
 module base_schema_text
    use base_error, only: error_t, exit_input, fail
-   use base_former, only: former_line
    use base_kinds, only: wp
    use base_preset, only: preset_t
    use base_schema, only: group_rule_t, key_t, kind_integer, kind_logical, kind_real, kind_text, &
@@ -18,7 +17,7 @@ module base_schema_text
 
 contains
 
-   !> Explain a key, written as KEY or GROUP.KEY, or a group; of a former key what became of it.
+   !> Explain a key, written as KEY or GROUP.KEY, or a group.
    subroutine explain(schema, name, text, error)
       type(schema_t), intent(in) :: schema               !! What is allowed
       character(len=*), intent(in) :: name               !! As the user wrote it
@@ -43,13 +42,6 @@ contains
                   call append(names, key%name)
                   if (wanted == key%name .or. wanted == rule%name//"."//key%name) &
                      call explain_key(key, buffer)
-               end associate
-            end do
-            do k = 1, size(rule%formers)
-               associate (former => rule%formers(k))
-                  if (rule%find(former%key) > 0) cycle
-                  if (wanted == former%key .or. wanted == rule%name//"."//former%key) &
-                     call buffer%line(former_line(rule%name, former))
                end associate
             end do
          end associate

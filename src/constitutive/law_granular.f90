@@ -6,7 +6,7 @@
 !!
 !! with the spin W and the rate of strain D, and 1/tau = 1/gr_tau + rate/gr_gamma_c, where the rate
 !! is sqrt(2 D' : D'). With gr_gamma_c alone the stress does not depend on the rate and does not
-!! relax at rest. In mode seed the whole stress relaxes, in mode deviator the pressure is left to
+!! relax at rest. In mode total the whole stress relaxes, in mode deviator the pressure is left to
 !! the equation of state. Equations (Y.15) and (Y.16) of doc/theory/strength.md.
 module law_granular
    use base_deck_group, only: group_t
@@ -29,13 +29,13 @@ module law_granular
    type, extends(law_t) :: law_granular_t
       real(wp) :: relaxation_rate = 0.0_wp           !! 1/gr_tau, 0 if there is none [1/s]
       real(wp) :: inverse_contact_strain = 0.0_wp    !! 1/gr_gamma_c, 0 if there is none [1]
-      logical :: relaxes_pressure = .false.          !! Mode seed
+      logical :: relaxes_pressure = .false.          !! Mode total
    contains
       procedure :: declare => granular_declare       !! Declares its keys
       procedure :: read_mode => granular_read_mode   !! Reads the mode
       procedure :: fault => granular_fault           !! Without any relaxation it is elastic
       procedure :: read => granular_read             !! Reads its keys
-      procedure :: gives_whole_stress => granular_gives_whole_stress !! In mode seed
+      procedure :: gives_whole_stress => granular_gives_whole_stress !! In mode total
       procedure :: request => granular_request       !! Requests nothing
       procedure :: predict_trial => granular_predict_trial !! Volume, and the deviator as it was
       procedure :: update => granular_update         !! Relaxes
@@ -56,9 +56,9 @@ contains
          "relaxes at rest", unit="s", range="> 0", owner=owner)
       call schema%real("material", "gr_gamma_c", "strain that a contact of granular material "// &
          "survives", range="> 0", owner=owner)
-      call schema%text("material", "gr_mode", "what relaxes: seed, the whole stress; deviator, "// &
-         "all but the pressure, which follows the equation of state", default="deviator", &
-         words="seed deviator", owner=owner)
+      call schema%text("material", "gr_mode", "what relaxes: total, the whole stress; "// &
+         "deviator, all but the pressure, which follows the equation of state", &
+         default="deviator", words="total deviator", owner=owner)
    end subroutine granular_declare
 
    !> The mode decides whether there is an equation of state.
@@ -68,7 +68,7 @@ contains
       character(len=:), allocatable :: mode
 
       call group%get("gr_mode", mode)
-      self%relaxes_pressure = mode == "seed"
+      self%relaxes_pressure = mode == "total"
    end subroutine granular_read_mode
 
    !> One of the two relaxations must be there.
@@ -101,7 +101,7 @@ contains
       end if
    end subroutine granular_read
 
-   !> In mode seed the pressure is a part of the law.
+   !> In mode total the pressure is a part of the law.
    pure logical function granular_gives_whole_stress(self) result(whole)
       class(law_granular_t), intent(in) :: self
 
@@ -126,7 +126,7 @@ contains
          deformation%old_volume, deformation%dilatation, deformation%pressure)
    end subroutine granular_predict_trial
 
-   !> Deviator after the step, and in mode seed the pressure.
+   !> Deviator after the step, and in mode total the pressure.
    pure subroutine granular_update(self, state, deformation, first, last, dt)
       class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -151,7 +151,7 @@ contains
          state%stress)
    end subroutine granular_update
 
-   !> Shear, and in mode seed the bulk modulus too.
+   !> Shear, and in mode total the bulk modulus too.
    pure subroutine granular_add_wave_speed(self, state, deformation, first, last)
       class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

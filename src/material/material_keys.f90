@@ -80,10 +80,6 @@ contains
          "motion; grid, corrected where nodes see gaps or too many particles", &
          default="motion", words="motion grid", owner="effects.eos & "// &
          "effects.strength & strength_model = drucker_prager mohr_coulomb mu_i")
-      call schema%former("material", "packing", becomes="volume_from")
-      call schema%former("material", "strength_model = fluid", becomes="elastic = none")
-      call schema%former("material", "damage_model = rankine", becomes="damage_model = "// &
-         "principal_stress")
    end subroutine declare_elasticity
 
    !> Declare temperatures and the rate that several models share.

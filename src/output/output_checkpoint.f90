@@ -9,7 +9,7 @@ module output_checkpoint
    use io_restart, only: checkpoint_find, checkpoint_read
    use io_state, only: state_t
    use output_streams, only: outputs_t
-   use scene_particles, only: distribute
+   use scene_particles, only: distribute_particles
    use step_exact_error, only: load_errors, save_errors
    use step_gravity, only: update_gravity
    use step_simulation, only: simulation_t
@@ -113,7 +113,7 @@ contains
       call outputs%load(state)
       call load_errors(simulation, state)
       call load_trust(simulation%trust, state)
-      call distribute(simulation)
+      call distribute_particles(simulation)
    end subroutine resume
 
    !> Number the next checkpoint after all in the folder: a run that goes on from a file of the

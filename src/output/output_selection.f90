@@ -9,7 +9,7 @@ module output_selection
    use base_text, only: text_t
    use io_pick, only: pick_rule_t
    use mesh_grid, only: grid_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    implicit none
    private
 

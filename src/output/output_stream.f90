@@ -11,7 +11,7 @@ module output_stream
    use io_snapshot, only: snapshot_header_t
    use output_schedule, only: schedule_t
    use particle_store, only: store_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private

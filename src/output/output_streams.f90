@@ -12,7 +12,7 @@ module output_streams
    use output_catalogue, only: choose_stream, stream_names
    use output_schedule, only: read_schedule
    use output_stream, only: stream_file, stream_holder_t, stream_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private

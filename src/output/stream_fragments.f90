@@ -9,7 +9,7 @@ module stream_fragments
    use io_fragments, only: fragment_columns, fragment_rows, fragments_t
    use output_selection, only: declare_selection, read_selection
    use output_table_stream, only: heading_length, table_stream_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private

@@ -10,7 +10,7 @@ module stream_history
    use output_stream, only: field_length
    use output_table_stream, only: heading_length, table_stream_t
    use particle_store, only: store_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private

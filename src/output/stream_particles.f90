@@ -12,7 +12,7 @@ module stream_particles
    use output_selection, only: declare_selection, declare_stride, read_selection
    use output_snapshot_stream, only: snapshot_stream_t
    use particle_store, only: store_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private

@@ -5,7 +5,7 @@ module stream_slice
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use output_selection, only: declare_axis, read_plane
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    use stream_particles, only: stream_particles_t
    implicit none

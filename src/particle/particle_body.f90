@@ -47,7 +47,7 @@ module particle_body
       real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
       !> (3) Formulas of velocities that are added, if there are any
       type(text_t), allocatable :: formula(:)
-      real(wp) :: temperature = 293.0_wp              !! [K]
+      real(wp) :: temperature = 0.0_wp                !! [K]
       real(wp) :: energy = 0.0_wp                     !! Internal, per mass [J/kg]
       logical :: keeps_stress = .false.               !! Is its stress read from a file?
       !> Ratio of lateral to vertical stress under its weight; below 0: no initial stress [1]

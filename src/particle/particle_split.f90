@@ -33,8 +33,8 @@ module particle_split
 
    !> When particles are split.
    type :: splitting_t
-      real(wp) :: longest = 0.55_wp                  !! Greatest edge of a particle [cells]
-      integer :: generations = 10                    !! Most splits from the start to a particle
+      real(wp) :: longest = huge(1.0_wp)             !! Greatest edge of a particle [cells]
+      integer :: generations = 0                     !! Most splits from the start to a particle
    end type splitting_t
 
    !> Copies particles to others.

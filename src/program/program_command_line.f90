@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The command line: options, their values, and the checks that they fit each other.
 module program_command_line
-   use base_clock, only: is_clock
+   use base_clock, only: clock_seconds, is_clock
    use base_deck_override, only: removal_mark
    use base_error, only: error_t, exit_input, fail
    use base_text, only: append, closest, text_t
@@ -83,8 +83,8 @@ module program_command_line
       option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
       option_t("no-estimate", " ", nothing), option_t("overwrite", " ", nothing), &
       option_t("preview ", "p", nothing), option_t("unset   ", " ", a_value)]
-   character(len=9), parameter :: lists(6) = [character(len=9) :: "materials", "fields", &
-      "shapes", "units", "examples", "former"]
+   character(len=9), parameter :: lists(5) = [character(len=9) :: "materials", "fields", &
+      "shapes", "units", "examples"]
    character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
 
 contains
@@ -348,6 +348,7 @@ contains
       character(len=*), intent(in) :: value              !! Its value
       type(command_t), intent(inout) :: command          !! Gets what it says
       type(error_t), allocatable, intent(out) :: error   !! The value is not valid
+      logical :: right
 
       select case (option%name)
       case ("ranks")
@@ -356,8 +357,9 @@ contains
          call read_count(option, value, command%job%threads, error)
       case ("time")
          command%job%time = value
-         if (is_clock(value) .and. verify(value, "0:") > 0) return
-         call complain(error, "--time = '"//value// &
+         right = is_clock(value)
+         if (right) right = clock_seconds(value) > 0
+         if (.not. right) call complain(error, "--time = '"//value// &
             "' must be hours, minutes and seconds such as 04:00:00")
       case default
          command%job%scheduler = value
@@ -436,8 +438,8 @@ contains
       end do
       near = closest(name, names)
       if (near /= "") near = "; did you mean "//near//"?"
-      call complain(error, "--list knows materials, fields, shapes, units, examples and "// &
-         "former, not '"//name//"'"//near)
+      call complain(error, "--list knows materials, fields, shapes, units and "// &
+         "examples, not '"//name//"'"//near)
    end subroutine check_list
 
    !> Check the options of a job script, which is printed and not run.

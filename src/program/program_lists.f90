@@ -1,16 +1,14 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Lists of `scree --list`: models of materials, fields, shapes, units.
 module program_lists
-   use base_former, only: former_line
    use base_schema, only: schema_t
-   use base_text, only: join, number
+   use base_text, only: join
    use base_unit_words, only: unit_list
    use exact_catalogue, only: exact_names
    use io_fields, only: field_names
    use io_means, only: profile_names
    use material_catalogue, only: damage_names, eos_names, law_names
    use output_history_columns, only: history_names
-   use scene_deck_schema, only: deck_version
    implicit none
    private
 
@@ -37,8 +35,6 @@ contains
          end associate
       case ("units")
          text = unit_list()
-      case ("former")
-         text = former_lines(schema)
       case default
          text = "strength_model: "//joined(law_names)//new_line("a")//"eos_model: " &
             //joined(eos_names)//new_line("a")//"damage_model: "//joined(damage_names) &
@@ -57,8 +53,7 @@ contains
          "   fields      fields of outputs, columns of histories"//newline// &
          "   shapes      shapes of regions"//newline// &
          "   units       units and systems of units"//newline// &
-         "   examples    scenes that scree --new copies"//newline// &
-         "   former      keys and words of old decks, and what they are called now"
+         "   examples    scenes that scree --new copies"
    end function lists_text
 
    !> One line for each preset.
@@ -73,23 +68,6 @@ contains
             repeat(" ", max(20 - len(schema%presets(n)%name), 1))//schema%presets(n)%title
       end do
    end function preset_lines
-
-   !> The format of decks, and a line a name that they are not written with any more. What
-   !! scree-deck migrate does follows from it.
-   function former_lines(schema) result(text)
-      type(schema_t), intent(in) :: schema
-      character(len=:), allocatable :: text
-      integer :: group, n
-
-      text = "deck_version "//number(deck_version)
-      do group = 1, size(schema%groups)
-         associate (rule => schema%groups(group))
-            do n = 1, size(rule%formers)
-               text = text//new_line("a")//former_line(rule%name, rule%formers(n))
-            end do
-         end associate
-      end do
-   end function former_lines
 
    !> Words with blanks between them.
    pure function joined(words) result(text)

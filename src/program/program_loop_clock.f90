@@ -52,7 +52,7 @@ contains
       self%time_begin = simulation%time
       self%step_begin = simulation%step
       self%wall_limit = limits%wall_limit
-      if (limits%use_job_end) then
+      if (limits%ask_scheduler) then
          call job_seconds_left(simulation%communicator, self%wall_limit, error)
          if (allocated(error)) return
          if (self%wall_limit >= no_job) call log%warn("warning: wall_limit = 'slurm' has no "// &

@@ -30,9 +30,9 @@ module program_main
    use program_signals, only: ignore_file_size_limit
    use program_threads, only: choose_threads, share_cores, yield_when_waiting
    use program_time_loop, only: run_to_end
-   use scene_deck_check, only: check_case
    use scene_effects, only: effects_text
-   use scene_first_state, only: begin_run
+   use scene_first_state, only: make_first_state
+   use scene_run, only: check_case
    use step_trust, only: number_lattices
    implicit none
    private
@@ -245,7 +245,8 @@ contains
       if (session%command%restart) then
          call log_restart(session%log, note, changes)
       else
-         call begin_run(session%simulation, session%bodies, session%survey, session%shapes, error)
+         call make_first_state(session%simulation, session%bodies, session%survey, &
+            session%shapes, error)
       end if
       if (allocated(error)) return
       call number_lattices(session%simulation, session%bodies)

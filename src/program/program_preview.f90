@@ -12,7 +12,7 @@ module program_preview
    use output_walls, only: write_walls
    use program_batch_job, only: quoted
    use program_run_setup, only: run_setup_t
-   use scene_first_state, only: begin_run
+   use scene_first_state, only: make_first_state
    implicit none
    private
 
@@ -38,7 +38,7 @@ contains
 
       folder = setup%outputs%folder
       folder = folder(:max(verify(folder, "/", back=.true.), 1))//"_preview"
-      call begin_run(setup%simulation, setup%bodies, setup%survey, setup%shapes, error)
+      call make_first_state(setup%simulation, setup%bodies, setup%survey, setup%shapes, error)
       if (allocated(error)) return
       associate (communicator => setup%simulation%communicator, case => setup%outputs%case, &
          header => setup%outputs%header)

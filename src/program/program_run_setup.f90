@@ -10,7 +10,6 @@ module program_run_setup
    use base_text, only: text_t
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_file, only: read_deck_file
-   use material_keys, only: declare_material_keys
    use output_deck, only: check_output_fields, check_output_groups, declare_output_groups
    use output_description, only: describe_simulation
    use output_streams, only: outputs_t
@@ -19,14 +18,12 @@ module program_run_setup
    use program_expected_steps, only: expected_steps
    use program_material_point, only: declare_point, make_scene_optional
    use program_run_limits, only: limits_t, read_limits
-   use scene_build, only: build_scene
-   use scene_check_bodies, only: check_elastic, check_places, check_size, default_most_points
+   use scene_body_placement, only: check_elastic, check_places, check_size, default_most_points
    use scene_deck_check, only: check_deck
    use scene_deck_schema, only: declare_deck
-   use scene_exact, only: declare_exact
-   use scene_method, only: declare_method
    use scene_particles, only: survey_t, take_survey
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
+   use scene_setup, only: set_up_scene
    use scene_velocity_formula, only: check_formulas
    use step_simulation, only: simulation_t
    implicit none
@@ -58,9 +55,6 @@ contains
 
       call declare_deck(schema)
       call declare_output_groups(schema)
-      call declare_method(schema)
-      call declare_material_keys(schema)
-      call declare_exact(schema)
       call declare_point(schema)
    end subroutine declare_deck_keys
 
@@ -91,7 +85,7 @@ contains
       class(run_setup_t), intent(inout) :: setup           !! With the deck
       type(error_t), allocatable, intent(out) :: error !! Errors in the deck
 
-      call build_scene(setup%deck, setup%simulation, setup%bodies, setup%shapes)
+      call set_up_scene(setup%deck, setup%simulation, setup%bodies, setup%shapes)
       ! errors in other groups do not hide errors in the positions of bodies
       if (allocated(setup%bodies) .and. setup%deck%sound("body")) call check_size(setup%deck, &
          setup%simulation%grid, setup%bodies, setup%most_points, setup%command%force)

@@ -12,10 +12,10 @@ module program_run_time_estimate
    use program_run_limits, only: read_limits
    use program_run_setup, only: read_setup, run_setup_t
    use program_trial_steps, only: run_trial, time_history_row, trial_t, warm_steps
-   use scene_build, only: build_scene
-   use scene_check_bodies, only: check_places
-   use scene_first_state, only: begin_run
+   use scene_body_placement, only: check_places
+   use scene_first_state, only: make_first_state
    use scene_particles, only: take_survey
+   use scene_setup, only: set_up_scene
    use stream_particles, only: snapshot_bytes
    implicit none
    private
@@ -43,7 +43,7 @@ contains
       real(wp) :: row, seconds, files, steps, share
 
       text = ""
-      call begin_run(setup%simulation, setup%bodies, setup%survey, setup%shapes, error)
+      call make_first_state(setup%simulation, setup%bodies, setup%survey, setup%shapes, error)
       if (allocated(error)) return
       row = time_history_row(setup%simulation)
       call run_trial(setup%simulation, setup%limits, patience, trial)
@@ -177,7 +177,7 @@ contains
       small%command = setup%command
       call read_setup(small, error)
       if (allocated(error)) return
-      call build_scene(small%deck, small%simulation, small%bodies, small%shapes, coarser)
+      call set_up_scene(small%deck, small%simulation, small%bodies, small%shapes, coarser)
       if (.not. allocated(small%bodies)) return
       call take_survey(small%simulation, small%bodies, small%survey)
       call check_places(small%deck, small%simulation, small%bodies, small%survey)
@@ -185,7 +185,7 @@ contains
       if (allocated(error)) return
       call read_limits(small%deck, small%limits)
       small%limits%max_steps = huge(1_int64)
-      call begin_run(small%simulation, small%bodies, small%survey, small%shapes, error)
+      call make_first_state(small%simulation, small%bodies, small%survey, small%shapes, error)
       if (allocated(error)) return
       call run_trial(small%simulation, small%limits, copy_patience, copy, trial%first%time, &
          trial%last%time)

@@ -19,7 +19,7 @@ contains
    !> Find what lies beyond absorbing faces and how fast they slow their nodes, if there are some.
    !! Equations (R.6) and (R.7) of doc/theory/rigid.md.
    subroutine read_absorbing(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation !! The run, its faces are read
       type(body_t), intent(in) :: bodies(:)          !! Its bodies
       real(wp) :: share
@@ -111,14 +111,20 @@ contains
       do z = 0, ubound(beside, 3)
          do y = 0, ubound(beside, 2)
             do x = 0, ubound(beside, 1)
-               associate (nodes => beyond(x:min(x + 1, last(1)), y:min(y + 1, last(2)), &
-                  z:min(z + 1, last(3))))
-                  where (nodes == 0) nodes = beside(x, y, z)
-               end associate
+               call set_missing(beside(x, y, z), beyond(x:min(x + 1, last(1)), &
+                  y:min(y + 1, last(2)), z:min(z + 1, last(3))))
             end do
          end do
       end do
    end subroutine find_beyond
+
+   !> Set the numbers of the nodes of a cell that have none.
+   elemental subroutine set_missing(number, node)
+      integer, intent(in) :: number                  !! That of the cell
+      integer, intent(inout) :: node                 !! That of the node, 0 = none
+
+      if (node == 0) node = number
+   end subroutine set_missing
 
    !> Mark the cells beside a face whose middle is in a body, or that hold a particle of a list.
    subroutine find_beside(grid, body, face, beside)

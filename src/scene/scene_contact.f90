@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Contact as a deck asks for it: which bodies share a velocity field, and what holds between them.
+!> The group &contact: its keys, which bodies share a velocity field, and the laws between them.
 module scene_contact
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
+   use base_schema, only: schema_t
    use base_text, only: brief, number, text_t
    use material_type, only: material_t
    use particle_fill, only: body_t
@@ -13,16 +14,35 @@ module scene_contact
    implicit none
    private
 
-   public :: bond_stores, contact_columns, contact_text, read_contact, store_name
+   public :: bond_stores, contact_columns, contact_text, declare_contact, read_contact, store_name
 
    integer, parameter, public :: most_fields = 8     !! Their pairs grow as the square
    character(len=1), parameter :: any_body = "*"     !! Stands for every body
 
 contains
 
-   !> Give the bodies their velocity fields and these their stores, if the deck asks for contact.
+   !> Declare &contact.
+   subroutine declare_contact(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("contact", &
+         "what holds between two bodies; pairs without one slip freely", many=.true.)
+      call schema%text("contact", "bodies(:2)", "names of the two, '*' for any other; pairs of "// &
+         "names win over '*'", default="*", owner="effects.contact")
+      call schema%text("contact", "law", "friction: Coulomb; stick: no slip while pressed "// &
+         "together; bonded: one body until the bond breaks, friction then", default="friction", &
+         words="friction stick frictionless bonded", owner="effects.contact")
+      call schema%real("contact", "friction", "coefficient of friction", default="0.0", &
+         range=">= 0", owner="effects.contact & law = friction bonded")
+      call schema%real("contact", "bond_strength", "stress that breaks the bond, by tension "// &
+         "and shear together; without it the bond holds for ever", unit="Pa", range="> 0", &
+         owner="effects.contact & law = bonded")
+      call schema%refer("contact", "bodies", "body")
+   end subroutine declare_contact
+
+   !> Give the bodies their velocity fields and these their stores, if contact is on.
    subroutine read_contact(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation !! Materials are known
       type(body_t), intent(inout) :: bodies(:)       !! Get their stores
       type(contact_t), allocatable :: contact
@@ -55,16 +75,17 @@ contains
       type(deck_t), intent(in) :: deck               !! The deck
       integer, allocatable, intent(out) :: field(:)  !! (body) From 1
       type(group_t) :: group
-      integer :: wish(deck%count("body")), body, earlier, fields
+      integer :: request(deck%count("body")), body, earlier, fields
 
-      allocate (field(size(wish)))
+      allocate (field(size(request)))
       fields = 0
-      do body = 1, size(wish)
+      do body = 1, size(request)
          group = deck%group("body", body)
-         call group%get("field", wish(body))
+         call group%get("field", request(body))
          field(body) = 0
          do earlier = 1, body - 1
-            if (wish(body) > 0 .and. wish(earlier) == wish(body)) field(body) = field(earlier)
+            if (request(body) > 0 .and. request(earlier) == request(body)) field(body) = &
+               field(earlier)
          end do
          if (field(body) > 0) cycle
          fields = fields + 1
@@ -74,7 +95,7 @@ contains
 
    !> What does not go together with contact.
    subroutine refuse_others(deck, group, simulation)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! &effects
       type(simulation_t), intent(in) :: simulation   !! Materials are known
       type(group_t) :: exact
@@ -124,7 +145,7 @@ contains
 
    !> Laws between bodies; what is said of named ones wins over '*'.
    subroutine read_pairs(deck, bodies, contact)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       type(contact_t), intent(inout) :: contact      !! Gets the laws
       type(text_t), allocatable :: names(:)
@@ -215,7 +236,7 @@ contains
    !> The law of a group.
    subroutine read_law(group, law)
       type(group_t), intent(in) :: group             !! &contact
-      type(pair_law_t), intent(out) :: law           !! What it says
+      type(pair_law_t), intent(out) :: law           !! From the deck
       character(len=:), allocatable :: word
 
       call group%get("law", word)
@@ -228,7 +249,7 @@ contains
 
    !> A body does not touch itself, nor one that shares its velocity field.
    subroutine check_pair(deck, group, field_of_body, one, other)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! &contact
       integer, intent(in) :: field_of_body(:)        !! (body)
       integer, intent(in) :: one, other              !! The bodies

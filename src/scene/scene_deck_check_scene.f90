@@ -1,97 +1,16 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Checks of the regions and boundaries of a deck.
+!> Checks of the boundaries of a deck.
 module scene_deck_check_scene
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use base_text, only: text_t
    use mesh_boundary, only: face_names
-   use scene_deck_check_grid, only: axis_names, check_plane, dimension_of
-   use scene_deck_check_units, only: check_angles
+   use scene_dimension, only: check_plane
    implicit none
    private
 
-   public :: check_boundaries, check_regions
+   public :: check_boundaries
 
 contains
-
-   !> All regions.
-   subroutine check_regions(deck)
-      type(deck_t), intent(inout) :: deck                !! The deck
-      integer, allocatable :: state(:)
-      integer :: i
-
-      do i = 1, deck%count("region")
-         call check_region(deck, deck%group("region", i))
-      end do
-      allocate (state(deck%count("region")), source=0)
-      do i = 1, size(state)
-         if (state(i) == 0) call follow(deck, i, state)
-      end do
-   end subroutine check_regions
-
-   !> One region.
-   subroutine check_region(deck, region)
-      type(deck_t), intent(inout) :: deck                !! The deck
-      type(group_t), intent(in) :: region                !! The region
-      character(len=:), allocatable :: dimension, shape
-      logical :: active(3)
-      real(wp) :: axis(3), hi(3), lo(3)
-      integer :: k, operands
-
-      call check_angles(deck, region)
-      call region%get("shape", shape)
-      select case (shape)
-      case ("box")
-         if (.not. (region%known("lo") .and. region%known("hi"))) return
-         call region%get("lo", lo)
-         call region%get("hi", hi)
-         call dimension_of(deck, dimension, active)
-         do k = 1, 3
-            if (hi(k) > lo(k) .or. .not. active(k)) cycle
-            call deck%complain(region, "hi must be above lo in "//axis_names(k), "hi")
-            return
-         end do
-      case ("halfspace")
-         call region%get("normal", axis)
-         if (region%known("normal") .and. sum(abs(axis)) <= 0.0_wp) &
-            call deck%complain(region, "normal must not be 0", "normal")
-      case ("cylinder", "cone", "torus")
-         call region%get("axis", axis)
-         if (region%known("axis") .and. sum(abs(axis)) <= 0.0_wp) &
-            call deck%complain(region, "axis must not be 0", "axis")
-      case ("difference", "intersection")
-         operands = region%count("of")
-         if (operands == 1) call deck%complain(region, &
-            "of must name two regions or more for a "//shape, "of")
-      case default
-         continue
-      end select
-   end subroutine check_region
-
-   !> Follow the operands of a region; one that leads back to itself has no shape.
-   recursive subroutine follow(deck, place, state)
-      type(deck_t), intent(inout) :: deck                !! The deck
-      integer, intent(in) :: place                       !! Number of the region
-      integer, intent(inout) :: state(:)                 !! (region) 0 new, 1 under way, 2 done
-      type(group_t) :: region
-      type(text_t), allocatable :: operands(:)
-      integer :: i, next
-
-      state(place) = 1
-      region = deck%group("region", place)
-      call region%list("of", operands)
-      do i = 1, size(operands)
-         next = deck%named("region", operands(i)%text)
-         if (next == 0) cycle
-         if (state(next) == 0) then
-            call follow(deck, next, state)
-         else if (state(next) == 1) then
-            call deck%complain(region, "'"//operands(i)%text//"' is made of this region itself", &
-               "of")
-         end if
-      end do
-      state(place) = 2
-   end subroutine follow
 
    !> All boundaries.
    subroutine check_boundaries(deck)

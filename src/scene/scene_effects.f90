@@ -1,11 +1,20 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Which effects and models a run has and why: because the deck names them, or by default.
+!> The group &effects: its keys that do not belong to materials, gravity, and the list of effects
+!! and
+!! models of a simulation with their reasons: named by the deck, or by default.
 module scene_effects
    use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
+   use base_schema, only: schema_t
+   use io_motion, only: of_gravity
+   use scene_dimension, only: axis_names, check_plane
+   use scene_motion_table, only: read_motion_table
+   use step_gravity, only: update_gravity
+   use step_simulation, only: simulation_t
    implicit none
    private
 
-   public :: effects_text
+   public :: check_effects, declare_effects, effects_text, read_effects
 
    integer, parameter :: switches = 9 !! Effects that can be on; `rate` is a part of laws
    character(len=20), parameter :: switch_names(switches) = [character(len=20) :: "strength", &
@@ -17,8 +26,74 @@ module scene_effects
 
 contains
 
+   !> Declare the part of &effects that does not concern materials.
+   subroutine declare_effects(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("effects", &
+         "physics switches; a switched-off effect costs nothing and its "// &
+         "keys are refused")
+      call schema%logical("effects", "gravity", "acceleration of all material", default=".false.")
+      call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &
+         default="0 0 -9.80665", owner="gravity")
+      call schema%text("effects", "gravity_table", "file of lines t, gx, gy, gz in the units "// &
+         "of the deck, added to gravity_vector, straight between; path relative to the deck", &
+         owner="gravity")
+      call schema%logical("effects", "contact", "bodies have velocities of their own, and touch", &
+         default=".false.")
+      call schema%logical("effects", "erosion", "failed particles are removed and recorded", &
+         default=".false.", owner="effects.damage")
+   end subroutine declare_effects
+
+   !> Check that gravity stays in the directions of the scene.
+   subroutine check_effects(deck)
+      type(deck_t), intent(inout) :: deck                !! Gets errors
+
+      call check_plane(deck, deck%group("effects"), "gravity_vector")
+   end subroutine check_effects
+
+   !> Read erosion and gravity. Collective.
+   subroutine read_effects(deck, simulation)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(group_t) :: group
+
+      group = deck%group("effects", 1)
+      call group%get("erosion", simulation%erosion)
+      call read_gravity(deck, simulation)
+   end subroutine read_effects
+
+   !> Read gravity, if it acts. Collective.
+   subroutine read_gravity(deck, simulation)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(simulation_t), intent(inout) :: simulation !! Gets it; its grid is read
+      type(group_t) :: group
+      logical :: acts
+      integer :: k
+
+      group = deck%group("effects", 1)
+      call group%get("gravity", acts)
+      if (.not. acts) return
+      allocate (simulation%gravity(3))
+      call group%get("gravity_vector", simulation%gravity)
+      where (.not. simulation%grid%active) simulation%gravity = 0.0_wp
+      if (.not. group%given("gravity_table")) return
+      allocate (simulation%shaking)
+      simulation%shaking%steady = simulation%gravity
+      call read_motion_table(deck, simulation%communicator, group, "gravity_table", of_gravity, &
+         "m/s2", simulation%shaking)
+      if (.not. allocated(simulation%shaking%speed)) return
+      do k = 1, 3
+         if (simulation%grid%active(k)) cycle
+         if (.not. any(abs(simulation%shaking%speed(k, :)) > 0.0_wp)) cycle
+         call deck%complain(group, "gravity_table: the table must be 0 in "//axis_names(k)// &
+            ", as the scene does not have this direction", "gravity_table")
+      end do
+      call update_gravity(simulation)
+   end subroutine read_gravity
+
    !> The effects that are on, then the models of each material, all with their reasons. What each
-   !! costs stands in the guide; fields that they add are listed with their bytes elsewhere.
+   !! costs is in the guide; fields that they add are listed with their bytes elsewhere.
    function effects_text(deck) result(text)
       type(deck_t), intent(in) :: deck               !! Read and checked
       character(len=:), allocatable :: text, named, usual

@@ -27,7 +27,8 @@ contains
       do n = 1, size(exact_names)
          owner = owner//" "//trim(exact_names(n))
       end do
-      call schema%group("exact", "a solution that is known")
+      call schema%group("exact", "an exact solution: it gives the first state and, if it was "// &
+         "manufactured, a body force; histories get its errors")
       call schema%text("exact", "solution", "which one", default="none", words="none")
       call schema%words("exact", "solution", exact_names)
       call schema%text("exact", "bodies(:40)", "bodies that follow it; without: all", owner=owner)
@@ -42,7 +43,7 @@ contains
 
    !> Read the solution, if there is one, and check that it fits the scene.
    subroutine read_exact(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation !! Gets the solution
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       type(group_t) :: group
@@ -72,7 +73,7 @@ contains
    !> Which bodies follow the solution. They may not share a material with others, as a material is
    !! forced and judged as a whole.
    subroutine find_followers(deck, group, bodies, follows)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! &exact
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       logical, intent(out) :: follows(:)             !! (body)
@@ -103,7 +104,7 @@ contains
 
    !> The solution in one material.
    subroutine read_solution(deck, group, name, place, simulation)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! &exact
       character(len=*), intent(in) :: name           !! Of the solution
       integer, intent(in) :: place                   !! Number of the material

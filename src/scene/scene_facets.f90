@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Regions whose surface stands in a file of facets, and what is to be said of that surface.
+!> Regions whose surface is read from a file of facets, and warnings about that surface.
 module scene_facets
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -23,7 +23,7 @@ contains
    !> Read the facets of a region. Lengths in the file are in the unit of the deck. Collective.
    subroutine read_facets(communicator, deck, group, holder)
       type(communicator_t), intent(in) :: communicator !! The first rank reads
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! The region
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
       character(len=:), allocatable :: path, text
@@ -53,7 +53,7 @@ contains
 
    !> Warn of a surface that does not close.
    subroutine look_at_surface(deck, group, facets)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects warnings
+      type(deck_t), intent(inout) :: deck            !! Gets warnings
       type(group_t), intent(in) :: group             !! The region
       type(facets_t), intent(in) :: facets           !! Its shape
       integer :: open_edges, turned_edges, crowded_edges, flat

@@ -10,7 +10,7 @@ module scene_file_paths
 
 contains
 
-   !> Path of a file that a key names, relative to the file of the deck where the key stands.
+   !> Path of a file that a key names, relative to the file of the deck that holds the key.
    function path_in_deck(group, key) result(path)
       type(group_t), intent(in) :: group             !! The group
       character(len=*), intent(in) :: key            !! Its key

@@ -1,5 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Brings a run that is laid out to its first state.
+!> First state of a simulation: particles of all bodies and the first time step. `program_main`
+!! calls
+!! it after `scene_setup` and before `program_time_loop`, where no checkpoint is read.
 module scene_first_state
    use base_error, only: error_t
    use particle_fill, only: body_t
@@ -8,19 +10,19 @@ module scene_first_state
    use scene_particles, only: fill_simulation, first_step, spin_bodies, survey_t
    use scene_points_clock, only: take_clock
    use scene_points_fields, only: take_fields
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use scene_velocity_formula, only: add_formula_velocities
    use step_gravity, only: update_gravity
    use step_simulation, only: simulation_t
    implicit none
    private
 
-   public :: begin_run
+   public :: make_first_state
 
 contains
 
    !> Particles of the bodies in their first state, the first time step, the books opened.
-   subroutine begin_run(simulation, bodies, survey, shapes, error)
+   subroutine make_first_state(simulation, bodies, survey, shapes, error)
       type(simulation_t), intent(inout) :: simulation !! The run, gets particles
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
       type(survey_t), intent(in) :: survey           !! Counts of them
@@ -43,5 +45,5 @@ contains
       call update_gravity(simulation)
       call simulation%ledger%balance(simulation%communicator, simulation%grid, &
          simulation%stores, simulation%materials, simulation%ledger%start)
-   end subroutine begin_run
+   end subroutine make_first_state
 end module scene_first_state

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Stress of bodies that have borne their weight for long (`initial_stress = 'lithostatic'`).
+!> Stress of bodies at rest under their weight (`initial_stress = 'lithostatic'`).
 !!
 !! Along gravity the stress is the weight of what lies above without a gap, across it a share of
-!! that. Matter whose pressure follows from its density is as dense as its pressure asks: its
+!! that. Material whose pressure follows from its density has the density of its pressure: its
 !! particles keep their places and volumes and become heavier.
 module scene_lithostatic
    use base_constants, only: xx, xy, xz, yy, yz, zz
@@ -24,7 +24,7 @@ contains
 
    !> Read whether a body begins with the stress of its weight, and refuse what cannot.
    subroutine read_lithostatic(deck, simulation, group, body)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Materials and gravity
       type(group_t), intent(in) :: group             !! The &body
       type(body_t), intent(inout) :: body            !! Its particles are known; gets the ratio
@@ -172,7 +172,7 @@ contains
       if (bodies(body)%lateral < 0.0_wp) body = 0
    end function body_at
 
-   !> Make particles as dense as their pressure asks, by secants. Others of the tile stay.
+   !> Give particles the density of their pressure, by secants. Others of the tile stay.
    subroutine press(bodies, material, pressure, first, store)
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       type(material_t), intent(in) :: material       !! That of the particles
@@ -205,7 +205,7 @@ contains
 
    contains
 
-      !> Pressure of fresh matter of some density.
+      !> Pressure of undeformed material of some density.
       subroutine find(share, value)
          real(wp), intent(in) :: share(:)            !! Of the density without stress [1]
          real(wp), intent(out) :: value(:)           !! [Pa]

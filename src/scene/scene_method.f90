@@ -3,10 +3,11 @@
 module scene_method
    use base_deck, only: deck_t, group_t
    use base_schema, only: schema_t
+   use base_text, only: brief
    use ddmp_alpha, only: alpha_names
    use ddmp_catalogue, only: quadrature_names
    use ddmp_dual, only: surface_names
-   use scene_method_defaults, only: settle_method
+   use scene_method_defaults, only: settle_method, unseen_usual
    use step_method, only: method_t, position_of, stress_names
    use transfer_catalogue, only: basis_names, choose_velocity, velocity_names
    use transfer_velocity, only: velocity_t
@@ -33,15 +34,15 @@ contains
          call choose_velocity(velocity_names(n), transfer)
          call transfer%declare(schema)
       end do
-      call schema%logical("method", "paper", "the exact scheme of the seed of the method; it "// &
-         "fixes the other keys of the scheme", default=".false.", owner="run.method = ddmp")
+      call schema%logical("method", "paper", "the scheme of LA-UR-11-06616 (2011); it fixes "// &
+         "the other keys of the scheme", default=".false.", owner="run.method = ddmp")
       call schema%text("method", "alpha", "share of the own cell in the gradient: one bubble a "// &
          "direction, their product, or its square", default="split", owner="run.method = ddmp")
       call schema%words("method", "alpha", alpha_names)
       call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
          range=">= 0 <= 1", owner="run.method = ddmp")
       call schema%text("method", "blend", "how the node gradient is interpolated: smooth has "// &
-         "no kinks; default smooth with alpha = 'split', linear with others and round an axis", &
+         "no kinks; default smooth with alpha = 'split', linear with others and in axisymmetry", &
          words="smooth linear", owner="run.method = ddmp")
       call schema%text("method", "free_surface", &
          "cell weights of the dual gradient: least fill "// &
@@ -52,7 +53,7 @@ contains
          default="point", owner="run.method = ddmp")
       call schema%words("method", "quadrature", quadrature_names)
       call schema%text("method", "normalise", "whose sums over particles are divided by the "// &
-         "sums of their weights, so that uniform pressure makes no force: matter without "// &
+         "sums of their weights, so that uniform pressure makes no force: material without "// &
          "strength that carries an internal energy, all without strength, none, all; default "// &
          "none where the rule of the dual gradient forbids it", &
          words="gases fluids none all", default="gases", owner="run.method = ddmp")
@@ -62,7 +63,7 @@ contains
          words="none bbar")
       call declare_shocks(schema)
       call schema%logical("method", "split", "particles that have become long are halved, so "// &
-         "that stretched matter stays in one piece; default .true. where all matter is "// &
+         "that stretched material stays in one piece; default .true. where all material is "// &
          "gas with normalised sums", default=".false.")
       call schema%real("method", "split_at", "edge of a particle in cells at which it is halved", &
          default="0.55", range="> 0 <= 2", owner="split")
@@ -80,10 +81,11 @@ contains
          "with ddmp, musl with mpm", words="usl usf musl usavg")
       call schema%real("method", "unseen_strain", "share of what nodes gain and particles do "// &
          "not take that strains with stress_update = 'usavg': damps differences of pressure "// &
-         "between particles; default 0 where all matter is elastic", default="0.2", &
+         "between particles; default 0 where all material is elastic", &
+            default=brief(unseen_usual), &
          range=">= 0 <= 1")
       call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
-         "velocity round it, or the mean of the matter of the tiles around, which keeps the "// &
+         "velocity around it, or the mean of the material of the tiles around, which keeps the "// &
          "energy of thin bodies", default="point", words="point tiles", &
          owner="transfer = rflip")
    end subroutine declare_strain
@@ -105,8 +107,8 @@ contains
    subroutine read_method(method, deck, stored, gases)
       type(method_t), intent(inout) :: method        !! The method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      logical, intent(in) :: stored                  !! Does all matter give back all work?
-      logical, intent(in) :: gases                   !! Is all matter a gas?
+      logical, intent(in) :: stored                  !! Does all material give back all work?
+      logical, intent(in) :: gases                   !! Is all material a gas?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 
@@ -142,8 +144,6 @@ contains
       call group%get("viscosity_limiter", word)
       method%limited = method%dual .and. word == "smooth"
       call read_splitting(method, group)
-      group = deck%group("time", 1)
-      call group%get("cfl", method%cfl)
    end subroutine read_method
 
    !> When long particles are halved.

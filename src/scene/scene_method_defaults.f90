@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Defaults of &method that depend on other keys and on the matter, and keys that do not go
+!> Defaults of &method that depend on other keys and on the material, and keys that do not go
 !! together. All are by measurement: see doc/theory/choice_of_defaults.md.
 module scene_method_defaults
    use base_deck, only: deck_t, group_t
@@ -10,17 +10,17 @@ module scene_method_defaults
 
    public :: settle_method
 
-   !> Share of unseen node velocities in the strain where not all matter is elastic [1]
+   !> Share of unseen node velocities in the strain where not all material is elastic [1]
    real(wp), parameter, public :: unseen_usual = 0.2_wp
 
 contains
 
-   !> Settle the defaults of &method that depend on other keys and on the matter, and refuse keys
+   !> Settle the defaults of &method that depend on other keys and on the material, and refuse keys
    !! that do not go together.
    subroutine settle_method(deck, stored, gases)
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
-      logical, intent(in) :: stored                  !! Does all matter give back all work?
-      logical, intent(in) :: gases                   !! Is all matter a gas?
+      logical, intent(in) :: stored                  !! Does all material give back all work?
+      logical, intent(in) :: gases                   !! Is all material a gas?
 
       call settle_defaults(deck)
       if (stored) call settle_elastic(deck)
@@ -62,7 +62,7 @@ contains
          call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
    end subroutine settle_defaults
 
-   !> With two velocities elastic matter keeps all of its energy unless the deck says otherwise.
+   !> With two velocities elastic material keeps all of its energy unless the deck says otherwise.
    subroutine settle_elastic(deck)
       type(deck_t), intent(inout) :: deck            !! The deck
       character(len=:), allocatable :: update
@@ -113,7 +113,7 @@ contains
 
    !> Refuse a share of unseen velocities where no strain takes it.
    subroutine check_unseen(deck)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       character(len=:), allocatable :: update
       real(wp) :: share
       type(group_t) :: group
@@ -131,7 +131,7 @@ contains
 
    !> Refuse normalised sums where the rule of the dual gradient does not allow them.
    subroutine check_normalise(deck)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       character(len=:), allocatable :: method, word
       logical :: may
       type(group_t) :: run, group
@@ -163,7 +163,7 @@ contains
          limiter == "none"
    end function may_normalise
 
-   !> Settle the keys that the scheme of the seed fixes, and refuse other values of them.
+   !> Settle the keys that the scheme of LA-UR-11-06616 fixes, and refuse other values of them.
    subroutine settle_paper(deck, group)
       type(deck_t), intent(inout) :: deck            !! The deck
       type(group_t), intent(in) :: group             !! &method

@@ -1,6 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Brings a run whose parts are chosen to its first state: tiles, ranks, particles, time step.
+!> Stores and particles of a simulation: empty ones for `scene_setup`, filled ones for
+!! `scene_first_state`, and particles of a checkpoint distributed over ranks.
 module scene_particles
+   use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
@@ -8,10 +10,10 @@ module scene_particles
    use mesh_hilbert, only: hilbert_key
    use mesh_tiles, only: partition_keys
    use omp_lib, only: omp_get_max_threads
-   use particle_volume_factors, only: set_volume_factors
    use particle_fill, only: body_t, fill_bodies, survey_bodies
    use particle_place, only: find_place
-   use particle_store, only: traits_t
+   use particle_store, only: store_t, traits_t
+   use particle_volume_factors, only: set_volume_factors
    use scene_contact, only: bond_stores, store_name
    use step_advance, only: count_particles, limit_step, sort_particles
    use step_conduction, only: greatest_diffusivity
@@ -21,7 +23,8 @@ module scene_particles
    implicit none
    private
 
-   public :: body_of, distribute, fill_simulation, first_step, make_stores, prepare, spin_bodies, &
+   public :: body_of, distribute_particles, fill_simulation, first_step, make_stores, &
+      prepare_simulation, spin_bodies, &
       survey_t, take_survey
 
    !> What the bodies will fill, known before there are particles.
@@ -36,7 +39,7 @@ contains
 
    !> Scratch, timers, the dual gradient: everything that does not depend on particles. Grid,
    !! boundary, materials and method are set.
-   subroutine prepare(simulation)
+   subroutine prepare_simulation(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer(int64) :: none(0)
       integer(int64), allocatable :: border(:)
@@ -58,7 +61,7 @@ contains
       simulation%repacks = any(simulation%materials%repacks)
       call choose_normalised(simulation)
       call name_phases(simulation)
-   end subroutine prepare
+   end subroutine prepare_simulation
 
    !> Names of the timed phases, in the order of the table.
    subroutine name_phases(simulation)
@@ -87,7 +90,7 @@ contains
    !> Make empty stores for the materials, with the fields that they ask for.
    subroutine make_stores(simulation, traits)
       type(simulation_t), intent(inout) :: simulation !! The run
-      type(traits_t), intent(in) :: traits           !! What particles carry besides their matter
+      type(traits_t), intent(in) :: traits !! Fields of particles besides those of materials
       integer :: index
 
       if (allocated(simulation%stores)) deallocate (simulation%stores)
@@ -167,56 +170,78 @@ contains
       call sort_particles(simulation)
    end subroutine fill_simulation
 
-   !> Let bodies spin about their centres of mass, which only their particles know. Particles that
-   !! carry a linear velocity field turn like their body.
+   !> Add the rotation of bodies about their centres of mass, which are found from the particles.
+   !! Particles with a linear velocity field rotate like their body.
    subroutine spin_bodies(simulation, bodies)
-      type(simulation_t), intent(inout) :: simulation !! The run with particles
+      type(simulation_t), intent(inout) :: simulation !! With particles
       type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(exact_sum_t) :: sums(4)
-      real(wp) :: centre(3), arm(3)
-      integer(int64) :: last
-      integer :: body, tile, p, k
+      real(wp) :: centre(3)
+      integer(int64) :: first, last
+      integer :: body
 
       do body = 1, size(bodies)
          if (.not. any(abs(bodies(body)%spin) > 0.0_wp)) cycle
-         associate (store => simulation%stores(bodies(body)%store), spin => bodies(body)%spin)
-            last = bodies(body)%first_identity + product(bodies(body)%sites(simulation%grid)) - 1
-            do k = 1, 4
-               call sums(k)%clear()
-            end do
-            do tile = 1, size(store%count)
-               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  if (store%identity(p) < bodies(body)%first_identity) cycle
-                  if (store%identity(p) > last) cycle
-                  do k = 1, 3
-                     call sums(k)%add(store%state%mass(p)*store%position(p, k))
-                  end do
-                  call sums(4)%add(store%state%mass(p))
-               end do
-            end do
-            do k = 1, 4
-               call sums(k)%over_ranks(simulation%communicator)
-            end do
-            centre = [sums(1)%value(), sums(2)%value(), sums(3)%value()]/sums(4)%value()
-            do tile = 1, size(store%count)
-               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  if (store%identity(p) < bodies(body)%first_identity) cycle
-                  if (store%identity(p) > last) cycle
-                  do k = 1, 3
-                     arm(k) = store%position(p, k) - centre(k)
-                  end do
-                  arm = cross(spin, arm)
-                  do k = 1, 3
-                     store%velocity(p, k) = store%velocity(p, k) + arm(k)
-                  end do
-                  if (allocated(store%affine)) store%affine(p, :) = [0.0_wp, spin(3), -spin(2), &
-                     -spin(3), 0.0_wp, spin(1), spin(2), -spin(1), 0.0_wp]
-                  if (allocated(store%spin)) store%spin(p, :) = spin
-               end do
-            end do
-         end associate
+         first = bodies(body)%first_identity
+         last = first + product(bodies(body)%sites(simulation%grid)) - 1
+         call find_centre(simulation%communicator, simulation%stores(bodies(body)%store), first, &
+            last, centre)
+         call add_spin(first, last, bodies(body)%spin, centre, &
+            simulation%stores(bodies(body)%store))
       end do
    end subroutine spin_bodies
+
+   !> Centre of mass of the particles of a range of identities, on all ranks [m].
+   subroutine find_centre(communicator, store, first, last, centre)
+      type(communicator_t), intent(in) :: communicator !! Its ranks hold the particles
+      type(store_t), intent(in) :: store             !! The particles
+      integer(int64), intent(in) :: first, last      !! Least and greatest identity
+      real(wp), intent(out) :: centre(3)             !! [m]
+      type(exact_sum_t) :: sums(4)
+      integer :: tile, p, k
+
+      do k = 1, 4
+         call sums(k)%clear()
+      end do
+      do tile = 1, size(store%count)
+         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+            if (store%identity(p) < first .or. store%identity(p) > last) cycle
+            do k = 1, 3
+               call sums(k)%add(store%state%mass(p)*store%position(p, k))
+            end do
+            call sums(4)%add(store%state%mass(p))
+         end do
+      end do
+      do k = 1, 4
+         call sums(k)%over_ranks(communicator)
+      end do
+      centre = [sums(1)%value(), sums(2)%value(), sums(3)%value()]/sums(4)%value()
+   end subroutine find_centre
+
+   !> Add the velocities of a rotation to the particles of a range of identities.
+   subroutine add_spin(first, last, spin, centre, store)
+      integer(int64), intent(in) :: first, last      !! Least and greatest identity
+      real(wp), intent(in) :: spin(3)                !! Angular velocity [rad/s]
+      real(wp), intent(in) :: centre(3)              !! A point of the axis [m]
+      type(store_t), intent(inout) :: store          !! The particles
+      real(wp) :: arm(3)
+      integer :: tile, p, k
+
+      do tile = 1, size(store%count)
+         do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+            if (store%identity(p) < first .or. store%identity(p) > last) cycle
+            do k = 1, 3
+               arm(k) = store%position(p, k) - centre(k)
+            end do
+            arm = cross(spin, arm)
+            do k = 1, 3
+               store%velocity(p, k) = store%velocity(p, k) + arm(k)
+            end do
+            if (allocated(store%affine)) store%affine(p, :) = [0.0_wp, spin(3), -spin(2), &
+               -spin(3), 0.0_wp, spin(1), spin(2), -spin(1), 0.0_wp]
+            if (allocated(store%spin)) store%spin(p, :) = spin
+         end do
+      end do
+   end subroutine add_spin
 
    !> Index of the body that a particle belongs to.
    pure integer function body_of(bodies, identity) result(body)
@@ -231,7 +256,7 @@ contains
 
    !> Share the particles out among the ranks anew and bring each to its tile; what tiles there were
    !! is forgotten. For particles that were just read, each store in one range.
-   subroutine distribute(simulation)
+   subroutine distribute_particles(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer(int64), allocatable :: own(:), whole(:), key(:), weight(:), border(:)
       integer, allocatable :: order(:)
@@ -260,7 +285,7 @@ contains
          call simulation%stores(n)%mark_all_leaving(simulation%grid%tile_cells)
       end do
       call sort_particles(simulation)
-   end subroutine distribute
+   end subroutine distribute_particles
 
    !> Pairs of tile and number of particles on this rank.
    subroutine count_tiles(simulation, pairs)

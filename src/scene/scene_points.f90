@@ -40,12 +40,12 @@ module scene_points
 
 contains
 
-   !> Read the points of a region: the first rank reads a text and tells it to the others; each
+   !> Read the points of a region: the first rank reads a text and broadcasts it; each
    !! reads a snapshot. Collective.
    subroutine read_point_region(communicator, deck, grid, group, points, holder)
       type(communicator_t), intent(in) :: communicator !! The first rank reads
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(group_t), intent(in) :: group             !! The region
       type(point_region_t), allocatable, intent(out) :: points !! The points
       type(shape_holder_t), intent(inout) :: holder  !! Gets the cloud that they are
@@ -114,7 +114,7 @@ contains
 
    !> Volumes of points whose file has none.
    subroutine find_volumes(deck, group, list)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! The region
       type(point_list_t), intent(inout) :: list      !! Gets volumes
       real(wp) :: volume
@@ -134,7 +134,7 @@ contains
 
    !> Make a body of the points of a region that are meant for it.
    subroutine pack_points(deck, grid, boundary, group, points, body)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! The grid
       type(boundary_t), intent(in) :: boundary       !! Its faces
       type(group_t), intent(in) :: group             !! The body
@@ -168,7 +168,7 @@ contains
 
    !> Of a list that names materials a body takes the points of its own.
    subroutine choose_material(deck, group, list, meant)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! The body
       type(point_list_t), intent(in) :: list         !! The points
       logical, intent(inout) :: meant(:)             !! (row) Changed
@@ -189,7 +189,7 @@ contains
 
    !> Of a snapshot a region may mean the points of one body.
    subroutine choose_body(deck, group, points, meant)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! The body
       type(point_region_t), intent(in) :: points     !! The points
       logical, intent(inout) :: meant(:)             !! (row) Changed
@@ -214,7 +214,7 @@ contains
          join(points%list%body_names, ", "), "region")
    end subroutine choose_body
 
-   !> Where a point stands in its file.
+   !> Position of a point in its file.
    function where_text(points, row) result(text)
       type(point_region_t), intent(in) :: points     !! The points
       integer, intent(in) :: row                     !! Which one
@@ -230,7 +230,7 @@ contains
    !> Refuse points outside of the grid and two at one place. Matter presses a little into closed
    !! faces, so points of a snapshot may lie behind one.
    subroutine check_places(deck, grid, boundary, group, points, place)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! The grid
       type(boundary_t), intent(in) :: boundary       !! Its faces
       type(group_t), intent(in) :: group             !! The body
@@ -300,7 +300,7 @@ contains
 
    !> Warn of points that are larger than a cell: their neighbours lose sight of them.
    subroutine check_sizes(deck, grid, group, list, place)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects warnings
+      type(deck_t), intent(inout) :: deck            !! Gets warnings
       type(grid_t), intent(in) :: grid               !! The grid
       type(group_t), intent(in) :: group             !! The body
       type(point_list_t), intent(in) :: list         !! The points
@@ -338,7 +338,7 @@ contains
 
    !> Tell which fields that the particles carry are missing in a snapshot.
    subroutine compare_fields(deck, group, material, traits, points, stress)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! The body
       type(material_t), intent(in) :: material       !! Its material
       type(traits_t), intent(in) :: traits           !! What the method wants of particles

@@ -9,7 +9,7 @@ module scene_points_clock
    use base_kinds, only: wp
    use base_text, only: brief
    use particle_body, only: body_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -38,7 +38,7 @@ contains
    !> Warn of velocities of a snapshot that stand at other times than the steps of the run take them
    !! for.
    subroutine check_clocks(deck, simulation, bodies, shapes)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects warnings
+      type(deck_t), intent(inout) :: deck            !! Gets warnings
       type(simulation_t), intent(in) :: simulation   !! Its method
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       type(named_shape_t), intent(in) :: shapes(:)   !! The regions

@@ -12,7 +12,7 @@ module scene_points_fields
    use particle_store, only: store_t
    use scene_points, only: comes_from_file, point_region_t
    use scene_points_placing, only: components_of, placing_t
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -33,7 +33,7 @@ module scene_points_fields
    contains
       procedure :: scalar => put_scalar              !! A field of numbers
       procedure :: vector => put_vector              !! A field of vectors or tensors
-      procedure :: whole => put_integer                !! A field of whole numbers
+      procedure :: whole => put_integer                !! A field of integers
    end type putter_t
 
 contains
@@ -201,7 +201,7 @@ contains
       end do
    end subroutine put_vector
 
-   !> Put whole numbers.
+   !> Put integers.
    subroutine put_integer(self, name, unit, values)
       class(putter_t), intent(inout) :: self         !! The worker
       character(len=*), intent(in) :: name           !! Name in files

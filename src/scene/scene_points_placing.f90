@@ -32,7 +32,7 @@ contains
 
    !> Read it. A turn out of the plane or line of the scene is refused.
    subroutine read_placing(deck, grid, group, placing)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! Directions of the scene
       type(group_t), intent(in) :: group             !! The region
       type(placing_t), intent(out) :: placing        !! The result
@@ -136,7 +136,7 @@ contains
       end select
    end subroutine placing_turn
 
-   !> Components of a field that stands for directions, 1 for all others.
+   !> Components of a field that belong to directions, 1 for all others.
    pure integer function components_of(name) result(components)
       character(len=*), intent(in) :: name           !! The field
 

@@ -47,7 +47,7 @@ contains
    !> Report formulas without a value at a particle, before there are particles: those of a tile are
    !! made at a time, and dropped again. Collective.
    subroutine check_formulas(deck, simulation, bodies, keys)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! The run with empty stores
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       integer(int64), intent(in) :: keys(:)          !! Tiles that hold particles
@@ -141,7 +141,7 @@ contains
       end do
    end subroutine add_to_body
 
-   !> The velocity at a place; 0 in directions that the scene lacks.
+   !> The velocity at a place; 0 in directions that the scene does not have.
    subroutine evaluate(formula, active, point, velocity, fault)
       type(formula_t), intent(in) :: formula(3)      !! Of the components
       logical, intent(in) :: active(3)               !! Which directions there are

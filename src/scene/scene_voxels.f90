@@ -12,7 +12,7 @@ module scene_voxels
    use mesh_grid, only: grid_t
    use particle_shape, only: shape_holder_t
    use particle_voxels, only: set_voxels, voxels_t
-   use scene_deck_check_grid, only: axis_names
+   use scene_dimension, only: axis_names
    use scene_file_paths, only: path_in_deck
    implicit none
    private
@@ -21,12 +21,12 @@ module scene_voxels
 
 contains
 
-   !> Read the voxels of a region: the first rank reads and tells the others. Lengths in the file
+   !> Read the voxels of a region: the first rank reads and broadcasts. Lengths in the file
    !! are in the unit of the deck. Collective.
    subroutine read_voxel_region(communicator, deck, grid, group, holder)
       type(communicator_t), intent(in) :: communicator !! The first rank reads
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(group_t), intent(in) :: group             !! The region
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
       character(len=:), allocatable :: dataset
@@ -72,10 +72,10 @@ contains
    end subroutine share
 
    !> Bring voxels into the scene: lengths in the unit of the deck, one layer that reaches
-   !! everywhere along directions that the scene lacks.
+   !! everywhere along directions without cells.
    subroutine fit(deck, grid, group, file)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(group_t), intent(in) :: group             !! The region
       type(voxel_file_t), intent(inout) :: file      !! Changed
       real(wp), parameter :: far = 1.0e6_wp          ! extents of the box

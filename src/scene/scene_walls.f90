@@ -11,7 +11,7 @@ module scene_walls
    use mesh_motion, only: motion_t
    use mesh_wall, only: wall_t
    use scene_motion_table, only: read_motion_table
-   use scene_shapes, only: named_shape_t
+   use scene_regions, only: named_shape_t
    use step_method, only: position_of
    use step_simulation, only: simulation_t
    implicit none

@@ -30,13 +30,13 @@ module step_bounds
    integer, parameter, public :: fault_large = 6      !! Expanded beyond the bound
    integer, parameter, public :: fault_fast = 7       !! Faster than the bound
 
-   !> Bounds that hold in every step.
+   !> Bounds that hold in every step; there are none until the deck sets them.
    type :: bounds_t
-      real(wp) :: ratio_min = 1.0e-3_wp              !! Least volume over that at rest [1]
-      real(wp) :: ratio_max = 1.0e12_wp              !! Greatest volume over that at rest [1]
+      real(wp) :: ratio_min = 0.0_wp                 !! Least volume over that at rest [1]
+      real(wp) :: ratio_max = sqrt(huge(1.0_wp))     !! Greatest volume over that at rest [1]
       real(wp) :: speed_max = sqrt(huge(1.0_wp))     !! Greatest speed of a particle [m/s]
-      real(wp) :: strain_max = 0.3_wp                !! Greatest dt |grad v| of a step [1]
-      real(wp) :: collapse = 1.0e-3_wp               !! Least step over the longest so far [1]
+      real(wp) :: strain_max = sqrt(huge(1.0_wp))    !! Greatest dt |grad v| of a step [1]
+      real(wp) :: collapse = 0.0_wp                  !! Least step over the longest so far [1]
       real(wp) :: dt_min = 0.0_wp                    !! Least step [s]
       logical :: dt_free = .true.                    !! May a step be shorter than was chosen?
       logical :: retire = .false.                    !! Do bad particles go, and the run on?

@@ -13,11 +13,11 @@ module step_load_balance
 
    integer(int64), parameter :: measured_steps = 4   !! Before loads are compared
 
-   !> When tiles move.
+   !> When tiles move between ranks; never until the deck allows it.
    type :: balancing_t
-      logical :: allowed = .true.                    !! May they move at all?
-      integer(int64) :: every = 25                   !! Steps between two looks
-      real(wp) :: tolerance = 1.1_wp !! Greatest work over mean work that is borne [1]
+      logical :: allowed = .false.                   !! May they move at all?
+      integer(int64) :: every = 1                    !! Steps between two comparisons
+      real(wp) :: tolerance = 1.0_wp                 !! Greatest over mean work that is kept [1]
    end type balancing_t
 
 contains

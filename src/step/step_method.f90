@@ -40,7 +40,7 @@ module step_method
       real(wp) :: heat_flux = 0.0_wp                 !! Coefficient of artificial heat flux [1]
       type(splitting_t), allocatable :: splitting    !! When long particles are halved, if they are
       class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
-      real(wp) :: cfl = 0.4_wp !! Share of the time a signal needs for a cell [1]
+      real(wp) :: cfl = 0.0_wp                       !! Fraction of the stable step [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
    contains
       procedure :: choose => method_choose           !! Make it from words
@@ -163,8 +163,8 @@ contains
    !!
    !! Position and stress stand at the times of the steps, velocities half a step before: forces
    !! lead from the middle of the last step to the middle of this one, and the velocity there moves
-   !! and strains through the whole step (leapfrog), which is of second order. The scheme of the
-   !! seed has the velocity at the time of the position.
+   !! and strains through the whole step (leapfrog), which is of second order. The scheme of
+   !! LA-UR-11-06616 has the velocity at the time of the position.
    pure real(wp) function method_kick(self, last, dt) result(kick)
       class(method_t), intent(in) :: self            !! The method
       real(wp), intent(in) :: last                   !! Length of the last step, 0 at the start [s]

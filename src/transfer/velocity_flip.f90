@@ -14,7 +14,7 @@ module velocity_flip
 
    !> Increments, blended with PIC.
    type, extends(velocity_t) :: velocity_flip_t
-      real(wp) :: share = 0.999_wp                   !! Share of increments, the rest is PIC [1]
+      real(wp) :: share = 1.0_wp                     !! Share of increments, the rest is PIC [1]
    contains
       procedure :: declare => flip_declare           !! The share
       procedure :: read => flip_read                 !! Reads it

@@ -14,8 +14,8 @@ program bench_block
    use particle_fill, only: body_t
    use particle_shape, only: box
    use particle_store, only: traits_t
-   use scene_particles, only: fill_simulation, first_step, make_stores, prepare, survey_t, &
-      take_survey
+   use scene_particles, only: fill_simulation, first_step, make_stores, prepare_simulation, &
+      survey_t, take_survey
    use step_advance, only: advance
    use step_simulation, only: simulation_t
    use transfer_catalogue, only: choose_velocity
@@ -63,7 +63,7 @@ program bench_block
       material%eos%density = material%density
       material%eos%bulk = material%bulk
    end associate
-   call prepare(simulation)
+   call prepare_simulation(simulation)
    call simulation%method%request(traits)
    call make_stores(simulation, traits)
    call bodies(1)%shape%set(box([2.0_wp, 2.0_wp, 2.0_wp], spread(2.0_wp + real(cells, wp), 1, 3)))

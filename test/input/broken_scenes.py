@@ -383,11 +383,6 @@ RARE = [
 
 # What is allowed but hardly meant: the same rows, with the warning.
 WARNINGS = [
-    ("plain", "dx = 0.1", "dx = 0.1  sparse = T", 2,
-     "&grid: sparse = T is always so: tiles exist only where matter is; it can go, or run scree-deck migrate deck.nml"),
-    ("plain", "dx = 0.1", "dx = 0.1  grow = F", 2, "&grid: grow = F is always so: the box keeps its size; it can go"),
-    ("plain", "&time", "&parallel layout = 2 2 1 /\n&time", 3,
-     "&parallel: key 'layout' does nothing: ranks share the tiles along a curve through the box, and results do not"),
     ("plain", "density = 2700", "density = 2.7", 4,
      "&material 'metal': density = 2.7 kg/m3 is lighter than polystyrene; is &units missing?"),
     ("plain", "density = 2700", "density = 2.7e6", 4, "is heavier than osmium; is &units missing?"),
@@ -416,8 +411,6 @@ WARNINGS = [
 # Options, and what is said about them.
 COMMANDS = [
     (["--set", "grid.dxx=1"], "&grid: unknown key 'dxx'; did you mean 'dx'?"),
-    (["--set", "grid.sparse=F"], "&grid: key 'sparse' is gone: tiles exist only where matter is; "
-     "remove it"),
     (["--set", "grid.dx=abc"], "&grid: dx = abc  <- expects a number"),
     (["--set", "grid.dx=-1"], "&grid: dx = -1  <- must be > 0 m"),
     (["--set", "grid.dx="], "&grid: dx =   <- expects a number"),

@@ -24,7 +24,6 @@ import report
 TYPED = {"doc/guide/first_hour.md": "test_first_hour.py", "doc/guide/geometry.md": "test_geometry_page.py"}
 #: Beginnings of commands that another test runs, or that are no commands to type.
 ELSEWHERE = {"build/venv/bin/scree-post": "test_post_documents.py", "scree-post": "test_post_documents.py",
-             "build/venv/bin/scree-deck": "test_deck_migrate.py",
              "paraview": "test_paraview.py", "pvbatch": "test_paraview.py",
              "build/bin/scree [options]": "a pattern", "build/bin/scree scene.nml & sleep": "test_first_hour.py",
              "build/bin/scree --check bad.nml": "test_documents.py", "ctest": "the tests themselves"}

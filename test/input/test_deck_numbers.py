@@ -3,8 +3,7 @@
 """Names, expressions and units of a deck against the same numbers written by hand.
 
 Would catch an expression or a unit that gives other bits than the written number, a unit that is converted twice, a
-value of the command line that the definitions do not see, an echo that runs to another result, and a
-deck with them that scree-deck cannot read.
+value of the command line that the definitions do not see, and an echo that runs to another result.
 """
 
 import math
@@ -12,8 +11,6 @@ import unittest
 from types import SimpleNamespace
 
 import case
-import post_command  # noqa: F401  (finds scree_post)
-from scree_post.deck_text import DeckText
 
 OPTIONS = case.arguments(__doc__)
 PLACE = SimpleNamespace(scree=OPTIONS.scree, work=OPTIONS.work / "a folder für decks")
@@ -68,13 +65,6 @@ class Numbers(unittest.TestCase):
         plain = self.digest("slow_plain", PLAIN.format(down=COSINE), "--set", "body[ball].velocity=0 0 -3 km/s")
         self.assertEqual(slow, plain)
         self.assertNotEqual(slow, self.digest("other", NAMED, "--set", "define.angle=0"))
-
-    def test_scree_deck_reads_them(self):
-        """Braces and the slash of a unit do not end a group."""
-        path = OPTIONS.work / "text.nml"
-        path.write_text(NAMED, encoding="utf-8")
-        groups = DeckText(path).groups
-        self.assertEqual([len(group.pieces) for group in groups], [3, 2, 1, 1, 3, 1, 9, 4, 4, 4, 4, 3])
 
 
 if __name__ == "__main__":

@@ -84,7 +84,7 @@ class Gravity(unittest.TestCase):
         """A table that is not there, or pushes along a direction that the scene lacks."""
         self.assertIn("cannot ", self.run_of("none", file="h.csv", expect=2).output)
         told = self.run_of("across", table=1.0, expect=2).output
-        self.assertIn("the table must be 0 in y, a direction that the scene lacks", told)
+        self.assertIn("the table must be 0 in y, as the scene does not have this direction", told)
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ def weight(chance):
     shape, place = column(plan, edges, gap)
     body = plan.add("heap", number, shape, place, [0.0] * 3)
     filled = dimension == "1d" or chance.true(0.4)
-    if filled and gap == 0.0 and not plan.matters[number].keys.get("gr_mode") == "seed" and (
+    if filled and gap == 0.0 and not plan.matters[number].keys.get("gr_mode") == "total" and (
             plan.matters[number].keys.get("strength_model") != "neo_hookean") and (
             body.packing in (None, "cut", "jitter")) and chance.true(0.5):
         body.stress = {"initial_stress": "lithostatic", "k0": chance.uniform(0.4, 1.0)}

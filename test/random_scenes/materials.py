@@ -301,7 +301,7 @@ def grains(chance, effects):
         if "gr_gamma_c" not in keys or chance.true(0.3):
             keys["gr_tau"] = chance.log(1.0e-6, 1.0e-2)
         if chance.true(0.3):
-            keys["gr_mode"] = "seed"
+            keys["gr_mode"] = "total"
     sound, fast = speeds(density, bulk, shear)
     return Matter("grains", keys, density, sound, fast, f"{law}/linear", opens=True, speed_limit=0.3 * sound)
 

@@ -359,7 +359,7 @@ SHEAR = """
 &time  t_end={end!r} /
 &method  {words} /
 &effects  artificial_viscosity=.false. /
-&material  name='grains'  density={density}  bulk=5  shear=3  strength_model='granular'  gr_mode='seed'
+&material  name='grains'  density={density}  bulk=5  shear=3  strength_model='granular'  gr_mode='total'
   {law} /
 &boundary  face='xlo'  type='periodic' /
 &boundary  face='xhi'  type='periodic' /

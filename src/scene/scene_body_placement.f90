@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Checks of bodies against the grid and each other: how many points, where, and how thick.
-module scene_check_bodies
+module scene_body_placement
    use base_deck, only: deck_t
    use base_kinds, only: int64, wp
    use base_text, only: brief, number
@@ -8,7 +8,7 @@ module scene_check_bodies
    use mesh_boundary, only: face_outflow, face_periodic, face_symmetry
    use mesh_grid, only: grid_t
    use particle_fill, only: body_t
-   use scene_deck_check_grid, only: axis_names
+   use scene_dimension, only: axis_names
    use scene_particles, only: survey_t
    use step_simulation, only: simulation_t
    implicit none
@@ -18,7 +18,7 @@ module scene_check_bodies
 
    real(wp), parameter, public :: default_most_points = 1.0e10_wp !! About 2 TB of memory
    real(wp), parameter :: most_tiles = 2.0e8_wp      !! Tiles that bodies may reach; 1.6 GB of keys
-   real(wp), parameter :: most_identities = 4.0e18_wp !! Long whole numbers end at 9e18
+   real(wp), parameter :: most_identities = 4.0e18_wp !! 64-bit integers end at 9e18
    !> Of the speed of waves, from which on bodies that meet are strained by a quarter and more [1]
    real(wp), parameter :: fast = 0.5_wp
    real(wp), parameter :: thinnest = 2.0_wp          !! Cells across a body
@@ -26,10 +26,10 @@ module scene_check_bodies
 
 contains
 
-   !> Refuse what cannot be counted, and what is hardly meant. Needs no survey, whose work grows
+   !> Refuse bodies of too many particles or tiles. Needs no survey, whose work grows
    !! with the number of points.
    subroutine check_size(deck, grid, bodies, most_points, force)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! The grid
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       real(wp), intent(in) :: most_points            !! More in one body need the user's word
@@ -76,7 +76,7 @@ contains
    !> Bodies without points are errors; those that are cut, thin or on top of each other may be
    !! meant.
    subroutine check_places(deck, simulation, bodies, survey)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       type(survey_t), intent(in) :: survey           !! Their points
@@ -101,7 +101,7 @@ contains
    !> Warn of bodies that meet so fast that a material without yield strength or failure is strained
    !! beyond what a law of small elastic strains can mean.
    subroutine check_elastic(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects warnings
+      type(deck_t), intent(inout) :: deck            !! Gets warnings
       type(simulation_t), intent(in) :: simulation   !! Materials, walls
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       real(wp) :: fastest, speed
@@ -129,7 +129,7 @@ contains
 
    !> Say why a body holds no point.
    subroutine refuse_empty(deck, grid, body, place)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! The grid
       type(body_t), intent(in) :: body               !! The body
       integer, intent(in) :: place                   !! Its number in the deck
@@ -148,13 +148,12 @@ contains
    !> Warn if a part of a body lies outside the grid. What lies behind a mirror plane is the image
    !! of what is computed and is not counted.
    subroutine check_outside(deck, simulation, body, place)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: body               !! The body
       integer, intent(in) :: place                   !! Its number in the deck
-      integer, parameter :: samples(3) = [4096, 128, 24] ! along an edge, by dimensions
-      real(wp) :: low(3), high(3), point(3)
-      integer :: number_of(3), x, y, z, inside, outside, k
+      real(wp) :: low(3), high(3)
+      integer :: inside, outside, k
 
       associate (grid => simulation%grid, kind => simulation%boundary%kind)
          call body%shape%bounds(low, high)
@@ -164,31 +163,44 @@ contains
          end do
          if (.not. any(grid%active .and. (low < grid%lower - round_off*grid%spacing .or. &
             high > grid%upper + round_off*grid%spacing))) return
-         number_of = merge(samples(grid%dimensions), 1, grid%active)
-         inside = 0
-         outside = 0
-         point = resting_place(grid)
-         do z = 1, number_of(3)
-            do y = 1, number_of(2)
-               do x = 1, number_of(1)
-                  where (grid%active) point = low + (high - low)*(real([x, y, z], wp) - 0.5_wp) &
-                     /real(number_of, wp)
-                  if (.not. body%shape%contains(point)) cycle
-                  if (any(grid%active .and. (point < grid%lower .or. point >= grid%upper))) then
-                     outside = outside + 1
-                  else
-                     inside = inside + 1
-                  end if
-               end do
-            end do
-         end do
+         call count_samples(grid, body, low, high, inside, outside)
       end associate
       if (outside == 0 .or. 100*outside < inside + outside) return
       call deck%warn("body", place, "its region lies "//number(nint(100.0_wp*real(outside, wp) &
          /real(inside + outside, wp)))//" % outside the grid and is cut there", "region")
    end subroutine check_outside
 
-   !> Where points lie along directions that the scene lacks [m].
+   !> Sample a box around a body: points of the body inside and outside the grid.
+   subroutine count_samples(grid, body, low, high, inside, outside)
+      type(grid_t), intent(in) :: grid               !! The grid
+      type(body_t), intent(in) :: body               !! The body
+      real(wp), intent(in) :: low(3), high(3)        !! Corners of the box [m]
+      integer, intent(out) :: inside                 !! Points of the body in the grid
+      integer, intent(out) :: outside                !! Points of the body beyond it
+      integer, parameter :: samples(3) = [4096, 128, 24] ! along an edge, by dimensions
+      real(wp) :: point(3)
+      integer :: number_of(3), points, x, y, z
+
+      number_of = merge(samples(grid%dimensions), 1, grid%active)
+      points = 0
+      outside = 0
+      point = resting_place(grid)
+      do z = 1, number_of(3)
+         do y = 1, number_of(2)
+            do x = 1, number_of(1)
+               where (grid%active) point = low + (high - low)*(real([x, y, z], wp) - 0.5_wp) &
+                  /real(number_of, wp)
+               if (.not. body%shape%contains(point)) cycle
+               points = points + 1
+               if (any(grid%active .and. (point < grid%lower .or. point >= grid%upper))) &
+                  outside = outside + 1
+            end do
+         end do
+      end do
+      inside = points - outside
+   end subroutine count_samples
+
+   !> Coordinates of points along the directions that the scene does not have [m].
    pure function resting_place(grid) result(point)
       type(grid_t), intent(in) :: grid               !! The grid
       real(wp) :: point(3)
@@ -199,7 +211,7 @@ contains
    !> Warn if a body is thinner than two cells. Along a direction in which it reaches from one
    !! closed face to the other it has no thickness; at a mirror plane it has half of it.
    subroutine check_thickness(deck, simulation, body, place)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: body               !! The body
       integer, intent(in) :: place                   !! Its number in the deck
@@ -228,12 +240,12 @@ contains
 
    !> Warn of two bodies that overlap, with the number of points that the earlier one loses.
    subroutine check_overlap(deck, grid, bodies, pair, pairs)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! The grid
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       integer, intent(in) :: pair(2)                 !! Earlier and later body
       integer, intent(in) :: pairs                   !! Number of pairs that share the work
-      real(wp), parameter :: work = 2.0e6_wp         ! sites looked at, all pairs together
+      real(wp), parameter :: work = 2.0e6_wp         ! sites tested, all pairs together
       real(wp) :: low(3), high(3), other_low(3), other_high(3), point(3), edge(3), sites
       integer :: first(3), last(3), stride(3), x, y, z
       integer(int64) :: points
@@ -269,4 +281,4 @@ contains
       call deck%warn("body", pair(2), "overlaps '"//bodies(pair(1))%name//"' in "//about// &
          number(points)//" points; the later body wins, or use shape = 'difference'", "region")
    end subroutine check_overlap
-end module scene_check_bodies
+end module scene_body_placement

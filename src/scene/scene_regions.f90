@@ -1,22 +1,30 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Shapes from the regions of a deck.
-module scene_shapes
+!> The group &region: its keys, their checks, and the shapes that they describe.
+module scene_regions
    use base_communicator, only: communicator_t
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
+   use base_schema, only: schema_t
    use base_text, only: text_t
    use mesh_grid, only: grid_t
    use particle_shape, only: box, combine, cylinder, rotation_matrix, set_difference, &
       set_intersection, set_union, shape_holder_t, sphere, transform_point
    use particle_solids, only: cone, ellipsoid, half_space, torus
+   use scene_dimension, only: axis_names, dimension_of
    use scene_facets, only: read_facets
    use scene_points, only: point_region_t, read_point_region
    use scene_prism, only: build_prism
+   use scene_unit_warnings, only: check_angles
    use scene_voxels, only: read_voxel_region
    implicit none
    private
 
-   public :: named_shape_t, read_shapes
+   public :: check_regions, declare_region, named_shape_t, read_shapes
+
+   character(len=*), parameter :: solids = &
+      "shape = sphere cylinder ellipsoid cone torus halfspace" !! Shapes with a centre
+   character(len=*), parameter :: round = "shape = sphere cylinder cone torus" !! With a radius
+   character(len=*), parameter :: sets = "shape = union difference intersection"
 
    !> A region.
    type :: named_shape_t
@@ -29,11 +37,147 @@ module scene_shapes
 
 contains
 
+   !> Declare &region.
+   subroutine declare_region(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("region", "a shape, or a set operation on shapes", many=.true.)
+      call schema%text("region", "name", "what bodies and other regions refer to")
+      call schema%text("region", "shape", "kind of shape", &
+         words="box sphere cylinder cone ellipsoid torus halfspace prism stl voxel points "// &
+         "union difference intersection")
+      call schema%real("region", "lo(3)", "lower corner of a box", unit="m", owner="shape = box")
+      call schema%real("region", "hi(3)", "upper corner of a box", unit="m", owner="shape = box")
+      call schema%real("region", "centre(3)", "centre; of a cylinder or cone the middle of its "// &
+         "axis, of a halfspace a point of its plane", unit="m", owner=solids)
+      call schema%real("region", "radius", "radius; of a cone where its axis begins, of a "// &
+         "torus of the circle in its middle", unit="m", range="> 0", owner=round)
+      call schema%real("region", "radius2", "of a cone at the end of its axis, 0 = a tip; of a "// &
+         "torus that of its section", unit="m", range=">= 0", owner="shape = cone torus")
+      call schema%real("region", "semi_axes(3)", "half the axes, along x, y and z", unit="m", &
+         range="> 0", owner="shape = ellipsoid")
+      call schema%real("region", "axis(3)", "direction of the axis; of a prism one of the "// &
+         "coordinates, in a plane scene y", default="0 0 1", &
+         owner="shape = cylinder cone torus prism")
+      call schema%real("region", "normal(3)", "direction out of the halfspace", &
+         owner="shape = halfspace")
+      call schema%real("region", "polygon(:400)", "corners of a prism in turn, two numbers "// &
+         "each: in a plane scene x and z, in space the two coordinates other than its axis", &
+         unit="m", owner="shape = prism")
+      call schema%real("region", "span(2)", "where a prism begins and ends along its axis; in "// &
+         "space only", unit="m", owner="shape = prism")
+      call schema%text("region", "file", "of stl: facets; of voxel: HDF5, or MetaImage (.mhd, "// &
+         ".mha); of points: CSV, or a snapshot (.hdf, .h5); lengths in the unit of the deck; "// &
+         "path relative to the deck", owner="shape = stl voxel points")
+      call schema%real("region", "point_volume", "volume of each point, where the file has none", &
+         unit="m3", range="> 0", owner="shape = points")
+      call schema%text("region", "from_body", "body of a snapshot whose points are taken; "// &
+         "without it those of all bodies of the material", owner="shape = points")
+      call schema%text("region", "dataset", "name of the voxels in an HDF5 file", &
+         default="/voxels", owner="shape = voxel")
+      call schema%integer("region", "voxel_value", "which voxels belong to it: those of this "// &
+         "value, or nearest to it", default="1", owner="shape = voxel")
+      call schema%real("region", "height", "length along the axis", unit="m", range="> 0", &
+         owner="shape = cylinder cone")
+      call schema%text("region", "of(:8)", &
+         "regions that the set operation takes; difference: the "// &
+         "first without the others", owner=sets)
+      call schema%real("region", "scale", "factor, applied first", default="1.0", range="> 0")
+      call schema%real("region", "rotate(3)", "angles about x, then y, then z, applied second", &
+         unit="deg", default="0 0 0")
+      call schema%text("region", "rotate_about", "what rotate keeps in its place: the origin, "// &
+         "or the centre of the box around the shape", default="origin", words="origin centre")
+      call schema%real("region", "translate(3)", "displacement, applied last", unit="m", &
+         default="0 0 0")
+      call schema%require("region", "name shape lo hi centre radius radius2 semi_axes "// &
+         "normal polygon file height of")
+      call schema%refer("region", "of", "region")
+   end subroutine declare_region
+
+   !> All regions.
+   subroutine check_regions(deck)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      integer, allocatable :: state(:)
+      integer :: i
+
+      do i = 1, deck%count("region")
+         call check_region(deck, deck%group("region", i))
+      end do
+      allocate (state(deck%count("region")), source=0)
+      do i = 1, size(state)
+         if (state(i) == 0) call check_operands(deck, i, state)
+      end do
+   end subroutine check_regions
+
+   !> One region.
+   subroutine check_region(deck, region)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      type(group_t), intent(in) :: region                !! The region
+      character(len=:), allocatable :: dimension, shape
+      logical :: active(3)
+      real(wp) :: axis(3), hi(3), lo(3)
+      integer :: k, operands
+
+      call check_angles(deck, region)
+      call region%get("shape", shape)
+      select case (shape)
+      case ("box")
+         if (.not. (region%known("lo") .and. region%known("hi"))) return
+         call region%get("lo", lo)
+         call region%get("hi", hi)
+         call dimension_of(deck, dimension, active)
+         do k = 1, 3
+            if (hi(k) > lo(k) .or. .not. active(k)) cycle
+            call deck%complain(region, "hi must be above lo in "//axis_names(k), "hi")
+            return
+         end do
+      case ("halfspace")
+         call region%get("normal", axis)
+         if (region%known("normal") .and. sum(abs(axis)) <= 0.0_wp) &
+            call deck%complain(region, "normal must not be 0", "normal")
+      case ("cylinder", "cone", "torus")
+         call region%get("axis", axis)
+         if (region%known("axis") .and. sum(abs(axis)) <= 0.0_wp) &
+            call deck%complain(region, "axis must not be 0", "axis")
+      case ("difference", "intersection")
+         operands = region%count("of")
+         if (operands == 1) call deck%complain(region, &
+            "of must name two regions or more for a "//shape, "of")
+      case default
+         continue
+      end select
+   end subroutine check_region
+
+   !> Follow the operands of a region; one that leads back to itself has no shape.
+   recursive subroutine check_operands(deck, place, state)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      integer, intent(in) :: place                       !! Number of the region
+      integer, intent(inout) :: state(:)                 !! (region) 0 new, 1 under way, 2 done
+      type(group_t) :: region
+      type(text_t), allocatable :: operands(:)
+      integer :: i, next
+
+      state(place) = 1
+      region = deck%group("region", place)
+      call region%list("of", operands)
+      do i = 1, size(operands)
+         next = deck%named("region", operands(i)%text)
+         if (next == 0) cycle
+         if (state(next) == 0) then
+            call check_operands(deck, next, state)
+         else if (state(next) == 1) then
+            call deck%complain(region, "'"//operands(i)%text//"' is made of this region itself", &
+               "of")
+         end if
+      end do
+      state(place) = 2
+   end subroutine check_operands
+
    !> Build all regions.
    subroutine read_shapes(deck, communicator, grid, shapes)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
       type(group_t) :: group
       integer :: index
@@ -50,9 +194,9 @@ contains
 
    !> Build one region and those that it is made of.
    recursive subroutine build(deck, communicator, grid, shapes, index)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Which one
       type(group_t) :: group
@@ -118,10 +262,10 @@ contains
       translate = translate + (centre - turned)
    end subroutine keep_centre
 
-   !> A box, sphere or cylinder. In directions that the scene lacks a box reaches everywhere and a
+   !> A box, sphere or cylinder. In directions without cells a box is unbounded and a
    !! centre lies where the particles are.
    subroutine build_simple(grid, group, word, holder)
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(group_t), intent(in) :: group             !! The region
       character(len=*), intent(in) :: word           !! Kind of shape
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
@@ -155,7 +299,7 @@ contains
 
    !> An ellipsoid, cone, ring or half space.
    subroutine build_solid(grid, group, word, holder)
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(group_t), intent(in) :: group             !! The region
       character(len=*), intent(in) :: word           !! Kind of shape
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
@@ -184,9 +328,9 @@ contains
 
    !> A set operation on other regions.
    recursive subroutine build_set(deck, communicator, grid, shapes, index, group, word)
-      type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
+      type(deck_t), intent(inout) :: deck            !! Gets errors
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! For directions that the scene lacks
+      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Which one
       type(group_t), intent(in) :: group             !! Its group
@@ -217,4 +361,4 @@ contains
       end select
       call shapes(index)%shape%set(combine(kind, operands))
    end subroutine build_set
-end module scene_shapes
+end module scene_regions

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Numbers that only forgotten or mistaken units explain. They are allowed, so this only warns.
-module scene_deck_check_units
+module scene_unit_warnings
    use base_constants, only: pi
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -10,7 +10,7 @@ module scene_deck_check_units
 
    public :: check_angles, check_kelvin, check_material_units
 
-   !> What is hardly meant: a key, what it lies between in nature, and a question.
+   !> A key of &material, its plausible range, and the warnings outside of it.
    type :: usual_t
       character(len=14) :: key                           !! Of &material
       real(wp) :: least                                  !! [SI]
@@ -33,11 +33,11 @@ module scene_deck_check_units
       "is stronger than any matter"), &
       usual_t("scg_gp        ", 0.0_wp, 1.0e-7_wp, "", &
       "is that of a table per Mbar (6.52 is 6.52e-11)")]
-   real(wp), parameter :: slowest = 0.3_wp, fastest = 5.0e4_wp !! Waves in matter [m/s]
+   real(wp), parameter :: slowest = 0.3_wp, fastest = 5.0e4_wp !! Waves in materials [m/s]
 
 contains
 
-   !> Numbers of a material against what matter has.
+   !> Warn of implausible values of a material.
    subroutine check_material_units(deck, material)
       type(deck_t), intent(inout) :: deck                !! The deck
       type(group_t), intent(in) :: material              !! One material
@@ -172,4 +172,4 @@ contains
          return
       end do
    end subroutine check_angles
-end module scene_deck_check_units
+end module scene_unit_warnings

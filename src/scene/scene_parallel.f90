@@ -1,0 +1,44 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The group &parallel: its keys, and when tiles move between ranks.
+module scene_parallel
+   use base_deck, only: deck_t, group_t
+   use base_schema, only: schema_t
+   use step_load_balance, only: balancing_t
+   implicit none
+   private
+
+   public :: declare_parallel, read_balancing
+
+contains
+
+   !> Declare &parallel.
+   subroutine declare_parallel(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("parallel", "distribution over ranks; results do not depend on it")
+      call schema%text("parallel", "balance", "move tiles between ranks", default="auto", &
+         words="auto never")
+      call schema%integer("parallel", "balance_every", &
+         "steps between two comparisons of the work of ranks", &
+         default="25", range="> 0", owner="balance = auto")
+      call schema%real("parallel", "imbalance", "greatest over mean work that moves tiles", &
+         default="1.1", range=">= 1", owner="balance = auto")
+   end subroutine declare_parallel
+
+   !> Read the group &parallel.
+   subroutine read_balancing(deck, balancing)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(balancing_t), intent(out) :: balancing    !! When tiles move
+      type(group_t) :: group
+      character(len=:), allocatable :: word
+      integer :: every
+
+      group = deck%group("parallel")
+      call group%get("balance", word)
+      balancing%allowed = word == "auto"
+      if (.not. balancing%allowed) return
+      call group%get("balance_every", every)
+      balancing%every = every
+      call group%get("imbalance", balancing%tolerance)
+   end subroutine read_balancing
+end module scene_parallel

@@ -1,0 +1,90 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The groups &run and &units: their keys, and the defaults that depend on the name of the deck.
+module scene_run
+   use base_deck, only: deck_t, group_t
+   use base_schema, only: schema_t
+   use base_text, only: number
+   use base_units, only: system_names
+   use base_version, only: version_text
+   use io_file, only: name_of
+   implicit none
+   private
+
+   public :: check_case, declare_run, declare_units, set_output_units
+
+   !> Format of decks. It rises where an earlier deck would change its meaning without an error.
+   integer, parameter :: deck_version = 1
+
+contains
+
+   !> Declare &run.
+   subroutine declare_run(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("run", "identity and problem class")
+      call schema%text("run", "title", "one line, goes into every output", default="untitled")
+      call schema%text("run", "case", "prefix of all output files; default: name of the deck")
+      call schema%text("run", "dimension", &
+         "problem class; plane_strain and axisymmetric use x and z", &
+         default="3d", words="3d plane_strain axisymmetric 1d")
+      call schema%text("run", "method", "gradient of the shape functions", default="ddmp", &
+         words="ddmp mpm")
+      call schema%integer("run", "deck_version", "format of this deck", default="1", &
+         range="> 0 <= "//number(deck_version))
+      call schema%explain_range("run", "deck_version", "this is scree "//version_text//", "// &
+         "which knows decks up to deck_version "//number(deck_version)//"; a deck of a "// &
+         "higher one needs a later scree")
+   end subroutine declare_run
+
+   !> Declare &units.
+   subroutine declare_units(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("units", "units of the numbers in this deck, and of those in outputs")
+      call schema%text("units", "system", &
+         "length-time-mass; temperature in K and angles in degrees "// &
+         "always", default="si")
+      call schema%words("units", "system", system_names)
+      call schema%text("units", "output_units", "units of the numbers in snapshots and tables: "// &
+         "deck: those of this deck, or a system; each is named in the files", default="si", &
+         words="deck")
+      call schema%words("units", "output_units", system_names)
+   end subroutine declare_units
+
+   !> The case is part of file names. Without one it is the name of the deck.
+   subroutine check_case(deck)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      character(len=*), parameter :: suffix = ".nml"
+      character(len=:), allocatable :: case_name
+      type(group_t) :: run
+      integer :: last
+
+      run = deck%group("run")
+      if (.not. run%valid(["case"])) return
+      if (.not. run%given("case")) then
+         case_name = name_of(deck%file)
+         last = len(case_name)
+         if (last > len(suffix)) then
+            if (case_name(last - len(suffix) + 1:) == suffix) last = last - len(suffix)
+         end if
+         call deck%settle("run", 1, "case", case_name(:last))
+         return
+      end if
+      call run%get("case", case_name)
+      if (scan(case_name, "/ *?'""") > 0) call deck%complain(run, "case = '"//case_name// &
+         "' is part of file names: no blanks, slashes, quotes; the folder is --outdir", "case")
+      if (len(case_name) > 100) call deck%complain(run, "case is longer than 100 letters", "case")
+   end subroutine check_case
+
+   !> Replace `deck` by the name of its system of units, as the echo of the deck is in SI.
+   subroutine set_output_units(deck)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      character(len=:), allocatable :: word
+      type(group_t) :: units
+
+      units = deck%group("units")
+      call units%get("output_units", word)
+      if (word == "deck") call deck%settle("units", 1, "output_units", &
+         trim(system_names(deck%system)))
+   end subroutine set_output_units
+end module scene_run

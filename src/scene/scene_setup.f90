@@ -1,0 +1,205 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Sets up a simulation without particles from a deck that `check_deck` has checked. `program_plan`
+!! calls it for a run and for `--check`; `scene_first_state` comes next.
+module scene_setup
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: wp
+   use material_kinds, only: all_gases, stores_work
+   use material_record, only: read_record
+   use mesh_boundary, only: face_names, face_outflow, face_periodic, face_symmetry, face_types
+   use particle_fill, only: body_t
+   use particle_store, only: traits_t
+   use scene_absorbing, only: read_absorbing
+   use scene_bodies, only: read_bodies
+   use scene_contact, only: read_contact
+   use scene_effects, only: read_effects
+   use scene_exact, only: read_exact
+   use scene_grid, only: check_periodic, coarsen, read_grid, tile_edge
+   use scene_method, only: read_method
+   use scene_particles, only: make_stores, prepare_simulation
+   use scene_points_clock, only: check_clocks
+   use scene_regions, only: named_shape_t, read_shapes
+   use scene_time, only: read_bounds
+   use scene_walls, only: read_walls
+   use step_method, only: position_of
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: set_up_scene
+
+contains
+
+   !> Build grid, faces, materials, method and bodies; particles come later. Errors go into the
+   !! deck's list of problems. What does not depend on them is built and checked all the same, so
+   !! that one pass reports as much as can be known: bodies are then allocated if their places are
+   !! sound, and stores if nothing that they depend on has an error.
+   subroutine set_up_scene(deck, simulation, bodies, shapes, coarser)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
+      type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
+      integer, intent(in), optional :: coarser       !! Cells so many times as large as in the deck
+      type(traits_t) :: traits
+      integer :: n
+
+      call read_materials(deck, simulation)
+      call read_method(simulation%method, deck, stores_work(simulation%materials), &
+         all_gases(simulation%materials))
+      do n = 1, size(simulation%materials)
+         if (allocated(simulation%materials(n)%viscosity)) &
+            simulation%materials(n)%viscosity%limited = simulation%method%limited
+      end do
+      call read_bounds(deck, simulation%guard%bounds, simulation%method%cfl)
+      call read_grid(deck, simulation%grid)
+      call set_crack_bands(deck, simulation)
+      if (present(coarser)) call coarsen(simulation%grid, coarser)
+      if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
+         deck%sound("effects") .and. deck%sound("boundary"))) return
+      if (deck%sound("material")) then
+         call check_volumes(deck, simulation)
+         call check_heat_flux(deck, simulation)
+      end if
+      call read_boundary(deck, simulation)
+      simulation%grid%margin = simulation%method%margin()
+      simulation%grid%reaches = merge(2, 1, simulation%method%dual)
+      call simulation%grid%start(tile_edge(deck))
+      call check_periodic(deck, simulation%grid)
+      call read_effects(deck, simulation)
+      if (.not. deck%sound("region")) return
+      call read_shapes(deck, simulation%communicator, simulation%grid, shapes)
+      if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
+      call read_bodies(deck, simulation, shapes, bodies)
+      call read_walls(deck, simulation, shapes)
+      ! errors in groups that the stores do not depend on, such as &time, hide nothing
+      if (.not. is_sound(deck)) return
+      call read_absorbing(deck, simulation, bodies)
+      if (.not. is_sound(deck)) return
+      call read_contact(deck, simulation, bodies)
+      if (.not. is_sound(deck)) return
+      call read_exact(deck, simulation, bodies)
+      if (.not. is_sound(deck)) return
+      call check_clocks(deck, simulation, bodies, shapes)
+      call prepare_simulation(simulation)
+      traits%body = size(bodies) > 1
+      allocate (simulation%body_names(size(bodies)))
+      do n = 1, size(bodies)
+         simulation%body_names(n)%text = bodies(n)%name
+      end do
+      call simulation%method%request(traits)
+      call make_stores(simulation, traits)
+   end subroutine set_up_scene
+
+   !> True if no group has an error on which bodies and the fields of their particles depend.
+   logical function is_sound(deck) result(sound)
+      type(deck_t), intent(in) :: deck               !! The deck
+      character(len=8), parameter :: groups(10) = [character(len=8) :: "run", "grid", "method", &
+         "effects", "boundary", "material", "region", "body", "contact", "exact"]
+      integer :: n
+
+      sound = .true.
+      do n = 1, size(groups)
+         sound = sound .and. deck%sound(trim(groups(n)))
+      end do
+   end function is_sound
+
+   !> Conditions on the faces of the box.
+   subroutine read_boundary(deck, simulation)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(simulation_t), intent(inout) :: simulation !! The run
+      type(group_t) :: group
+      character(len=:), allocatable :: face, kind
+      integer :: index, side, pass
+
+      if (simulation%grid%axisymmetric) simulation%boundary%kind(1) = face_symmetry
+      ! what is said of all faces gives way to what is said of one
+      do pass = 1, 2
+         do index = 1, deck%count("boundary")
+            group = deck%group("boundary", index)
+            call group%get("face", face)
+            call group%get("type", kind)
+            if (((face == "all") .neqv. (pass == 1)) .or. group%given("region")) cycle
+            do side = 1, 6
+               if (face /= face_names(side) .and. face /= "all") cycle
+               simulation%boundary%kind(side) = position_of(kind, face_types)
+               call group%get("velocity", simulation%boundary%velocity(:, side))
+               simulation%boundary%warm(side) = group%given("temperature")
+               if (simulation%boundary%warm(side)) &
+                  call group%get("temperature", simulation%boundary%temperature(side))
+               if (kind == "friction") &
+                  call group%get("friction", simulation%boundary%friction(side))
+            end do
+         end do
+      end do
+      associate (sides => simulation%boundary%kind)
+         if (simulation%grid%axisymmetric) sides(1) = face_symmetry
+         simulation%grid%wall = sides /= face_outflow .and. sides /= face_periodic
+         do side = 1, 3
+            simulation%grid%periodic(side) = sides(2*side) == face_periodic .and. &
+               sides(2*side - 1) == face_periodic
+         end do
+      end associate
+   end subroutine read_boundary
+
+   !> The fill of nodes, which corrects volumes, is found with the dual gradient.
+   subroutine check_volumes(deck, simulation)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
+      integer :: n
+
+      if (simulation%method%dual) return
+      do n = 1, size(simulation%materials)
+         if (simulation%materials(n)%repacks) call deck%complain("material", n, &
+            "volume_from = 'grid' needs method = 'ddmp' in &run; remove it", "volume_from")
+      end do
+   end subroutine check_volumes
+
+   !> Check that an artificial heat flux finds a material with internal energy.
+   subroutine check_heat_flux(deck, simulation)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
+      integer :: n
+
+      if (.not. simulation%method%heat_flux > 0.0_wp) return
+      do n = 1, size(simulation%materials)
+         if (simulation%materials(n)%carries_energy()) return
+      end do
+      call deck%complain(deck%group("method", 1), "no material carries an internal energy; "// &
+         "remove heat_flux", "heat_flux")
+   end subroutine check_heat_flux
+
+   !> The materials.
+   subroutine read_materials(deck, simulation)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(simulation_t), intent(inout) :: simulation !! The run
+      integer :: index
+
+      allocate (simulation%materials(deck%count("material")))
+      do index = 1, size(simulation%materials)
+         call simulation%materials(index)%read(deck, index)
+      end do
+      simulation%materials%record = read_record(deck)
+   end subroutine read_materials
+
+   !> Width of the bands that cracks open in, and cells small enough for them.
+   subroutine set_crack_bands(deck, simulation)
+      type(deck_t), intent(inout) :: deck
+      type(simulation_t), intent(inout) :: simulation
+      type(group_t) :: group
+      character(len=:), allocatable :: fault
+      integer :: index
+
+      if (.not. (deck%sound("grid") .and. deck%sound("method"))) return
+      do index = 1, size(simulation%materials)
+         associate (failure => simulation%materials(index)%failure)
+            if (.not. allocated(failure%softening)) cycle
+            failure%softening%width = simulation%method%band_width()
+            fault = failure%softening%band_fault(simulation%grid%spacing, &
+               simulation%grid%dimensions)
+         end associate
+         if (len(fault) == 0) cycle
+         group = deck%group("material", index)
+         call deck%complain(group, fault, "fracture_energy")
+      end do
+   end subroutine set_crack_bands
+end module scene_setup

@@ -1,0 +1,154 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The group &time: its keys, their checks, and the limits of steps and of the simulation.
+module scene_time
+   use base_clock, only: clock_seconds, is_clock
+   use base_constants, only: unset
+   use base_deck, only: deck_t, group_t
+   use base_deck_group, only: unset_integer
+   use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
+   use step_bounds, only: bounds_t
+   implicit none
+   private
+
+   public :: check_time, declare_time, read_bounds, read_time_limits, time_limits_t
+
+   !> Length of steps and end of the simulation.
+   type :: time_limits_t
+      real(wp) :: time_end = 0.0_wp                  !! [s]
+      real(wp) :: dt_max = huge(1.0_wp)              !! Greatest time step [s]
+      real(wp) :: dt_min = 0.0_wp !! Least time step; a smaller one is an error [s]
+      real(wp) :: dt_fixed = 0.0_wp                  !! The time step, 0 = the stable one [s]
+      integer(int64) :: max_steps = huge(1_int64)    !! Steps after which the simulation ends
+      real(wp) :: wall_limit = huge(1.0_wp)          !! Wall time after which it ends [s]
+      logical :: ask_scheduler = .false.             !! Is the wall time that of the Slurm job?
+      real(wp) :: kinetic_below = -1.0_wp            !! It ends at a kinetic energy below this [J]
+      real(wp) :: rest_below = -1.0_wp               !! ... below this fraction of the greatest [1]
+   end type time_limits_t
+
+contains
+
+   !> Declare &time.
+   subroutine declare_time(schema)
+      type(schema_t), intent(inout) :: schema            !! Keys of the deck
+
+      call schema%group("time", "time stepping")
+      call schema%real("time", "t_end", "end of simulated time", unit="s", range="> 0")
+      call schema%real("time", "cfl", "fraction of the stable step", default="0.4", &
+         range="> 0 <= 1")
+      call schema%real("time", "dt_max", "upper bound of the step", unit="s", range="> 0")
+      call schema%real("time", "dt_min", "a smaller step ends the run with exit code 4", unit="s", &
+         range="> 0")
+      call schema%real("time", "dt_fixed", "the step, whatever cfl says", unit="s", range="> 0")
+      call schema%real("time", "dt_collapse", "a stable step below this share of the longest "// &
+         "so far ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
+      call schema%real("time", "strain_max", "greatest strain and rotation of a particle in a "// &
+         "step; shorter steps where more would come", default="0.3", range="> 0 <= 1")
+      call schema%logical("time", "retry", "a step in which nodes would move by more than half "// &
+         "a cell, or part by more than twice strain_max of one, is done again with a shorter "// &
+         "time", &
+         default=".true.")
+      call schema%real("time", "speed_max", "a faster particle ends the run with exit code 4", &
+         unit="m/s", range="> 0")
+      call schema%real("time", "volume_ratio_min", "a particle of less than this share of its "// &
+         "volume at rest ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
+      call schema%real("time", "volume_ratio_max", "a particle of more ends it too", &
+         default="1e12", range="> 1")
+      call schema%text("time", "on_bad", "what becomes of a particle that leaves these bounds: "// &
+         "it ends the run, or is removed and recorded", default="stop", words="stop retire")
+      call schema%real("time", "retire_max", "share of the mass at the start that may be taken "// &
+         "out so before the run ends with exit code 4", default="0.01", range=">= 0 <= 1", &
+         owner="on_bad = retire")
+      call schema%integer("time", "max_steps", "stop after so many steps", range=">= 0")
+      call schema%text("time", "wall_limit", "hh:mm:ss of wall time, or slurm for the end of "// &
+         "the job, then checkpoint and exit code 75", default="none")
+      call schema%text("time", "stop_when", "early end", default="never", &
+         words="never kinetic_below at_rest")
+      call schema%real("time", "stop_value", &
+         "kinetic_below: energy in J; at_rest: fraction of the "// &
+         "greatest kinetic energy", range="> 0", owner="stop_when = kinetic_below at_rest")
+      call schema%require("time", "t_end stop_value")
+   end subroutine declare_time
+
+   !> Steps and limits of time.
+   subroutine check_time(deck)
+      type(deck_t), intent(inout) :: deck                !! The deck
+      character(len=:), allocatable :: limit
+      real(wp) :: dt_fixed, dt_max, dt_min
+      type(group_t) :: time
+
+      time = deck%group("time")
+      call time%get("dt_min", dt_min)
+      call time%get("dt_max", dt_max)
+      call time%get("dt_fixed", dt_fixed)
+      if (time%given("dt_max") .and. time%valid(["dt_max"]) .and. dt_max <= dt_min) &
+         call deck%complain(time, "dt_max must be above dt_min", "dt_max")
+      if (time%given("dt_fixed") .and. time%valid(["dt_fixed"])) then
+         if (dt_fixed < dt_min) call deck%complain(time, "dt_fixed is below dt_min", "dt_fixed")
+         if (time%given("dt_max")) call deck%complain(time, &
+            "dt_fixed and dt_max are both given; keep one", "dt_fixed")
+         if (time%given("cfl")) call deck%warn(time, "cfl is not used, as dt_fixed is given", "cfl")
+      end if
+      call time%get("wall_limit", limit)
+      if (time%given("wall_limit") .and. limit /= "none" .and. limit /= "slurm" .and. &
+         limit /= "") then
+         if (.not. is_clock(limit)) call deck%complain(time, "wall_limit = '"//limit// &
+            "' must be 'none', 'slurm', or hours, minutes and seconds such as '03:30:00'", &
+            "wall_limit")
+      end if
+   end subroutine check_time
+
+   !> Read the bounds of steps and particles, and the CFL number.
+   subroutine read_bounds(deck, bounds, cfl)
+      type(deck_t), intent(in) :: deck               !! The deck
+      type(bounds_t), intent(out) :: bounds          !! Bounds of every step
+      real(wp), intent(out) :: cfl                   !! Fraction of the stable step [1]
+      type(group_t) :: group
+      character(len=:), allocatable :: word
+      real(wp) :: number
+
+      group = deck%group("time", 1)
+      call group%get("cfl", cfl)
+      call group%get("volume_ratio_min", bounds%ratio_min)
+      call group%get("volume_ratio_max", bounds%ratio_max)
+      call group%get("speed_max", number)
+      if (number > unset) bounds%speed_max = number
+      call group%get("strain_max", bounds%strain_max)
+      call group%get("dt_collapse", bounds%collapse)
+      call group%get("dt_min", number)
+      if (number > unset) bounds%dt_min = number
+      call group%get("dt_fixed", number)
+      call group%get("retry", bounds%dt_free)
+      if (number > unset) bounds%dt_free = .false.
+      call group%get("on_bad", word)
+      bounds%retire = word == "retire"
+      call group%get("retire_max", bounds%retire_max)
+   end subroutine read_bounds
+
+   !> Read the length of steps and the end of the simulation.
+   subroutine read_time_limits(deck, limits)
+      type(deck_t), intent(in) :: deck               !! Without errors
+      type(time_limits_t), intent(out) :: limits     !! Huge or 0 where the deck sets none
+      type(group_t) :: group
+      character(len=:), allocatable :: word
+      real(wp) :: number
+      integer :: steps
+
+      group = deck%group("time", 1)
+      call group%get("t_end", limits%time_end)
+      call group%get("dt_max", number)
+      if (number > unset) limits%dt_max = number
+      call group%get("dt_min", number)
+      if (number > unset) limits%dt_min = number
+      call group%get("dt_fixed", number)
+      if (number > unset) limits%dt_fixed = number
+      call group%get("max_steps", steps)
+      if (steps /= unset_integer) limits%max_steps = steps
+      call group%get("wall_limit", word)
+      if (is_clock(word)) limits%wall_limit = real(clock_seconds(word), wp)
+      limits%ask_scheduler = word == "slurm"
+      call group%get("stop_when", word)
+      if (word == "kinetic_below") call group%get("stop_value", limits%kinetic_below)
+      if (word == "at_rest") call group%get("stop_value", limits%rest_below)
+   end subroutine read_time_limits
+end module scene_time
