@@ -95,7 +95,7 @@ contains
    pure integer(int64) function cells_key(self, grid, cell) result(key)
       class(cells_t), intent(in) :: self                 !! The cells
       type(grid_t), intent(in) :: grid                   !! The grid
-      integer, intent(in) :: cell                        !! Which one
+      integer, intent(in) :: cell                        !! Its index
 
       associate (place => self%place(:, cell))
          key = place(1) + grid%cells(1)*(place(2) + int(grid%cells(2), int64)*place(3))

@@ -30,55 +30,66 @@ contains
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       type(cells_t), intent(in) :: cells                 !! Their cells
       real(wp), allocatable, intent(out) :: sums(:, :)   !! (sum, cell)
-      real(wp) :: position(3), velocity(3)
-      integer :: filled, p, row, store, pass
+      integer :: filled, p, row, store
 
       allocate (sums(sum_words, cells%count), source=0.0_wp)
       sums(14:16, :) = huge(1.0_wp)
       sums(17:19, :) = -huge(1.0_wp)
       sums(21, :) = huge(1.0_wp)
-      do pass = 1, 2
-         filled = 0
-         do store = 1, size(stores)
-            do row = 1, size(picks(store)%order)
-               p = picks(store)%order(row)
-               position = [stores(store)%position(p, 1), stores(store)%position(p, 2), &
-                  stores(store)%position(p, 3)]
-               velocity = [stores(store)%velocity(p, 1), stores(store)%velocity(p, 2), &
-                  stores(store)%velocity(p, 3)]
-               filled = filled + 1
-               associate (total => sums(:, cells%of_row(filled)), state => stores(store)%state)
-                  if (pass == 1) then
-                     call add_particle(state%mass(p), state%volume(p), position, velocity, total)
-                     total(21) = min(total(21), real(stores(store)%identity(p), wp))
-                     if (allocated(state%failed)) total(20) = total(20) &
-                        + state%mass(p)*real(min(state%failed(p), 1_int64), wp)
-                  else
-                     total(11:13) = total(11:13) + state%mass(p)*cross( &
-                        position - total(4:6)/total(2), velocity - total(7:9)/total(2))
-                  end if
-               end associate
-            end do
+      filled = 0
+      do store = 1, size(stores)
+         do row = 1, size(picks(store)%order)
+            filled = filled + 1
+            call add_particle(stores(store), picks(store)%order(row), &
+               sums(:, cells%of_row(filled)))
+         end do
+      end do
+      ! angular momentum is about the centres of mass of cells, which are known now
+      filled = 0
+      do store = 1, size(stores)
+         do row = 1, size(picks(store)%order)
+            filled = filled + 1
+            p = picks(store)%order(row)
+            associate (total => sums(:, cells%of_row(filled)))
+               total(11:13) = total(11:13) + stores(store)%state%mass(p)*cross( &
+                  vector_of(stores(store)%position, p) - total(4:6)/total(2), &
+                  vector_of(stores(store)%velocity, p) - total(7:9)/total(2))
+            end associate
          end do
       end do
    end subroutine cell_sums
 
-   !> Add a particle to its cell.
-   pure subroutine add_particle(mass, volume, position, velocity, total)
-      real(wp), intent(in) :: mass                       !! [kg]
-      real(wp), intent(in) :: volume                     !! [m3]
-      real(wp), intent(in) :: position(3)                !! [m]
-      real(wp), intent(in) :: velocity(3)                !! [m/s]
-      real(wp), intent(inout) :: total(:)                !! Sums of the cell
+   !> Components of a vector of a particle.
+   pure function vector_of(field, p) result(vector)
+      real(wp), intent(in) :: field(:, :)                !! (particle, component)
+      integer, intent(in) :: p                           !! Index of the particle
+      real(wp) :: vector(3)
 
-      total(1) = total(1) + 1.0_wp
-      total(2) = total(2) + mass
-      total(3) = total(3) + volume
-      total(4:6) = total(4:6) + mass*position
-      total(7:9) = total(7:9) + mass*velocity
-      total(10) = total(10) + 0.5_wp*mass*sum(velocity**2)
-      total(14:16) = min(total(14:16), position)
-      total(17:19) = max(total(17:19), position)
+      vector = [field(p, 1), field(p, 2), field(p, 3)]
+   end function vector_of
+
+   !> Add a particle to its cell.
+   pure subroutine add_particle(store, p, total)
+      type(store_t), intent(in) :: store                 !! The particles
+      integer, intent(in) :: p                           !! Index of the particle
+      real(wp), intent(inout) :: total(:)                !! Sums of the cell
+      real(wp) :: position(3), velocity(3)
+
+      position = vector_of(store%position, p)
+      velocity = vector_of(store%velocity, p)
+      associate (state => store%state)
+         total(1) = total(1) + 1.0_wp
+         total(2) = total(2) + state%mass(p)
+         total(3) = total(3) + state%volume(p)
+         total(4:6) = total(4:6) + state%mass(p)*position
+         total(7:9) = total(7:9) + state%mass(p)*velocity
+         total(10) = total(10) + 0.5_wp*state%mass(p)*sum(velocity**2)
+         total(14:16) = min(total(14:16), position)
+         total(17:19) = max(total(17:19), position)
+         total(21) = min(total(21), real(store%identity(p), wp))
+         if (allocated(state%failed)) total(20) = total(20) &
+            + state%mass(p)*real(min(state%failed(p), 1_int64), wp)
+      end associate
    end subroutine add_particle
 
    !> What a fragment holds, from its cells in their order.

@@ -17,12 +17,12 @@ module io_means
    integer, parameter, public :: by_volume = 2           !! Weight of a particle: its volume
    integer, parameter, public :: highest = 3             !! No mean but the greatest height
    integer, parameter, public :: along_axis = 4          !! By mass, only what goes along the axis
-   !> What only a profile can hold: where its matter ends above, its velocity along the axis.
+   !> Fields of profiles alone: greatest height of the material, velocity along the axis.
    character(len=field_name_length), parameter :: profile_names(2) = &
       [character(len=field_name_length) :: "surface_height", "depth_mean_velocity"]
-   !> What only a grid can hold: volume of matter over that of the cell.
+   !> Field of grids alone: volume of material over that of the cell.
    character(len=*), parameter, public :: volume_fraction = "volume_fraction"
-   !> Means that "default" asks for, as far as there are.
+   !> Means of "default", as far as the particles have the fields.
    character(len=field_name_length), parameter :: usual(5) = [character(len=field_name_length) :: &
       "density", "velocity", "stress", "temperature", "failed"]
 
@@ -39,7 +39,7 @@ contains
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       character(len=*), intent(in) :: fields(:)          !! Names, or "default"
       logical, intent(in) :: of_grid                     !! Of cells; else in a profile
-      type(mean_t), allocatable, intent(out) :: means(:) !! In the order asked for
+      type(mean_t), allocatable, intent(out) :: means(:) !! In the order of the names
       type(error_t), allocatable, intent(out) :: error   !! A name does not work
       integer :: n, m
 
@@ -150,7 +150,7 @@ contains
    subroutine fill_mean(stores, picks, column, values)
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
-      type(column_t), intent(in) :: column               !! What is wanted
+      type(column_t), intent(in) :: column               !! The request
       real(wp), allocatable, intent(out) :: values(:, :) !! (component, row)
       integer(int64), allocatable :: integers(:)
       integer :: rows, store

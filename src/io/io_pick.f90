@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Which particles an output takes: those of some bodies, in a region, near a plane, or every so
-!! many. The choice goes by what a particle is and where it is, so that it does not depend on ranks.
+!> Selection of particles for an output: those of some bodies, in a region, near a plane, or every
+!! n-th by id. It depends on identity and position alone, so it is the same for any ranks.
 module io_pick
    use base_kinds, only: int64, wp
    use io_order, only: tile_order
@@ -11,28 +11,28 @@ module io_pick
 
    public :: pick_rule_t
 
-   !> What is asked of a particle. Without a word all are taken.
+   !> Conditions on a particle. By default all are selected.
    type :: pick_rule_t
-      integer :: stride = 1                              !! Only every so many identities
+      integer :: stride = 1                              !! Only every n-th identity
       integer(int64), allocatable :: bodies(:)           !! Only these, if allocated
       type(shape_holder_t), allocatable :: region        !! Only what lies in it, if allocated
       integer :: axis = 0                                !! Normal of a plane, 0 = there is none
-      real(wp) :: lower = 0.0_wp                         !! Begin of what counts as on it [m]
-      real(wp) :: upper = 0.0_wp                         !! End of it, itself outside [m]
+      real(wp) :: lower = 0.0_wp                         !! Lower bound of the layer around it [m]
+      real(wp) :: upper = 0.0_wp                         !! Upper bound of it, excluded [m]
       logical :: intact = .false.                        !! Only what has not failed
    contains
-      procedure :: pick => rule_pick                     !! Places of the particles it takes
-      procedure, private :: takes => rule_takes          !! Is a particle taken?
-      procedure, private :: takes_all => rule_takes_all  !! Is nothing asked?
+      procedure :: pick => rule_pick                     !! Indices of the selected particles
+      procedure, private :: takes => rule_takes          !! Is a particle selected?
+      procedure, private :: takes_all => rule_takes_all  !! Are there no conditions?
    end type pick_rule_t
 
 contains
 
-   !> Places of the particles of a store that are taken, tile after tile.
+   !> Indices of the selected particles of a store, tile after tile.
    pure subroutine rule_pick(self, store, order)
-      class(pick_rule_t), intent(in) :: self             !! What is wanted
+      class(pick_rule_t), intent(in) :: self             !! The request
       type(store_t), intent(in) :: store                 !! The particles
-      integer, allocatable, intent(out) :: order(:)      !! Their places
+      integer, allocatable, intent(out) :: order(:)      !! Their indices
       integer, allocatable :: shorter(:)
       integer :: kept, row
 
@@ -49,19 +49,19 @@ contains
       call move_alloc(shorter, order)
    end subroutine rule_pick
 
-   !> True if nothing is asked.
+   !> True if there are no conditions.
    pure logical function rule_takes_all(self) result(all_of_them)
-      class(pick_rule_t), intent(in) :: self             !! What is wanted
+      class(pick_rule_t), intent(in) :: self             !! The request
 
       all_of_them = self%stride <= 1 .and. .not. allocated(self%bodies) .and. self%axis == 0 &
          .and. .not. allocated(self%region) .and. .not. self%intact
    end function rule_takes_all
 
-   !> True if a particle is taken.
+   !> True if a particle is selected.
    pure logical function rule_takes(self, store, p) result(taken)
-      class(pick_rule_t), intent(in) :: self             !! What is wanted
+      class(pick_rule_t), intent(in) :: self             !! The request
       type(store_t), intent(in) :: store                 !! The particles
-      integer, intent(in) :: p                           !! Which one
+      integer, intent(in) :: p                           !! Its index
       real(wp) :: position(3)
 
       taken = mod(store%identity(p), int(max(self%stride, 1), int64)) == 0_int64
