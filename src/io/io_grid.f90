@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Fields on the cells of the grid as VTKHDF ImageData, which ParaView opens: only the smallest
-!! block
-!! of cells that holds all material is written.
+!! block of cells that holds all material is written.
 !!
 !! The points of the image are the middles of cells. Of what the format allows VTK 9.2, and so
 !! ParaView 5.11, cannot read data of cells, data of the whole field, such as the time, nor images

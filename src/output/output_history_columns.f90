@@ -230,9 +230,8 @@ contains
       energy = total%value()
    end function potential_energy
 
-   !> Position along x that 99 % of the mass do not exceed, found in columns of cells, with uniform
-   !! mass
-   !! in a column. Collective. [m]
+   !> Position along x that 99 % of the mass do not exceed, found in columns of cells with uniform
+   !! mass in each. Collective. [m]
    function reach(simulation) result(place)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp) :: place
@@ -262,9 +261,8 @@ contains
    end function reach
 
    !> Greatest height of the material, with half the size of the particle, and the greatest and
-   !! least
-   !! positions of particles. Without particles a greatest one is the lower end of the grid, a least
-   !! one its upper end. Collective.
+   !! least positions of particles. Without particles a greatest one is the lower end of the grid, a
+   !! least one its upper end. Collective.
    subroutine find_ends(simulation, top, greatest, least)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(out) :: top                   !! Along z [m]
