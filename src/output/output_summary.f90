@@ -90,7 +90,7 @@ contains
       call add_rules(json, simulation%guard)
       call json%add("particles_halved", counts(3))
       call add_timers(json, simulation, least, mean, greatest)
-      call add_ledger(json, simulation, now, trust)
+      call add_balance(json, simulation, now, trust)
       if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
       if (allocated(simulation%exact)) call add_exact(json, simulation)
       call add_files(json, outputs)
@@ -374,7 +374,7 @@ contains
    end subroutine add_timers
 
    !> The ledger, and what it cannot show.
-   subroutine add_ledger(json, simulation, now, trust)
+   subroutine add_balance(json, simulation, now, trust)
       type(json_t), intent(inout) :: json            !! The summary
       type(simulation_t), intent(in) :: simulation   !! With the start
       type(balance_t), intent(in) :: now             !! The end
@@ -382,7 +382,7 @@ contains
 
       call add_ledger(json, simulation, now)
       call add_trust(json, trust)
-   end subroutine add_ledger
+   end subroutine add_balance
 
    !> Every entry at the start and the end, and the errors.
    subroutine add_ledger(json, simulation, now)
