@@ -316,12 +316,10 @@ contains
    logical function schema_extend_owner(self, group, name, word) result(declared)
       class(schema_t), intent(inout) :: self             !! The schema
       character(len=*), intent(in) :: group, name, word  !! Group and key; the further word
-      integer :: key
 
       associate (rule => self%groups(self%find(group)))
-         key = rule%find(name)
-         declared = key > 0
-         if (declared) call append(rule%keys(key)%owners(1)%words, word)
+         declared = rule%find(name) > 0
+         if (declared) call append(rule%keys(rule%find(name))%owners(1)%words, word)
       end associate
    end function schema_extend_owner
 

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Fragments are sets of particles whose cells touch each other.
 !!
-!! Cells with particles that share a node belong together, as their particles feel each other there;
-!! a limit on the difference of their velocities can part them. All ranks learn all such cells (8
+!! Cells with particles that share a node are connected, because their particles interact there; a
+!! limit on the difference of their velocities can separate them. All ranks learn all such cells (8
 !! bytes each, 32 with that limit) and find the same fragments; what a fragment holds is added
 !! up by one rank, in the order of its cells, so that no bit depends on the number of ranks.
 module io_fragments
@@ -23,10 +23,10 @@ module io_fragments
 
    integer, parameter :: column_length = 40              !! Longest heading of a column
 
-   !> What is looked for.
+   !> Definition of fragments.
    type :: fragments_t
       type(pick_rule_t) :: rule                          !! Which particles
-      real(wp) :: velocity_cut = huge(1.0_wp)            !! Cells that differ by more part [m/s]
+      real(wp) :: velocity_cut = huge(1.0_wp) !! Cells that differ by more are separate [m/s]
    end type fragments_t
 
    !> The fragments of the particles of a store.
@@ -175,7 +175,7 @@ contains
       real(wp), intent(in) :: velocity_cut               !! Cells that differ by more part [m/s]
       type(map_t), intent(inout) :: map                  !! All cells
       integer, allocatable :: stack(:)
-      integer :: start, cell, next, height, fragments, x, y, z, image(3)
+      integer :: start, cell, next, height, fragments, neighbour, image(3)
 
       allocate (stack(size(map%key)))
       fragments = 0
@@ -188,28 +188,36 @@ contains
          do while (height > 0)
             cell = stack(height)
             height = height - 1
-            do z = -1, 1
-               do y = -1, 1
-                  do x = -1, 1
-                     call step_to(grid, map, cell, [x, y, z], next, image)
-                     if (next == 0) cycle
-                     if (map%fragment(next) > 0) cycle
-                     if (allocated(map%velocity)) then
-                        if (norm2(map%velocity(:, next) - map%velocity(:, cell)) > velocity_cut) &
-                           cycle
-                     end if
-                     map%fragment(next) = fragments
-                     map%image(:, next) = image
-                     height = height + 1
-                     stack(height) = next
-                  end do
-               end do
+            do neighbour = 0, 26
+               call step_to(grid, map, cell, [mod(neighbour, 3), mod(neighbour/3, 3), &
+                  neighbour/9] - 1, next, image)
+               if (.not. joins(map, cell, next, velocity_cut)) cycle
+               map%fragment(next) = fragments
+               map%image(:, next) = image
+               height = height + 1
+               stack(height) = next
             end do
          end do
       end do
    end subroutine connect
 
-   !> The cell beside another one, round a periodic box if need be; 0 if there is none.
+   !> True if a neighbour joins the fragment of a cell: it has particles, is in no fragment yet, and
+   !! does not move away.
+   pure logical function joins(map, cell, next, velocity_cut) result(joined)
+      type(map_t), intent(in) :: map                     !! All cells
+      integer, intent(in) :: cell                        !! The cell
+      integer, intent(in) :: next                        !! Its neighbour, 0 = without particles
+      real(wp), intent(in) :: velocity_cut               !! Least velocity of separation [m/s]
+
+      joined = .false.
+      if (next == 0) return
+      if (map%fragment(next) > 0) return
+      joined = .true.
+      if (allocated(map%velocity)) joined = &
+         .not. norm2(map%velocity(:, next) - map%velocity(:, cell)) > velocity_cut
+   end function joins
+
+   !> The neighbour of a cell, across the ends of a periodic box if need be; 0 if there is none.
    pure subroutine step_to(grid, map, cell, way, next, image)
       type(grid_t), intent(in) :: grid                   !! The grid
       type(map_t), intent(in) :: map                     !! All cells

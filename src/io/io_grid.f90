@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Fields on the cells of the grid as VTKHDF ImageData, which ParaView opens: only the smallest box
-!! of cells that holds all matter is written.
+!> Fields on the cells of the grid as VTKHDF ImageData, which ParaView opens: only the smallest
+!! block of cells that holds all material is written.
 !!
 !! The points of the image are the middles of cells. Of what the format allows VTK 9.2, and so
 !! ParaView 5.11, cannot read data of cells, data of the whole field, such as the time, nor images
-!! without thickness. So times stand in the series and in /provenance, and where there is one layer
+!! without thickness. So times are in the series and in /provenance, and where there is one layer
 !! of cells its two faces have points. Ranks send their cells to the owners of the planes of the
 !! box, so no rank holds all of it.
 module io_grid
@@ -29,9 +29,9 @@ module io_grid
 
    public :: grid_write
 
-   character(len=*), parameter :: root = "/VTKHDF"       !! Where viewers look
+   character(len=*), parameter :: root = "/VTKHDF"       !! Group that viewers read
 
-   !> A box of cells, and the planes of it that a rank writes.
+   !> A block of cells, and the planes of it that a rank writes.
    type :: box_t
       integer :: first(3) = 0                            !! First cell, from 0
       logical :: layer(3) = .false.                      !! Is there one layer of cells?
@@ -79,7 +79,7 @@ contains
       call file%finish(error)
    end subroutine grid_write
 
-   !> The smallest box around the cells of all ranks, and who writes which planes of it.
+   !> The smallest block around the cells of all ranks, and the rank that writes each plane.
    subroutine find_box(communicator, cells, compress, box)
       type(communicator_t), intent(in) :: communicator   !! The ranks
       type(cells_t), intent(in) :: cells                 !! Those of this rank
@@ -90,7 +90,7 @@ contains
       edges = huge(edges)
       if (cells%count > 0) edges = [minval(cells%place, dim=2), -maxval(cells%place, dim=2)]
       call communicator%least(edges)
-      ! without any matter one empty cell stands for the box
+      ! without material one empty cell is written
       if (edges(1) == huge(edges)) edges = 0
       box%first = int(edges(:3))
       box%extent = int(-edges(4:) - edges(:3)) + 1
@@ -170,7 +170,7 @@ contains
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       type(cells_t), intent(in) :: cells                 !! Their cells
-      type(mean_t), intent(in) :: mean                   !! What is wanted
+      type(mean_t), intent(in) :: mean                   !! The request
       real(wp), allocatable, intent(out) :: values(:, :) !! (component, cell)
       real(wp), allocatable :: rows(:, :), weight(:), total(:, :)
       type(mean_t) :: other

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Time histories and other tables as CSV: a heading with units, one row a time or several, cut back
-!! on restart. A column without a unit holds whole numbers.
+!! on restart. A column without a unit holds integers.
 module io_history
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -15,13 +15,13 @@ module io_history
 
    public :: history_t
 
-   character(len=*), parameter :: key = "step"           !! Column that is a whole number
+   character(len=*), parameter :: key = "step"           !! Column of integers
    integer, parameter :: unit_length = 16                !! Longest unit
 
    !> A file of histories. Rank 0 writes; the values must be the same on all ranks.
    type :: history_t
       integer, private :: key_place = 0                  !! Place of the column "step"
-      logical, allocatable, private :: whole(:)          !! (column) Whole numbers
+      logical, allocatable, private :: whole(:)          !! (column) Is it of integers?
       type(output_units_t) :: units                      !! Units of the columns
       character(len=unit_length), allocatable, private :: unit(:) !! (column) Unit of SI
       type(output_file_t), private :: file               !! Open on rank 0

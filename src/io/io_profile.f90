@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Profiles hold counts, masses and means of particles in equal bins along an axis, and how high
-!! matter reaches in them. All sums are exact, so they do not depend on the order of the particles.
+!> Profiles hold counts, masses and means of particles in equal bins along an axis, and the greatest
+!! height of the material in each. All sums are exact, so they do not depend on the order of the
+!! particles.
 module io_profile
    use base_communicator, only: communicator_t
    use base_constants, only: pi
@@ -59,7 +60,7 @@ contains
    !> Ending of the name of a component, empty for a number.
    pure function part_name(components, part) result(name)
       integer, intent(in) :: components                  !! How many there are
-      integer, intent(in) :: part                        !! Which one
+      integer, intent(in) :: part                        !! Its index
       character(len=:), allocatable :: name
 
       select case (components)
@@ -77,15 +78,15 @@ contains
    !> The table of one time, all columns but time and step: (column, bin). Collective.
    subroutine profile_rows(communicator, grid, stores, profile, rows)
       type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid                   !! The box and its directions
+      type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(profile_t), intent(in) :: profile             !! What is wanted
+      type(profile_t), intent(in) :: profile             !! Bins, fields and selection
       real(wp), allocatable, intent(out) :: rows(:, :)   !! The table
       type(picks_t), allocatable :: picks(:)
       integer(int64), allocatable :: counts(:)
       integer, allocatable :: bin(:)
       real(wp), allocatable :: mass(:), volume(:), values(:, :), one(:)
-      integer :: at, n, part, row
+      integer :: at, n, row
 
       allocate (picks(size(stores)))
       do n = 1, size(stores)
@@ -119,21 +120,35 @@ contains
             cycle
          end if
          call fill_values(stores, picks, profile%means(n), profile%axis, values)
-         do part = 1, size(values, 1)
-            at = at + 1
-            select case (profile%means(n)%weight)
-            case (added)
-               call add_up(communicator, bin, one, values(part, :), rows(at, :))
-            case (by_volume)
-               call add_up(communicator, bin, volume, values(part, :), rows(at, :))
-               where (rows(5, :) > 0.0_wp) rows(at, :) = rows(at, :)/rows(5, :)
-            case default
-               call add_up(communicator, bin, mass, values(part, :), rows(at, :))
-               where (rows(4, :) > 0.0_wp) rows(at, :) = rows(at, :)/rows(4, :)
-            end select
-         end do
+         select case (profile%means(n)%weight)
+         case (added)
+            call add_means(communicator, bin, one, values, at, rows)
+         case (by_volume)
+            call add_means(communicator, bin, volume, values, at, rows, divisor=5)
+         case default
+            call add_means(communicator, bin, mass, values, at, rows, divisor=4)
+         end select
+         at = at + size(values, 1)
       end do
    end subroutine profile_rows
+
+   !> Sums or means of the components of a field in each bin. Collective.
+   subroutine add_means(communicator, bin, weight, values, at, rows, divisor)
+      type(communicator_t), intent(in) :: communicator   !! The ranks
+      integer, intent(in) :: bin(:)                      !! (row)
+      real(wp), intent(in) :: weight(:)                  !! (row) Factor
+      real(wp), intent(in) :: values(:, :)               !! (component, row)
+      integer, intent(in) :: at                          !! Columns before those of the field
+      real(wp), intent(inout) :: rows(:, :)              !! (column, bin) The table
+      integer, intent(in), optional :: divisor           !! Column that divides the sums
+      integer :: part
+
+      do part = 1, size(values, 1)
+         call add_up(communicator, bin, weight, values(part, :), rows(at + part, :))
+         if (.not. present(divisor)) cycle
+         where (rows(divisor, :) > 0.0_wp) rows(at + part, :) = rows(at + part, :)/rows(divisor, :)
+      end do
+   end subroutine add_means
 
    !> Values of all particles, of which the rows are means or sums.
    subroutine fill_values(stores, picks, mean, axis, values)
@@ -161,11 +176,11 @@ contains
       end do
    end subroutine fill_values
 
-   !> Greatest height of matter in each bin, on all ranks. Where there is none it is that of the
-   !! lower end of the grid. Collective.
+   !> Greatest height of material in each bin, on all ranks; that of the lower end of the grid in an
+   !! empty bin. Collective.
    subroutine find_heights(communicator, grid, stores, picks, bin, heights)
       type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid                   !! The box and its directions
+      type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(in) :: stores(:)             !! The particles
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       integer, intent(in) :: bin(:)                      !! (row)
@@ -187,12 +202,12 @@ contains
       heights = greatest
    end subroutine find_heights
 
-   !> Half the height of a particle: that of the box it carries, else of a cube, in two dimensions a
-   !! square, of its present volume [m].
+   !> Half the height of a particle: that of its own domain if it has one, else of a cube, in two
+   !! dimensions a square, of its present volume [m].
    pure real(wp) function half_height(grid, store, p) result(half)
-      type(grid_t), intent(in) :: grid                   !! The box and its directions
+      type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(in) :: store                 !! The particles
-      integer, intent(in) :: p                           !! Which one
+      integer, intent(in) :: p                           !! Its index
       real(wp) :: width
 
       if (allocated(store%extent)) then

@@ -24,8 +24,8 @@ module io_snapshot
    public :: rounded, snapshot_format_t, snapshot_header_t, snapshot_write, write_bodies, &
       write_provenance, write_units
 
-   character(len=*), parameter :: root = "/VTKHDF"       !! Where viewers look
-   character(len=*), parameter :: about = "/provenance"  !! Where the file came from
+   character(len=*), parameter :: root = "/VTKHDF"       !! Group that viewers read
+   character(len=*), parameter :: about = "/provenance"  !! Origin of the file
    integer, parameter, public :: body_name_length = 64   !! Longest name of a body
 
    !> How a snapshot is written.
@@ -34,7 +34,7 @@ module io_snapshot
       integer :: compress = 1                            !! gzip level, 0: off
    end type snapshot_format_t
 
-   !> What stands in a snapshot beside the particles. The same on all ranks. Texts that are not
+   !> Content of a snapshot beside the particles. The same on all ranks. Texts that are not
    !! allocated and counts that are 0 are left out; without host, date, ranks, threads and wall time
    !! equal runs give equal bytes.
    type :: snapshot_header_t
@@ -383,7 +383,7 @@ contains
          call write_bytes(file, name, rows_of_root(file%communicator, len(text)), text)
    end subroutine write_text
 
-   !> Write what the numbers of bodies and materials stand for.
+   !> Write the names of bodies and materials.
    subroutine write_bodies(file, header)
       type(hdf5_file_t), intent(inout) :: file           !! The file
       type(snapshot_header_t), intent(in) :: header      !! Names

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Walls of a scene as a VTKHDF file, for ParaView and for pictures: the faces of the box with their
+!> Walls of a scene as a VTKHDF file, for ParaView and for pictures: the boundaries with their
 !! types and the surfaces of rigid regions.
 module io_walls
    use base_communicator, only: communicator_t
@@ -14,7 +14,7 @@ module io_walls
 
    public :: walls_t, walls_write
 
-   character(len=*), parameter :: root = "/VTKHDF"       !! Where viewers look
+   character(len=*), parameter :: root = "/VTKHDF"       !! Group that viewers read
    character(len=*), parameter :: group = "/walls"       !! What the walls are
    integer, parameter, public :: wall_name_length = 96   !! Longest name of a wall
    real(wp), parameter, public :: never = 1.0e30_wp      !! Time that is not reached in any unit [s]
@@ -70,7 +70,7 @@ contains
    !> Add cells of one kind to a wall.
    pure subroutine walls_add(self, wall, piece)
       class(walls_t), intent(inout) :: self              !! The walls
-      integer, intent(in) :: wall                        !! Which one
+      integer, intent(in) :: wall                        !! Its index
       real(wp), intent(in) :: piece(:, :, :)             !! (3, corner, cell) [m]
       real(wp), allocatable :: longer(:, :)
       integer :: before, corner, n

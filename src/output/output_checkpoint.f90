@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Checkpoints of a run and the way back from them.
+!> Writes checkpoints of a run and resumes from them.
 module output_checkpoint
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
@@ -21,7 +21,7 @@ module output_checkpoint
 
 contains
 
-   !> Step, time, books and counters of a run.
+   !> Step, time, ledger and counters of a run.
    subroutine describe_state(simulation, state)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(state_t), intent(out) :: state            !! The same on all ranks
@@ -35,7 +35,7 @@ contains
    !> Write a checkpoint and count it.
    subroutine write_checkpoint(simulation, outputs, place, error)
       type(simulation_t), intent(inout) :: simulation !! The run
-      type(outputs_t), intent(in) :: outputs         !! Their counters go along
+      type(outputs_t), intent(in) :: outputs         !! Their counters are written too
       type(checkpoint_place_t), intent(inout) :: place !! Where; its number grows
       type(error_t), allocatable, intent(out) :: error !! Not written; older ones are intact
       type(state_t) :: state
@@ -53,7 +53,8 @@ contains
       call simulation%timer%stop(simulation%phase%checkpoint)
    end subroutine write_checkpoint
 
-   !> What a state cannot be carried over to: the number of directions, and whether they go round.
+   !> What the deck of a restart must share: the number of directions, and whether they are
+   !! axisymmetric.
    pure function space_of(simulation) result(space)
       type(simulation_t), intent(in) :: simulation   !! The run
       integer(int64) :: space(2)
@@ -62,13 +63,13 @@ contains
          merge(1_int64, 0_int64, simulation%grid%axisymmetric)]
    end function space_of
 
-   !> Go on from a checkpoint: the one named, or the newest that can be read.
+   !> Resume from a checkpoint: the one that is given, or the newest that can be read.
    subroutine resume(simulation, outputs, place, file, note, changes, error)
       type(simulation_t), intent(inout) :: simulation !! The run, without particles
       type(outputs_t), intent(inout) :: outputs      !! Their counters
       type(checkpoint_place_t), intent(inout) :: place !! Folder and case; gets the next number
       character(len=*), intent(in) :: file           !! Empty = the newest
-      character(len=:), allocatable, intent(out) :: note !! What the log should say
+      character(len=:), allocatable, intent(out) :: note !! Lines for the log
       type(changes_t), intent(out) :: changes        !! Keys that differ from those of the file
       type(error_t), allocatable, intent(out) :: error !! None can be read, or of another deck
       character(len=:), allocatable :: path, passed
@@ -116,8 +117,8 @@ contains
       call distribute_particles(simulation)
    end subroutine resume
 
-   !> Number the next checkpoint after all in the folder: a run that goes on from a file of the
-   !! user's choice leaves later ones as they are.
+   !> Number the next checkpoint after all in the folder: a run that resumes from a given file
+   !! keeps later ones.
    subroutine pass_by(simulation, place, error)
       type(simulation_t), intent(in) :: simulation   !! For the ranks
       type(checkpoint_place_t), intent(inout) :: place !! Gets another number

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What output files and checkpoints say about their simulation.
+!> Description of the run for output files and checkpoints.
 module output_description
    use base_deck, only: deck_t, group_t
    use base_units, only: system_number, system_si
@@ -17,13 +17,13 @@ module output_description
 
 contains
 
-   !> Names of the run: folder, case, and what files say of it.
+   !> Set folder, case and the description of the run that files hold.
    subroutine describe_simulation(deck, simulation, bodies, deck_text, folder, outputs, place)
       type(deck_t), intent(in) :: deck               !! The deck
       type(simulation_t), intent(in) :: simulation   !! The run
       type(body_t), intent(in) :: bodies(:)          !! Its bodies
       character(len=*), intent(in) :: deck_text      !! As written
-      character(len=:), allocatable, intent(in) :: folder !! Wish of the user, if any
+      character(len=:), allocatable, intent(in) :: folder !! From the command line, if given
       type(outputs_t), intent(inout) :: outputs      !! Gets folder, case and header
       type(checkpoint_place_t), intent(inout) :: place !! Gets folder, case and how many to keep
       type(group_t) :: group

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What the lines of a history hold: by itself the whole ledger, else the columns that the deck
-!! names, among them some that are found only for those who ask.
+!> Columns of a history: by default the whole ledger, else those that the deck names. Some are
+!! computed only on request.
 module output_history_columns
    use base_error, only: error_t, exit_input, fail
    use base_exact_sum, only: exact_sum_t
@@ -20,10 +20,10 @@ module output_history_columns
    public :: choose_history, history_columns_t, history_names, history_row
 
    integer, parameter :: before = 3                  !! Columns before the ledger
-   integer, parameter :: sums = 5                    !! Columns behind it: total and errors
+   integer, parameter :: sums = 5                    !! Columns after it: total and errors
    integer, parameter :: all_ledger = before + size(ledger_entries) + sums
    integer, parameter :: all_errors = size(error_columns) !! Columns of an exact solution
-   !> Columns that only those get who name them, with units; and their numbers.
+   !> Columns that must be named, with units; and their numbers.
    character(len=19), parameter :: further(13) = [character(len=19) :: "potential [J]", &
       "runout [m]", "height [m]", "front_x [m]", "front_y [m]", "front_z [m]", "tail_x [m]", &
       "tail_y [m]", "tail_z [m]", "stretch [1]", "stretched_share [1]", "overlap [1]", &
@@ -32,7 +32,7 @@ module output_history_columns
       stretch = 10
    character(len=*), parameter :: other_name = "mass_failed" !! Of failed_mass
    integer, parameter :: every = all_ledger + all_errors + size(further)
-   real(wp), parameter :: share = 0.99_wp            !! Of the mass, behind the run-out
+   real(wp), parameter :: runout_mass = 0.99_wp      !! Of the mass, within the run-out
 
    !> The columns of a history, by their numbers in the list of all there are.
    type :: history_columns_t
@@ -87,7 +87,7 @@ contains
    subroutine choose_history(fields, with_exact, grid, with_gravity, columns, error)
       character(len=*), intent(in) :: fields(:)      !! Names, or "default"
       logical, intent(in) :: with_exact              !! Is there an exact solution?
-      type(grid_t), intent(in) :: grid               !! The box and its directions
+      type(grid_t), intent(in) :: grid               !! The grid and its directions
       logical, intent(in) :: with_gravity            !! Is there gravity?
       type(history_columns_t), intent(out) :: columns !! What the history shows
       type(error_t), allocatable, intent(out) :: error !! A name does not work
@@ -126,7 +126,7 @@ contains
 
    !> Take a column, unless it is taken already.
    pure subroutine take(number, list, chosen)
-      integer, intent(in) :: number                  !! Which one
+      integer, intent(in) :: number                  !! Its index
       integer, allocatable, intent(inout) :: list(:) !! In their order
       logical, intent(inout) :: chosen(:)            !! Those that are taken
 
@@ -139,7 +139,7 @@ contains
       character(len=*), intent(in) :: name           !! As in the deck
       integer, intent(in) :: number                  !! Of the column, 0 = there is none
       logical, intent(in) :: with_exact              !! Is there an exact solution?
-      type(grid_t), intent(in) :: grid               !! The box and its directions
+      type(grid_t), intent(in) :: grid               !! The grid and its directions
       logical, intent(in) :: with_gravity            !! Is there gravity?
       character(len=:), allocatable :: text
       type(text_t), allocatable :: names(:)
@@ -181,7 +181,7 @@ contains
    !> Values of a line. Collective.
    subroutine history_row(simulation, columns, row)
       type(simulation_t), intent(inout) :: simulation !! The run
-      type(history_columns_t), intent(in) :: columns !! What is wanted
+      type(history_columns_t), intent(in) :: columns !! Its columns
       real(wp), allocatable, intent(out) :: row(:)   !! (column)
       real(wp) :: values(every)
       type(balance_t) :: now
@@ -209,7 +209,7 @@ contains
       row = values(columns%chosen)
    end subroutine history_row
 
-   !> Energy of all particles in the field of gravity, 0 in the origin. Collective. [J]
+   !> Potential energy of all particles in the field of gravity, 0 at the origin. Collective. [J]
    function potential_energy(simulation) result(energy)
       type(simulation_t), intent(in) :: simulation   !! The run
       real(wp) :: energy
@@ -230,8 +230,8 @@ contains
       energy = total%value()
    end function potential_energy
 
-   !> Place along x behind which 99 % of the mass lie, found in columns of cells and between the
-   !! ends of one as if mass were even there. Collective. [m]
+   !> Position along x that 99 % of the mass do not exceed, found in columns of cells with uniform
+   !! mass in each. Collective. [m]
    function reach(simulation) result(place)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp) :: place
@@ -249,7 +249,7 @@ contains
          allocate (columns%means(0))
          call profile_rows(simulation%communicator, grid, simulation%stores, columns, rows)
       end associate
-      wanted = share*sum(rows(4, :))
+      wanted = runout_mass*sum(rows(4, :))
       mass = 0.0_wp
       place = columns%lower
       do n = 1, columns%bins
@@ -260,25 +260,23 @@ contains
       end do
    end function reach
 
-   !> Highest place of matter, with half the size of its particle, and the greatest and least
-   !! places of particles. Without any a greatest one is the lower end of
-   !! the box, a least one its upper end. Collective.
+   !> Greatest height of the material, with half the size of the particle, and the greatest and
+   !! least positions of particles. Without particles a greatest one is the lower end of the grid, a
+   !! least one its upper end. Collective.
    subroutine find_ends(simulation, top, greatest, least)
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp), intent(out) :: top                   !! Along z [m]
       real(wp), intent(out) :: greatest(3)           !! Along x, y, z [m]
       real(wp), intent(out) :: least(3)              !! Along x, y, z [m]
       real(wp) :: ends(7)
-      integer :: index, p, tile
+      integer :: index, tile
 
       associate (grid => simulation%grid)
          ends = [grid%lower(3), grid%lower, -grid%upper]
          do index = 1, size(simulation%stores)
             associate (store => simulation%stores(index))
                do tile = 1, size(store%count)
-                  do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                     call widen(grid, store, p, ends)
-                  end do
+                  call widen(grid, store, tile, ends)
                end do
             end associate
          end do
@@ -289,15 +287,18 @@ contains
       least = -ends(5:7)
    end subroutine find_ends
 
-   !> Let the ends reach as far as a particle.
-   pure subroutine widen(grid, store, p, ends)
-      type(grid_t), intent(in) :: grid               !! The box and its directions
+   !> Extend the ends to the particles of a tile.
+   pure subroutine widen(grid, store, tile, ends)
+      type(grid_t), intent(in) :: grid               !! The grid and its directions
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
-      real(wp), intent(inout) :: ends(7)             !! Top, greatest places, least ones negative
+      integer, intent(in) :: tile                    !! Index of the tile
+      real(wp), intent(inout) :: ends(7)             !! Top, greatest positions, least ones negative
+      integer :: p
 
-      ends(1) = max(ends(1), store%position(p, 3) + half_height(grid, store, p))
-      ends(2:4) = max(ends(2:4), store%position(p, :))
-      ends(5:7) = max(ends(5:7), -store%position(p, :))
+      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+         ends(1) = max(ends(1), store%position(p, 3) + half_height(grid, store, p))
+         ends(2:4) = max(ends(2:4), store%position(p, :))
+         ends(5:7) = max(ends(5:7), -store%position(p, :))
+      end do
    end subroutine widen
 end module output_history_columns

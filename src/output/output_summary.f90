@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a run leaves behind about itself: tables in the log and CASE.summary.json.
+!> Report at the end of a run: tables in the log and CASE.summary.json.
 module output_summary
    use base_error, only: error_t
    use base_kinds, only: int64, wp
@@ -28,8 +28,8 @@ module output_summary
    integer, parameter :: extremes = 5                !! Number of extremes
    character(len=12), parameter :: extreme_names(extremes) = [character(len=12) :: "speed_max", &
       "pressure_min", "pressure_max", "density_min", "density_max"]
-   real(wp), parameter :: nano = 1.0e-9_wp           !! Times are added up in whole [ns]
-   integer, parameter :: kinds = 5                   !! Numbers about what ranks say to each other
+   real(wp), parameter :: nano = 1.0e-9_wp           !! Times are added as integers [ns]
+   integer, parameter :: kinds = 5                   !! Kinds of messages between ranks
    character(len=15), parameter :: kind_names(kinds) = [character(len=15) :: "patch_messages", &
       "patch_bytes", "moving_messages", "moving_bytes", "tiles_sent"]
 
@@ -90,7 +90,7 @@ contains
       call add_rules(json, simulation%guard)
       call json%add("particles_halved", counts(3))
       call add_timers(json, simulation, least, mean, greatest)
-      call add_books(json, simulation, now, trust)
+      call add_balance(json, simulation, now, trust)
       if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
       if (allocated(simulation%exact)) call add_exact(json, simulation)
       call add_files(json, outputs)
@@ -225,9 +225,9 @@ contains
       if (allocated(array)) numbers = size(array, kind=int64)
    end function length
 
-   !> The books as two lines of text.
+   !> The balance as two lines of text.
    function balance_text(now, rate, whole_rate, bytes) result(text)
-      type(balance_t), intent(in) :: now             !! The books
+      type(balance_t), intent(in) :: now             !! Ledger entries and errors
       real(wp), intent(in) :: rate                   !! Particle updates a second of the steps
       real(wp), intent(in) :: whole_rate             !! The same of the whole call, output included
       real(wp), intent(in) :: bytes                  !! A particle
@@ -375,7 +375,7 @@ contains
    end subroutine add_timers
 
    !> The ledger, and what it cannot show.
-   subroutine add_books(json, simulation, now, trust)
+   subroutine add_balance(json, simulation, now, trust)
       type(json_t), intent(inout) :: json            !! The summary
       type(simulation_t), intent(in) :: simulation   !! With the start
       type(balance_t), intent(in) :: now             !! The end
@@ -383,7 +383,7 @@ contains
 
       call add_ledger(json, simulation, now)
       call add_trust(json, trust)
-   end subroutine add_books
+   end subroutine add_balance
 
    !> Every entry at the start and the end, and the errors.
    subroutine add_ledger(json, simulation, now)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The walls of a scene for pictures: faces of the box, parts of them, and rigid regions, written
-!! once a run. doc/developer/decisions.md says why (Files).
+!> The walls of a scene for pictures: boundaries of the domain, parts of them, and rigid regions,
+!! written once a run. doc/developer/decisions.md says why (Files).
 module output_walls
    use base_error, only: error_t
    use base_kinds, only: wp
@@ -40,7 +40,7 @@ contains
          walls, outputs%header, error)
    end subroutine write_walls
 
-   !> A face of the box: as a whole, or in the squares of its cells where it has parts.
+   !> A boundary of the domain: as a whole, or in the squares of its cells where it has parts.
    subroutine add_face(walls, simulation, face)
       type(walls_t), intent(inout) :: walls          !! Get the face
       type(simulation_t), intent(in) :: simulation   !! The run
@@ -181,7 +181,7 @@ contains
       piece(ways(2), 4, 1) = last(ways(2))
    end function square
 
-   !> Surfaces of the rigid regions where they begin, and their ways.
+   !> Surfaces of the rigid regions at the start, and their paths.
    subroutine add_rigid(walls, simulation, time_end)
       type(walls_t), intent(inout) :: walls          !! Get the surfaces
       type(simulation_t), intent(in) :: simulation   !! The run

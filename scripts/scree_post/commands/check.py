@@ -3,8 +3,9 @@
 
 Every snapshot is opened with h5py and with the VTKHDF reader of VTK, and so is the .vtkhdf index
 where there is one: the number of points and cells, the bounds, the time, and the components and
-mean of every field must agree. Of files of fields on the grid every number must. Numbers are compared in the units of the files. Exit code 77
-means that the package vtk is missing and that what h5py alone can check did agree.
+mean of every field must agree. Of files of fields on the grid every number must. Numbers are
+compared in the units of the files. Exit code 77 means that the package vtk is missing and that
+what h5py alone can check did agree.
 """
 
 import os
