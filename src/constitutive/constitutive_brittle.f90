@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What models of brittle failure share: principal values of few particles, and random strength.
+!> Common parts of the models of brittle failure: principal values and random strength.
 module constitutive_brittle
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp
@@ -14,7 +14,7 @@ module constitutive_brittle
       bound_deviator, weibull_t
 
    !> Scatter of strength after W. Weibull, J. Appl. Mech. 18 (1951) 293: the probability that a
-   !! volume V bears less than f times the characteristic strength is 1 - exp(-V/V0 f**m).
+   !! volume V fails below f times the characteristic strength is 1 - exp(-V/V0 f**m).
    type :: weibull_t
       real(wp) :: modulus = 1.0_wp                   !! m [1]
       real(wp) :: volume = 0.0_wp !! V0, 0 if strength does not depend on size [m3]
@@ -24,7 +24,7 @@ contains
 
    !> Declare the keys that several models share.
    subroutine declare_brittle(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
 
       call declare_delay(schema)
       call schema%real("material", "weibull_m", "Weibull modulus of strength, or exponent of "// &
@@ -46,9 +46,9 @@ contains
 
    !> Random number of mean 1 that is distributed as exp(-x).
    elemental real(wp) function random_exponential(seed, identity) result(number)
-      integer(int64), intent(in) :: seed             !! Seed of the run
-      integer(int64), intent(in) :: identity         !! Whose number this is
-      ! Which of the numbers of a particle; another effect takes another.
+      integer(int64), intent(in) :: seed             !! Seed of the random numbers
+      integer(int64), intent(in) :: identity         !! Identity of the particle
+      ! Number of the draw of a particle; each effect has one of its own.
       integer(int64), parameter :: draw = 7717_int64
 
       number = -log(random_uniform(seed, identity, draw))
@@ -59,7 +59,7 @@ contains
    pure subroutine draw_weibull(weibull, density, seed, identity, first, last, mass, scatter)
       type(weibull_t), intent(in) :: weibull         !! Modulus and volume
       real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
-      integer(int64), intent(in) :: seed             !! Seed of the run
+      integer(int64), intent(in) :: seed             !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -95,7 +95,7 @@ contains
    !> Greatest and least principal value of one deviator.
    pure subroutine find_extremes(stress, particle, greatest, least)
       real(wp), contiguous, intent(in) :: stress(:, :)  !! Deviator (store, 6) [Pa]
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                !! Index in the store
       real(wp), intent(out) :: greatest              !! [Pa]
       real(wp), intent(out) :: least                 !! [Pa]
       real(wp) :: tensor(6), values(3), axes(3, 3)

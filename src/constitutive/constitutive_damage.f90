@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a damage model is: it lets the damage of a particle grow from 0 to 1.
+!> Abstract damage model: the damage of a particle grows from 0 to 1.
 module constitutive_damage
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp
@@ -20,16 +20,17 @@ module constitutive_damage
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
    contains
       procedure(declare_i), deferred :: declare      !! Declares its keys
-      procedure :: fault => damage_fault             !! What is wrong with its keys together
-      procedure :: needs_flow => damage_needs_flow   !! True if it counts plastic strain
+      procedure :: fault => damage_fault             !! Error in the combination of its keys
+      procedure :: needs_flow => damage_needs_flow   !! True if it uses plastic strain
       procedure :: takes_scatter => damage_takes_scatter !! True if strength may scatter
       procedure :: needs_weibull => damage_needs_weibull !! True if it needs a Weibull modulus
       procedure :: uses_jc_rate => damage_uses_jc_rate !! True if it reads the key jc_rate
-      procedure :: leaves_strength => damage_leaves_strength !! True if the law knows failed matter
+      !> True if the law knows failed material
+      procedure :: leaves_strength => damage_leaves_strength
       procedure(read_i), deferred :: read            !! Reads its keys
-      procedure(request_i), deferred :: request      !! Asks for the fields it needs
+      procedure(request_i), deferred :: request      !! Requests the fields it needs
       procedure :: draw_strength => damage_draw_strength !! Random strength of particles
-      procedure(update_i), deferred :: update        !! Lets the damage grow
+      procedure(update_i), deferred :: update        !! Damage after the step
    end type damage_t
 
    abstract interface
@@ -37,7 +38,7 @@ module constitutive_damage
          import :: damage_t, schema_t
          implicit none
          class(damage_t), intent(in) :: self
-         type(schema_t), intent(inout) :: schema               !! Keys of the deck
+         type(schema_t), intent(inout) :: schema
       end subroutine declare_i
 
       pure subroutine read_i(self, group, effects)
@@ -45,14 +46,14 @@ module constitutive_damage
          implicit none
          class(damage_t), intent(inout) :: self
          type(group_t), intent(in) :: group                    !! &material
-         type(effects_t), intent(in) :: effects                !! What is asked for
+         type(effects_t), intent(in) :: effects
       end subroutine read_i
 
       pure subroutine request_i(self, requests)
          import :: damage_t, field_requests_t
          implicit none
          class(damage_t), intent(in) :: self
-         class(field_requests_t), intent(inout) :: requests              !! Fields to be carried
+         class(field_requests_t), intent(inout) :: requests
       end subroutine request_i
 
       !> On entry the stress holds the deviator after the law, and pressure and plastic increment
@@ -71,7 +72,7 @@ module constitutive_damage
 
 contains
 
-   !> What is wrong with the keys of the model taken together; empty if nothing is.
+   !> Error in the combination of the keys of the model; empty if there is none.
    pure function damage_fault(self, group, law) result(text)
       class(damage_t), intent(in) :: self
       type(group_t), intent(in) :: group                       !! &material
@@ -81,23 +82,23 @@ contains
       text = ""
    end function damage_fault
 
-   !> True if the model counts plastic strain, so that the law must flow.
+   !> True if the model uses the plastic strain, so that the law must flow.
    pure logical function damage_needs_flow(self) result(needs)
-      class(damage_t), intent(in) :: self                      !! The model
+      class(damage_t), intent(in) :: self
 
       needs = .true.
    end function damage_needs_flow
 
    !> True if the strength of particles may scatter.
    pure logical function damage_takes_scatter(self) result(takes)
-      class(damage_t), intent(in) :: self                      !! The model
+      class(damage_t), intent(in) :: self
 
       takes = .false.
    end function damage_takes_scatter
 
    !> True if the model needs a Weibull modulus: where strength scatters, or always.
    pure logical function damage_needs_weibull(self, scatter) result(needs)
-      class(damage_t), intent(in) :: self                      !! The model
+      class(damage_t), intent(in) :: self
       logical, intent(in) :: scatter                           !! Switch size_scatter of &effects
 
       needs = scatter .and. self%takes_scatter()
@@ -105,23 +106,23 @@ contains
 
    !> True if the model reads the key jc_rate, which several models share.
    pure logical function damage_uses_jc_rate(self) result(uses)
-      class(damage_t), intent(in) :: self                      !! The model
+      class(damage_t), intent(in) :: self
 
       uses = .false.
    end function damage_uses_jc_rate
 
-   !> True if the law of strength itself knows what failed matter bears.
+   !> True if the law of strength itself knows what failed material supports.
    pure logical function damage_leaves_strength(self) result(leaves)
-      class(damage_t), intent(in) :: self                      !! The model
+      class(damage_t), intent(in) :: self
 
       leaves = .false.
    end function damage_leaves_strength
 
-   !> Random strength of new particles, where the model asked for the field `scatter`. Who they are
-   !! decides, not where or in which order they are.
+   !> Random strength of new particles, where the model requested the field `scatter`. It depends
+   !! on their identity, not on their position or order.
    pure subroutine damage_draw_strength(self, seed, identity, first, last, mass, scatter)
-      class(damage_t), intent(in) :: self                      !! The model
-      integer(int64), intent(in) :: seed                       !! Seed of the run
+      class(damage_t), intent(in) :: self
+      integer(int64), intent(in) :: seed                       !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:)    !! Of the particles (store)
       integer, intent(in) :: first                             !! First particle of the range
       integer, intent(in) :: last                              !! Last particle of the range

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The time that a load above the strength takes to failure: cracks nucleate and grow, the faster
-!! the greater the load. F. R. Tuler, B. M. Butcher, Int. J. Fract. Mech. 4 (1968) 431:
+!> Delay of failure under a load above the strength: cracks nucleate and grow, the faster the
+!! greater the load. F. R. Tuler, B. M. Butcher, Int. J. Fract. Mech. 4 (1968) 431:
 !!
 !!    dD/dt = x**n/tau,    x = load over strength - 1 > 0,    failed at D = 1.
 !!
@@ -16,24 +16,24 @@ module constitutive_delay
 
    public :: age_damage, declare_delay, delay_fault, delay_t, mean_power
 
-   !> Greatest overload that counts: what is loaded more fails at once, and powers stay numbers.
+   !> Greatest overload that counts: a greater load fails at once, and powers stay finite.
    real(wp), parameter :: most_overload = 1.0e9_wp
 
-   !> How long it takes.
+   !> Delay of failure.
    type :: delay_t
       real(wp) :: time = 0.0_wp                      !! To failure at twice the strength, tau [s]
       real(wp) :: power = 0.0_wp                     !! n [1]
    contains
       procedure :: read => delay_read                !! Reads its keys
-      procedure :: request => delay_request          !! Asks for the overload, if it is needed
-      procedure :: grow_damage => delay_grow_damage        !! Lets damage grow by the overload
+      procedure :: request => delay_request          !! Requests the overload, if it is needed
+      procedure :: grow_damage => delay_grow_damage        !! Growth of damage by the overload
    end type delay_t
 
 contains
 
    !> Declare the keys.
    subroutine declare_delay(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress "// &
          "principal_strain"
 
@@ -44,7 +44,7 @@ contains
          "the strength takes the same time", default="0", range=">= 0 <= 30", owner=owner)
    end subroutine declare_delay
 
-   !> What is wrong with the keys taken together; empty if nothing is.
+   !> Error in the combination of the keys; empty if there is none.
    pure function delay_fault(group) result(text)
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
@@ -61,7 +61,7 @@ contains
 
    !> Read the keys.
    pure subroutine delay_read(self, group)
-      class(delay_t), intent(inout) :: self          !! The delay
+      class(delay_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
 
       call group%get("failure_delay", self%time)
@@ -70,8 +70,8 @@ contains
 
    !> Overload of particles, if the delay depends on it.
    pure subroutine delay_request(self, requests)
-      class(delay_t), intent(in) :: self             !! The delay
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(delay_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       if (self%power > 0.0_wp) call requests%add("overload", "failure_delay_power", 1)
    end subroutine delay_request
@@ -87,8 +87,8 @@ contains
       if (delay > dt) grown = min(1.0_wp, damage + dt/delay)
    end function age_damage
 
-   !> Mean over a step of the power of an overload that goes evenly from one value to another; what
-   !! is below zero counts as zero. Equation (F.4).
+   !> Mean over a step of the power of an overload that changes linearly; negative
+   !! values count as zero. Equation (F.4).
    pure real(wp) function mean_power(before, now, power) result(mean)
       real(wp), intent(in) :: before                 !! Overload before the step [1]
       real(wp), intent(in) :: now                    !! After it [1]
@@ -111,14 +111,14 @@ contains
       end if
    end function mean_power
 
-   !> Let the damage of particles grow in a step whose load is known at its end.
+   !> Growth of damage in a step whose load is known at its end.
    pure subroutine delay_grow_damage(self, first, last, dt, load, overload, damage)
-      class(delay_t), intent(in) :: self             !! The delay
+      class(delay_t), intent(in) :: self
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(in) :: load(:)    !! Over strength, after the step (range) [1]
-      real(wp), contiguous, intent(inout) :: overload(:) !! Of the step before, on return of this
+      real(wp), contiguous, intent(inout) :: overload(:) !! Of the previous step, on return of this
       real(wp), contiguous, intent(inout) :: damage(:) !! (store) [1]
       integer :: i, k
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Which effects the deck asks of its materials.
+!> Switches of &effects that concern materials.
 module constitutive_effects
    use base_deck_group, only: group_t
    use base_schema, only: schema_t
@@ -8,14 +8,14 @@ module constitutive_effects
 
    public :: effects_t
 
-   !> The switches of &effects that concern materials. Only reading looks at them; what is on is
-   !! then a component of the material that is allocated.
+   !> The switches. They are used while materials are read only; an effect that is on is an
+   !! allocated component of the material afterwards.
    type :: effects_t
       logical :: strength = .true.                   !! Stress has a deviator
       logical :: eos = .true. !! Pressure from an equation of state, else of the bulk modulus
-      logical :: damage = .false.                    !! Particles fail for good
+      logical :: damage = .false.                    !! Particles fail permanently
       logical :: size_scatter = .false.              !! Their strength scatters
-      logical :: voids = .false.                     !! Volume is more than that of the matter
+      logical :: voids = .false.                     !! Volume is more than that of the material
       logical :: thermal = .false.                   !! Temperature follows the work
       logical :: melting = .false.                   !! No strength when melted
       logical :: viscosity = .true.                  !! Artificial viscosity of shocks
@@ -29,7 +29,7 @@ contains
 
    !> Declare the switches.
    subroutine effects_declare(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
 
       call schema%group("effects", "physics switches; a switched-off effect costs nothing and "// &
          "its keys are refused")
@@ -52,7 +52,7 @@ contains
 
    !> Read the switches.
    pure subroutine effects_read(self, group)
-      class(effects_t), intent(inout) :: self        !! The switches
+      class(effects_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &effects
 
       call group%get("strength", self%strength)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What an equation of state is: pressure and sound speed from density and energy. Equations (E.1)
+!> Abstract equation of state: pressure and sound speed from density and energy. Equations (E.1)
 !! and (E.2) of doc/theory/equations_of_state.md.
 module constitutive_eos
    use base_deck_group, only: group_t
@@ -15,15 +15,15 @@ module constitutive_eos
    !> An equation of state. The material holds none if the mean stress follows a rate form.
    type, abstract :: eos_t
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
-      real(wp) :: distension = 1.0_wp !! Of porous matter at the start, solid over its density [1]
+      real(wp) :: distension = 1.0_wp !! Of porous material at the start, solid over its density [1]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
    contains
       procedure :: declare => eos_declare            !! Declares its keys, if it has any
-      procedure :: fault => eos_fault                !! What is wrong with its keys together
+      procedure :: fault => eos_fault                !! Error in the combination of its keys
       procedure :: read => eos_read                  !! Reads its keys, if it has any
       procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
       procedure :: has_pores => eos_has_pores        !! True if its material is porous
-      procedure(request_i), deferred :: request      !! Asks for the fields it needs
+      procedure(request_i), deferred :: request      !! Requests the fields it needs
       procedure :: keep_state => eos_keep_state          !! Keeps what the step did to its own state
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => eos_find_gruneisen        !! Grueneisen number times density
@@ -35,7 +35,7 @@ module constitutive_eos
          import :: eos_t, field_requests_t
          implicit none
          class(eos_t), intent(in) :: self
-         class(field_requests_t), intent(inout) :: requests              !! Fields to be carried
+         class(field_requests_t), intent(inout) :: requests
       end subroutine request_i
 
       !> The square of the bulk sound speed [m2/s2] is left in the wave speed.
@@ -50,7 +50,7 @@ module constitutive_eos
       end subroutine update_i
 
       !> Energy [J] of one particle that carries none: work of the pressure from the reference
-      !! state, where the material bears no pressure below a limit [Pa].
+      !! state, where the material supports no pressure below a limit [Pa].
       pure function stored_energy_i(self, mass, volume, limit) result(energy)
          import :: eos_t, wp
          implicit none
@@ -66,20 +66,20 @@ contains
 
    !> Declare the keys of &material that belong to the equation of state. Most override this.
    subroutine eos_declare(self, schema)
-      class(eos_t), intent(in) :: self                         !! The equation of state
-      type(schema_t), intent(inout) :: schema                  !! Keys of the deck
+      class(eos_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
    end subroutine eos_declare
 
    !> Read the keys that belong to the equation of state. Its density is set before, its bulk
    !! modulus after this by the material, unless its own keys give it.
    pure subroutine eos_read(self, group)
-      class(eos_t), intent(inout) :: self                      !! The equation of state
+      class(eos_t), intent(inout) :: self
       type(group_t), intent(in) :: group                       !! &material
    end subroutine eos_read
 
-   !> What is wrong with the keys of the equation of state taken together; empty if nothing is.
+   !> Error in the combination of the keys of the equation of state; empty if there is none.
    pure function eos_fault(self, group) result(text)
-      class(eos_t), intent(in) :: self                         !! The equation of state
+      class(eos_t), intent(in) :: self
       type(group_t), intent(in) :: group                       !! &material
       character(len=:), allocatable :: text
 
@@ -88,14 +88,14 @@ contains
 
    !> True if the keys of the equation of state give the bulk modulus.
    pure logical function eos_sets_bulk(self) result(sets)
-      class(eos_t), intent(in) :: self                         !! The equation of state
+      class(eos_t), intent(in) :: self
 
       sets = .false.
    end function eos_sets_bulk
 
    !> True if the equation of state is that of porous material.
    pure logical function eos_has_pores(self) result(has)
-      class(eos_t), intent(in) :: self                         !! The equation of state
+      class(eos_t), intent(in) :: self
 
       has = .false.
    end function eos_has_pores
@@ -103,7 +103,7 @@ contains
    !> Grueneisen number times density at the middle of the step, for the temperature. It is 0 where
    !! the pressure does not depend on energy.
    pure subroutine eos_find_gruneisen(self, state, deformation, first, last)
-      class(eos_t), intent(in) :: self                         !! The equation of state
+      class(eos_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
@@ -114,7 +114,7 @@ contains
 
    !> Keep what the step did to the state that belongs to the equation of state, after `update`.
    pure subroutine eos_keep_state(self, state, deformation, first, last)
-      class(eos_t), intent(in) :: self                         !! The equation of state
+      class(eos_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state                  !! State of the store
       type(deformation_t), intent(in) :: deformation           !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range

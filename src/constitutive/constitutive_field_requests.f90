@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The fields that a material needs its particles to carry, and who asked for them.
+!> Fields that the particles of a material carry, each with the models that request it.
 module constitutive_field_requests
    use base_kinds, only: wp
    implicit none
@@ -10,27 +10,27 @@ module constitutive_field_requests
    !> One field.
    type :: field_request_t
       character(len=:), allocatable :: field         !! Name of the field in files
-      character(len=:), allocatable :: reason        !! Who asked for it
+      character(len=:), allocatable :: reason        !! Models that request it
       integer :: bytes = 0                           !! Bytes a particle
    end type field_request_t
 
    !> All fields, each once.
    type :: field_requests_t
-      type(field_request_t), allocatable :: entries(:)        !! In the order of asking
+      type(field_request_t), allocatable :: entries(:)        !! In the order of requests
    contains
-      procedure :: add => requests_add                 !! Ask for a field
-      procedure :: has => requests_has             !! True if somebody asked for a field
+      procedure :: add => requests_add                 !! Request a field
+      procedure :: has => requests_has             !! True if a field is requested
       procedure :: bytes => requests_bytes             !! Bytes a particle of all fields
       procedure :: report => requests_report           !! Table for the user
    end type field_requests_t
 
 contains
 
-   !> Ask for a field. Who asks for a field that is there already is added to its reasons.
+   !> Request a field. A further request of the same field adds its reason.
    pure subroutine requests_add(self, field, reason, components)
-      class(field_requests_t), intent(inout) :: self         !! The list
+      class(field_requests_t), intent(inout) :: self
       character(len=*), intent(in) :: field          !! Name of the field
-      character(len=*), intent(in) :: reason         !! Who asks
+      character(len=*), intent(in) :: reason         !! Model that requests it
       integer, intent(in) :: components              !! Numbers a particle
       type(field_request_t), allocatable :: longer(:)
       integer :: i, known
@@ -52,30 +52,30 @@ contains
       call move_alloc(longer, self%entries)
    end subroutine requests_add
 
-   !> True if somebody asked for a field.
-   pure logical function requests_has(self, field) result(asked)
-      class(field_requests_t), intent(in) :: self            !! The list
+   !> True if a field is requested.
+   pure logical function requests_has(self, field) result(found)
+      class(field_requests_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
       integer :: i
 
-      asked = .false.
+      found = .false.
       if (.not. allocated(self%entries)) return
       do i = 1, size(self%entries)
-         if (self%entries(i)%field == field) asked = .true.
+         if (self%entries(i)%field == field) found = .true.
       end do
    end function requests_has
 
    !> Bytes a particle of all fields.
    pure integer function requests_bytes(self) result(bytes)
-      class(field_requests_t), intent(in) :: self            !! The list
+      class(field_requests_t), intent(in) :: self
 
       bytes = 0
       if (allocated(self%entries)) bytes = sum(self%entries%bytes)
    end function requests_bytes
 
-   !> One line a field: name, bytes a particle, who asked for it.
+   !> One line a field: name, bytes a particle, the models that request it.
    pure function requests_report(self) result(text)
-      class(field_requests_t), intent(in) :: self            !! The list
+      class(field_requests_t), intent(in) :: self
       character(len=:), allocatable :: text
       character(len=20) :: name
       character(len=32) :: line

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> What laws share whose strength grows with the pressure.
 !!
-!! The pressure is that of the equation of state and so knows the density: matter that has come
-!! apart bears nothing until it is as dense again as it was. Where shear loosens it for good, by the
+!! The pressure is that of the equation of state and so knows the density: material that has come
+!! apart supports no stress until it is as dense again as it was. Where shear loosens it for good,
+!! by the
 !! angle of dilation, the volume that is gained is carried and taken out of the pressure.
 module constitutive_friction
    use base_constants, only: pi
@@ -22,7 +23,7 @@ module constitutive_friction
    public :: angles_t, declare_angles, angle_fault, frictional_t, add_dilation, &
       add_dilation_pressure, read_angles
 
-   !> Constants of cohesive matter with friction.
+   !> Constants of cohesive material with friction.
    type :: angles_t
       real(wp) :: friction = 0.0_wp                  !! Angle of friction [rad]
       real(wp) :: dilation = 0.0_wp                  !! Angle of dilation [rad]
@@ -35,8 +36,9 @@ module constitutive_friction
       logical :: dilates = .false.                   !! Shear loosens
    contains
       procedure :: follows_density => frictional_follows_density !! Its pressure does
-      procedure :: request => frictional_request     !! Asks for what shear loosened
-      procedure :: add_wave_speed => frictional_add_wave_speed !! Shear, where matter holds together
+      procedure :: request => frictional_request     !! Requests what shear loosened
+      !> Shear, where material holds together
+      procedure :: add_wave_speed => frictional_add_wave_speed
       procedure :: least_pressure => frictional_least_pressure !! That of the apex
    end type frictional_t
 
@@ -44,7 +46,7 @@ contains
 
    !> Declare the keys that several laws share.
    subroutine declare_angles(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = "// &
          "drucker_prager mohr_coulomb"
 
@@ -60,7 +62,7 @@ contains
    !> Read them.
    pure subroutine read_angles(group, angles)
       type(group_t), intent(in) :: group             !! &material
-      type(angles_t), intent(out) :: angles          !! The constants
+      type(angles_t), intent(out) :: angles
 
       call group%get("friction_angle", angles%friction)
       call group%get("dilation_angle", angles%dilation)
@@ -69,7 +71,7 @@ contains
       angles%dilation = angles%dilation*pi/180.0_wp
    end subroutine read_angles
 
-   !> What is wrong with the angles taken together.
+   !> Error in the combination of the angles; empty if there is none.
    pure function angle_fault(group, eos) result(text)
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
@@ -105,30 +107,30 @@ contains
 
    !> The pressure must know the density.
    pure logical function frictional_follows_density(self) result(follows)
-      class(frictional_t), intent(in) :: self        !! The law
+      class(frictional_t), intent(in) :: self
 
       follows = .true.
    end function frictional_follows_density
 
-   !> Matter that shear loosens carries by how much.
+   !> Material that shear loosens carries by how much.
    pure subroutine frictional_request(self, requests)
-      class(frictional_t), intent(in) :: self        !! The law
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(frictional_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       if (self%dilates) call requests%add("plastic_dilation", "dilation_angle", 1)
    end subroutine frictional_request
 
-   !> Least pressure that the law can bear [Pa].
+   !> Least pressure that the law supports [Pa].
    pure real(wp) function frictional_least_pressure(self) result(pressure)
-      class(frictional_t), intent(in) :: self        !! The law
+      class(frictional_t), intent(in) :: self
 
       pressure = self%apex
    end function frictional_least_pressure
 
-   !> Shear modulus in the square of the wave speed. What has come apart bears no shear; its wave
+   !> Shear modulus in the square of the wave speed. What has separated supports no shear; its wave
    !! speed does not grow with its volume, or a cloud of it would shorten the time step.
    pure subroutine frictional_add_wave_speed(self, state, deformation, first, last)
-      class(frictional_t), intent(in) :: self              !! The law
+      class(frictional_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -144,7 +146,7 @@ contains
       end if
    end subroutine frictional_add_wave_speed
 
-   !> Kernel of the above. In matter at its least pressure the shear adds its share of the speed
+   !> Kernel of the above. In material at its least pressure the shear adds its share of the speed
    !! that the volume change has, G/K of it.
    pure subroutine add_joined_shear_speed(first, last, shear, bulk, apex, mass, volume, pressure, &
       wave_speed)
@@ -186,8 +188,8 @@ contains
       real(wp), contiguous, intent(inout) :: tangent(:)    !! c**2 exp(gained) (range) [m2/s2]
       integer :: i, k
 
-      ! Not with vectors: exponentials of vectors differ in the last bits from those of the numbers
-      ! that are left at the end of a range, and bits must not depend on the place of a particle.
+      ! Not vectorised: vector exponentials differ in the last bits from the scalar ones of the
+      ! remainder of a range, and bits must not depend on the position of a particle.
       !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i
@@ -204,7 +206,7 @@ contains
       real(wp), contiguous, intent(inout) :: gained(:) !! Logarithm of the volume (store) [1]
       integer :: i
 
-      ! Not with vectors, as above.
+      ! Not vectorised, for the same reason.
       !GCC$ novector
       do i = 1, last - first + 1
          gained(first - 1 + i) = gained(first - 1 + i) + log(1.0_wp + share(i))

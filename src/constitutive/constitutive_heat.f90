@@ -26,7 +26,7 @@ contains
    !> Read the temperatures between which a material softens.
    pure subroutine read_melting_range(group, range)
       type(group_t), intent(in) :: group             !! &material
-      type(melting_range_t), intent(out) :: range    !! The temperatures
+      type(melting_range_t), intent(out) :: range
 
       call group%get("t_ref", range%reference)
       call group%get("t_melt", range%melt)
@@ -38,7 +38,7 @@ contains
    !! rho of the middle of the step. Where Gamma rho is constant this is exactly
    !! T exp(Gamma rho (v - v')), where Gamma is, as in a gas, it is T (v/v')**Gamma to third order.
    !! To it the heat of the work of plastic flow and of artificial viscosity is added. Where the
-   !! material is at the least pressure it can bear, voids open or close and the material itself
+   !! material is at the least pressure it supports, voids open or close and the material itself
    !! keeps its volume and temperature. Equations (A.12) and (A.13) of doc/theory/matter.md.
    pure subroutine heat_particles(first, last, specific_heat, plastic_share, gruneisen, mass, &
       volume, &
@@ -78,7 +78,7 @@ contains
    pure subroutine homologous_temperature(first, last, range, temperature, homologous)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      type(melting_range_t), intent(in) :: range     !! The scale
+      type(melting_range_t), intent(in) :: range
       real(wp), contiguous, intent(in) :: temperature(:)    !! (store) [K]
       real(wp), contiguous, intent(inout) :: homologous(:)  !! (range) [1]
       real(wp) :: factor
@@ -91,7 +91,7 @@ contains
       end do
    end subroutine homologous_temperature
 
-   !> A melted particle bears no tension.
+   !> A melted particle supports no tension.
    pure subroutine cut_melted_tension(first, last, melting, temperature, pressure, pressure_floor)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

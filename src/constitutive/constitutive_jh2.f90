@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Strength of brittle matter after G. R. Johnson, T. J. Holmquist, "An improved computational
+!> Strength of brittle material after G. R. Johnson, T. J. Holmquist, "An improved computational
 !! constitutive model for brittle materials" (AIP Conf. Proc. 309 (1994) 981), known as JH-2.
 !!
 !! In units of the elastic limit (HEL), with p* = p/p_HEL, T* = T/p_HEL:
@@ -40,7 +40,7 @@ contains
 
    !> Declare the keys.
    subroutine jh2_declare(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = jh2"
 
       call schema%real("material", "jh2_a", "JH-2 A, intact strength", range="> 0", owner=owner)
@@ -66,9 +66,9 @@ contains
 
    !> Read the keys.
    pure subroutine jh2_read(self, group, effects)
-      class(jh2_t), intent(inout) :: self            !! The constants
+      class(jh2_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
       real(wp) :: limit
 
       call group%get("jh2_a", self%intact)
@@ -88,7 +88,7 @@ contains
 
    !> Equivalent stress at yield [Pa].
    pure real(wp) function jh2_strength(self, pressure, rate, damage) result(stress)
-      class(jh2_t), intent(in) :: self               !! The constants
+      class(jh2_t), intent(in) :: self
       real(wp), intent(in) :: pressure               !! [Pa]
       real(wp), intent(in) :: rate                   !! Equivalent rate of strain [1/s]
       real(wp), intent(in) :: damage                 !! D [1]

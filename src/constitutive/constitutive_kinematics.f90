@@ -12,15 +12,15 @@ contains
    !> Refer velocity gradients times the time step to the middle of the step: with A = I + G/2 the
    !! gradient G of the start becomes G A^-1.
    !!
-   !! The places of a step are x + G x. A rotation then has no strain, however long the step, and
-   !! the
-   !! volume grows by det(I + G) to third order, so that volume and places stay together in a
-   !! shock (T. J. R. Hughes, J. Winget, Int. J. Numer. Methods Eng. 15 (1980) 1862). Equation
+   !! The positions after a step are x + G x. A rotation then has no strain, however long the step,
+   !! and the volume grows by det(I + G) to third order, so that volume and positions stay
+   !! consistent
+   !! in a shock (T. J. R. Hughes, J. Winget, Int. J. Numer. Methods Eng. 15 (1980) 1862). Equation
    !! (M.18) of doc/theory/method.md.
    ! gate: long kernel because the inverse of a matrix is nine numbers
    pure subroutine centre_gradient(count, plane, gradient)
       integer, intent(in) :: count                         !! Particles
-      logical, intent(in) :: plane                         !! Is y a direction of its own?
+      logical, intent(in) :: plane !! Plane motion: components with one index y are 0
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle, 9) (k, l) in k + 3 (l - 1)
       real(wp) :: g(9), a(9), b(9), determinant, inverse
       integer :: i, row
@@ -54,12 +54,11 @@ contains
          b(8) = a(7)*a(2) - a(1)*a(8)
          b(9) = a(1)*a(5) - a(4)*a(2)
          determinant = a(1)*b(1) + a(4)*b(2) + a(7)*b(3)
-         ! a gradient that turns the inside out has no middle; bounded, it stays finite and is cut
-         ! by
-         ! the next time step
+         ! An inverting gradient has no middle; bounded, it stays finite and the next time step
+         ! limits it.
          inverse = 1.0_wp/max(determinant, 0.05_wp)
          b(:) = inverse*b(:)
-         ! G A^-1 as it stands, and not 2 (I - A^-1), which would round small gradients away
+         ! G A^-1 itself and not 2 (I - A^-1), which would lose small gradients to round-off.
          do row = 1, 3
             gradient(i, row) = g(row)*b(1) + g(row + 3)*b(2) + g(row + 6)*b(3)
             gradient(i, row + 3) = g(row)*b(4) + g(row + 3)*b(5) + g(row + 6)*b(6)
@@ -68,8 +67,7 @@ contains
       end do
    end subroutine centre_gradient
 
-   !> The same where y is a direction of its own: what has one index y is zero and is not looked
-   !! at.
+   !> The same for plane motion: components with one index y are zero and are not used.
    pure subroutine centre_plane(count, gradient)
       integer, intent(in) :: count                         !! Particles
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle, 9) (k, l) in k + 3 (l - 1)
@@ -97,11 +95,11 @@ contains
       end do
    end subroutine centre_plane
 
-   !> Gradient at the middle of a step whose motion is over: places were x - G x with the gradient
-   !! at the new places, so it is G (I - G/2)**-1. Equation (M.19).
+   !> Gradient at the middle of a step that has ended: positions were x - G x with the gradient
+   !! at the new positions, so it is G (I - G/2)**-1. Equation (M.19).
    pure subroutine centre_backward(count, plane, gradient)
       integer, intent(in) :: count                   !! Particles
-      logical, intent(in) :: plane                   !! Is y a direction of its own?
+      logical, intent(in) :: plane !! Plane motion: components with one index y are 0
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle of the tile, 9)
       integer :: p, k
 
@@ -127,7 +125,7 @@ contains
       factor = (1.0_wp + x*(0.5_wp + x/12.0_wp))/(1.0_wp - x*(0.5_wp - x/12.0_wp))
    end function growth
 
-   !> Volume after the step, for matter without a deviator of stress.
+   !> Volume after the step, for material without a deviator of stress.
    pure subroutine dilate(first, last, gradient, volume, old_volume, dilatation)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -158,7 +156,7 @@ contains
       real(wp), contiguous, intent(inout) :: deformation_gradient(:, :)  !! F (store, 9) [1]
       real(wp), contiguous, intent(inout) :: old_volume(:) !! Volume before (range) [m3]
       real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
-      ! What turns inside out keeps a volume, so that the run ends for its time step or its stress.
+      ! An inverted particle keeps a positive volume; the run then stops on its time step or stress.
       real(wp), parameter :: least_growth = 1.0e-3_wp
       real(wp) :: c(9), a(9), b(9), g(9), f(9), determinant
       integer :: i, k, row
@@ -184,7 +182,7 @@ contains
          b(7) = a(4)*a(8) - a(7)*a(5)
          b(8) = a(7)*a(2) - a(1)*a(8)
          b(9) = a(1)*a(5) - a(4)*a(2)
-         ! It is 1/det(I + G/2) and not far from 1 in a step that is not absurd.
+         ! It is 1/det(I + G/2), close to 1 in a step of normal length.
          determinant = max(a(1)*b(1) + a(4)*b(2) + a(7)*b(3), least_growth)
          do row = 1, 3
             g(row) = (b(row)*c(1) + b(row + 3)*c(2) + b(row + 6)*c(3))/determinant
@@ -274,7 +272,7 @@ contains
       old_volume, dilatation, pressure)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      logical, intent(in) :: plane                   !! Is y a direction of its own?
+      logical, intent(in) :: plane !! Plane motion: components with one index y are 0
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
       real(wp), contiguous, intent(inout) :: volume(:)    !! Volume (store) [m3]

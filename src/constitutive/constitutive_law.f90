@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a law of strength is: it corrects the deviator of the stress after an elastic trial, or
+!> Abstract law of strength: it corrects the deviator of the stress after an elastic trial, or
 !> gives the whole stress itself.
 module constitutive_law
    use base_deck_group, only: group_t
@@ -26,7 +26,7 @@ module constitutive_law
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
       procedure :: read_mode => law_read_mode              !! Reads what decides on other models
-      procedure :: fault => law_fault                !! What is wrong with its keys together
+      procedure :: fault => law_fault                !! Error in the combination of its keys
       procedure :: read => law_read                  !! Reads its keys
       procedure :: gives_whole_stress => law_gives_whole_stress !! True if it gives the whole stress
       procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
@@ -36,15 +36,15 @@ module constitutive_law
       procedure :: uses_jc_rate => law_uses_jc_rate  !! True if it reads the key jc_rate
       procedure :: follows_density => law_follows_density !! True if its pressure must know it
       procedure :: has_grains => law_has_grains      !! True if it has an inertial number
-      procedure :: is_plastic => law_is_plastic            !! True if it flows and so takes energy
-      procedure(request_i), deferred :: request      !! Asks for the fields it needs
+      procedure :: is_plastic => law_is_plastic            !! True if it flows and so dissipates
+      procedure(request_i), deferred :: request      !! Requests the fields it needs
       procedure :: predict_trial => law_predict_trial            !! Trial deviator of the step
       procedure(update_i), deferred :: update        !! Corrects the trial deviator
       procedure :: add_wave_speed => law_add_wave_speed !! Its share of the square of the wave speed
-      !> What its viscosity asks of the time step
+      !> Wave speed that its viscosity adds
       procedure :: add_viscous_speed => law_add_viscous_speed
       procedure :: stored_energy => law_stored_energy              !! Energy stored in a particle
-      procedure :: least_pressure => law_least_pressure !! Least pressure it can bear
+      procedure :: least_pressure => law_least_pressure !! Least pressure it supports
    end type law_t
 
    abstract interface
@@ -52,7 +52,7 @@ module constitutive_law
          import :: law_t, field_requests_t
          implicit none
          class(law_t), intent(in) :: self
-         class(field_requests_t), intent(inout) :: requests              !! Fields to be carried
+         class(field_requests_t), intent(inout) :: requests
       end subroutine request_i
 
       !> On entry the stress holds the trial deviator, on return the deviator. Plastic increment and
@@ -74,26 +74,26 @@ contains
 
    !> Declare the keys of &material that belong to the law. Most laws override this.
    subroutine law_declare(self, schema)
-      class(law_t), intent(in) :: self                         !! The law
-      type(schema_t), intent(inout) :: schema                  !! Keys of the deck
+      class(law_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
    end subroutine law_declare
 
    !> Read the keys that belong to the law. The shear modulus is set by the material.
    pure subroutine law_read(self, group, effects)
-      class(law_t), intent(inout) :: self                      !! The law
+      class(law_t), intent(inout) :: self
       type(group_t), intent(in) :: group                       !! &material
-      type(effects_t), intent(in) :: effects                   !! What is asked for
+      type(effects_t), intent(in) :: effects
    end subroutine law_read
 
    !> Read the words that decide which other models the material has, before the deck is known to be
    !! right.
    pure subroutine law_read_mode(self, group)
-      class(law_t), intent(inout) :: self                      !! The law
+      class(law_t), intent(inout) :: self
       type(group_t), intent(in) :: group                       !! &material
    end subroutine law_read_mode
 
-   !> What is wrong with the keys of the law taken together, which the single ones cannot tell;
-   !! empty if nothing is.
+   !> Error in the combination of the keys of the law, beyond those of single keys;
+   !! empty if there is none.
    pure function law_fault(self, group, eos) result(text)
       class(law_t), intent(in) :: self
       type(group_t), intent(in) :: group                       !! &material
@@ -106,71 +106,71 @@ contains
    !> True if the law gives the whole stress. Then the material has no equation of state and no
    !! limit of tension, and there is no elastic trial but what the law makes of it.
    pure logical function law_gives_whole_stress(self) result(whole)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       whole = .false.
    end function law_gives_whole_stress
 
    !> True if the law has a shear modulus.
    pure logical function law_has_shear(self) result(has)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       has = .true.
    end function law_has_shear
 
-   !> True if the law cannot do with a mean stress in rate form. Without an equation of state it
+   !> True if the law needs more than a mean stress in rate form. Without an equation of state it
    !! then gets p = K (rho/rho0 - 1) with the bulk modulus of the material.
    pure logical function law_follows_density(self) result(follows)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       follows = .false.
    end function law_follows_density
 
    !> True if the law knows the size and density of grains, and so their inertial number.
    pure logical function law_has_grains(self) result(has)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       has = .false.
    end function law_has_grains
 
    !> True if the law needs an equation of state of its own kind.
    pure logical function law_needs_eos(self) result(needs)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       needs = .false.
    end function law_needs_eos
 
    !> True if the material of the law may have voids or pores.
    pure logical function law_supports_voids(self) result(supports)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       supports = .true.
    end function law_supports_voids
 
    !> True if the law itself lowers the strength of damaged material.
    pure logical function law_softens_by_damage(self) result(softens)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       softens = .false.
    end function law_softens_by_damage
 
    !> True if the law reads the key jc_rate, which several models share.
    pure logical function law_uses_jc_rate(self) result(uses)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       uses = .false.
    end function law_uses_jc_rate
 
    !> True if the law flows: it takes energy, and damage by plastic strain can follow it.
    pure logical function law_is_plastic(self) result(plastic)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       plastic = .true.
    end function law_is_plastic
 
    !> Elastic trial of the deviator with constant shear modulus and Jaumann rate, and the volume.
    pure subroutine law_predict_trial(self, state, deformation, first, last)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state                  !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
@@ -184,7 +184,7 @@ contains
    !> Add to the square of the wave speed what the law contributes. A law that gives the whole
    !! stress finds 0 and leaves the square of its fastest wave.
    pure subroutine law_add_wave_speed(self, state, deformation, first, last)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
@@ -202,7 +202,7 @@ contains
 
    !> Raise the wave speed that limits the time step where the law has a viscosity.
    pure subroutine law_add_viscous_speed(self, state, deformation, first, last, spacing)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
       type(deformation_t), intent(inout) :: deformation        !! Step of the range
       integer, intent(in) :: first                             !! First particle of the range
@@ -213,9 +213,9 @@ contains
    !> Energy [J] stored in the deviator of the stress of one particle; in the whole stress for a law
    !! that gives it.
    pure real(wp) function law_stored_energy(self, state, particle) result(energy)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
-      integer, intent(in) :: particle                          !! Which particle
+      integer, intent(in) :: particle                          !! Index in the store
       real(wp) :: mean
 
       energy = 0.0_wp
@@ -225,9 +225,9 @@ contains
          + 2.0_wp*sum(state%stress(particle, 4:6)**2))/(4.0_wp*self%shear)
    end function law_stored_energy
 
-   !> Least pressure that the law can bear [Pa].
+   !> Least pressure that the law supports [Pa].
    pure real(wp) function law_least_pressure(self) result(pressure)
-      class(law_t), intent(in) :: self                         !! The law
+      class(law_t), intent(in) :: self
 
       pressure = -huge(1.0_wp)
    end function law_least_pressure
@@ -250,7 +250,7 @@ contains
    !> Trial deviator times strain increment, s* : e. With it laws find the work that the mean of the
    !! stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for the
    !! rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. The stress after the step alone would
-   !! take energy from grains that had no stress when they met.
+   !! take energy from grains that had no stress on contact.
    pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -269,8 +269,9 @@ contains
    end subroutine strain_trial
 
    !> Work a volume that a radial return does on the plastic strain: that of the mean of the
-   !! stresses before and after the step, (s + s') : (s* - s')/(4 G), so that the books are of
-   !! second order. It is not negative: matter that softens under a load that turns would take
+   !! stresses before and after the step, (s + s') : (s* - s')/(4 G), so that the energy balance is
+   !! of
+   !! second order. It is not negative: softening material under a rotating load would gain
    !! energy. Equation (Y.2) of doc/theory/strength.md.
    elemental real(wp) function mean_work(shear, trial, limit, increment, product_of_both) &
       result(work)

@@ -53,10 +53,10 @@ contains
    !! Press and
    !> others, "Numerical Recipes", section 11.1).
    pure subroutine turn(a, axes, p, q)
-      real(wp), intent(inout) :: a(3, 3)             !! The tensor
+      real(wp), intent(inout) :: a(3, 3)             !! Symmetric tensor
       real(wp), intent(inout) :: axes(3, 3)          !! Axes so far
       integer, intent(in) :: p                       !! One axis of the plane
-      integer, intent(in) :: q                       !! The other
+      integer, intent(in) :: q                       !! Column of the rotation
       real(wp) :: ratio, t, c, s, column(3)
 
       if (.not. abs(a(p, q)) > 0.0_wp) return

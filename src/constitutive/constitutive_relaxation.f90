@@ -109,7 +109,7 @@ contains
 
    !> Sum of the squares of all components of a symmetric tensor.
    pure real(wp) function square(e) result(total)
-      real(wp), intent(in) :: e(6)                   !! The tensor
+      real(wp), intent(in) :: e(6)                   !! xx, yy, zz, xy, yz, xz
 
       total = e(1)**2 + e(2)**2 + e(3)**2 + 2.0_wp*(e(4)**2 + e(5)**2 + e(6)**2)
    end function square
@@ -238,7 +238,7 @@ contains
    !> Double contraction of two deviators.
    pure real(wp) function contract(a, b) result(total)
       type(harmonics_t), intent(in) :: a             !! One
-      type(harmonics_t), intent(in) :: b             !! The other
+      type(harmonics_t), intent(in) :: b
 
       total = 1.5_wp*a%along*b%along + 2.0_wp*real(a%first*conjg(b%first), wp) &
          + 2.0_wp*real(a%second*conjg(b%second), wp)

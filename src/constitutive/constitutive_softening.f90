@@ -3,15 +3,15 @@
 !! for every cell size: crack bands (Z. P. Bazant, B. H. Oh, Mater. Struct. 16 (1983) 155).
 !!
 !! A crack opens in a band as wide as a cell, L in the direction of the greatest principal stress.
-!! Of the elastic strain e that the matter would have without cracks the share D e is the opening of
-!! cracks over L, and what is left of the stress s that it would have is bounded by
+!! With the elastic strain e of the material without cracks, D e is the opening of cracks
+!! over L, and the rest of the stress s without cracks is bounded by
 !!
 !!    (1 - D) s = f (1 - D e/e_u),        e_u = 2 Gf/(f L)   (linear), or
 !!    (1 - D) s = f exp(-D e/e_u),        e_u = Gf/(f L)     (exponential).
 !!
-!! The integral of f over the opening is Gf for any state to the sides. D never falls, so matter
+!! The integral of f over the opening is Gf for any state to the sides. D never falls, so material
 !! unloads to the origin. It weakens the positive principal stresses alone (J. Lemaitre, R.
-!! Desmorat, "Engineering Damage Mechanics", 2005, on cracks that close): a closed crack bears
+!! Desmorat, "Engineering Damage Mechanics", 2005, on cracks that close): a closed crack supports
 !! pressure.
 !!
 !! Particles carry the stress that acts. The one without cracks comes from it by division, before
@@ -56,7 +56,7 @@ contains
 
    !> Declare the keys.
    subroutine declare_softening(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress "// &
          "principal_strain"
 
@@ -70,7 +70,7 @@ contains
 
    !> Read the keys.
    pure subroutine softening_read(self, group, shear, bulk)
-      class(softening_t), intent(inout) :: self      !! How strength falls
+      class(softening_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
@@ -85,7 +85,7 @@ contains
       self%exponential = word == "exponential"
    end subroutine softening_read
 
-   !> What is wrong with the keys taken together; empty if nothing is.
+   !> Error in the combination of the keys; empty if there is none.
    pure function softening_fault(group, law) result(text)
       type(group_t), intent(in) :: group             !! &material
       class(law_t), allocatable, intent(in) :: law   !! Law of strength, if there is one
@@ -114,7 +114,7 @@ contains
    !! The limit is that of uniaxial stress and cracks in any direction of the scene. Equation
    !! (F.11).
    pure function softening_band_fault(self, spacing, dimensions) result(text)
-      class(softening_t), intent(in) :: self         !! How strength falls
+      class(softening_t), intent(in) :: self
       real(wp), intent(in) :: spacing                !! Cell size [m]
       integer, intent(in) :: dimensions              !! Directions of the scene
       character(len=:), allocatable :: text
@@ -143,7 +143,7 @@ contains
       real(wp), intent(in) :: band_strain            !! e_u [1]
       real(wp), intent(in) :: stress                 !! s, without cracks, at least f [Pa]
       real(wp), intent(in) :: strain                 !! e, without cracks, above 0 [1]
-      ! A crack that bears so little of the strength is open.
+      ! A crack that supports so little of the strength is open.
       real(wp), parameter :: least = 0.005_wp
       integer, parameter :: most_steps = 50
       real(wp) :: opening, slope, change
@@ -170,10 +170,11 @@ contains
       if (exp(-opening/band_strain) < least) damage = 1.0_wp
    end function crack_damage
 
-   !> Stress that matter with open cracks would have without them. The viscous pressure is no stress
-   !! of the matter and stays as it is.
+   !> Stress that material with open cracks would have without them. The viscous pressure is no
+   !! stress
+   !! of the material and stays as it is.
    pure subroutine softening_restore_stress(self, state, first, last)
-      class(softening_t), intent(in) :: self         !! How strength falls
+      class(softening_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -196,9 +197,9 @@ contains
    end subroutine softening_restore_stress
 
    !> Let cracks open and weaken the tension of what has some. On entry deviator and pressure are
-   !! those without cracks, on return those that act. What cracks take is booked as plastic work.
+   !! those without cracks, on return those that act. What cracks take is recorded as plastic work.
    pure subroutine softening_open_cracks(self, state, deformation, first, last, spacing)
-      class(softening_t), intent(in) :: self             !! How strength falls
+      class(softening_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
@@ -231,12 +232,12 @@ contains
    !> One particle that is near its strength or has cracks. Equations (F.9) and (F.10).
    pure subroutine crack(softening, factor, spacing, volume, stress, particle, pressure, damage, &
       plastic_work)
-      type(softening_t), intent(in) :: softening         !! How strength falls
+      type(softening_t), intent(in) :: softening
       real(wp), intent(in) :: factor                     !! Strength of its own [1]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
       real(wp), intent(in) :: volume                     !! [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :) !! Deviator (store, 6) [Pa]
-      integer, intent(in) :: particle                    !! Which particle
+      integer, intent(in) :: particle                    !! Index in the store
       real(wp), intent(inout) :: pressure                !! [Pa]
       real(wp), intent(inout) :: damage                  !! [1]
       real(wp), intent(inout) :: plastic_work            !! In the step [J]
@@ -260,7 +261,7 @@ contains
       plastic_work = plastic_work + (grown - damage)*volume &
          *0.5_wp*sum(max(values, 0.0_wp)*strain)
       damage = grown
-      ! What has failed loses all of it to the law of failed matter.
+      ! Failed particles lose all of it to the law of failed material.
       values = merge((1.0_wp - damage)*values, values, values > 0.0_wp)
       mean = sum(values)/3.0_wp
       stress(particle, :) = compose(values - mean, axes)
@@ -270,9 +271,9 @@ contains
    !> Energy [J] of a particle with cracks beyond that of the deviator and, if the pressure is not
    !! that of an equation of state, the pressure that act.
    pure real(wp) function softening_hidden_energy(self, state, particle, of_pressure) result(energy)
-      class(softening_t), intent(in) :: self         !! How strength falls
+      class(softening_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                !! Index in the store
       logical, intent(in) :: of_pressure             !! No equation of state
       real(wp) :: tensor(6), values(3), axes(3, 3), whole(3), mean, uncracked_mean, share
 

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Limits of tension, and what is left of the strength of failed and melted particles.
 !!
-!! A failed particle is rubble: it keeps mass and volume, has no deviator and bears no tension.
+!! A failed particle is rubble: it keeps mass and volume, has no deviator and supports no tension.
 module constitutive_tension
    use base_kinds, only: int64, wp
    implicit none
@@ -19,8 +19,8 @@ module constitutive_tension
    !> Failure for good, by damage and by tension.
    type :: fracture_t
       real(wp) :: strength = huge(1.0_wp)            !! Tension at failure [Pa]
-      logical :: leaves_strength = .false.           !! Failed matter follows a law
-      logical :: leaves_nothing = .false.            !! Failed matter has no stress
+      logical :: leaves_strength = .false.           !! Failed material follows a law
+      logical :: leaves_nothing = .false.            !! Failed material has no stress
    end type fracture_t
 
 contains
@@ -72,7 +72,8 @@ contains
    end subroutine cut_tension
 
    !> Let particles fail whose damage or tension is complete, and make rubble of the failed ones.
-   !! The elastic energy that a particle loses on failing is booked as plastic work. Equations (A.7)
+   !! The elastic energy that a particle loses on failing is recorded as plastic work. Equations
+   !! (A.7)
    !! and (A.8) of doc/theory/matter.md.
    pure subroutine fail_as_rubble(first, last, strength, shear, bulk, volume, stress, pressure, &
       pressure_floor, damage, failed, plastic_work)
@@ -109,7 +110,7 @@ contains
       end do
    end subroutine fail_as_rubble
 
-   !> Let particles fail as above, but leave the deviator to the law of failed matter. Of the
+   !> Let particles fail as above, but leave the deviator to the law of failed material. Of the
    !! elastic energy only that of the tension is lost.
    pure subroutine fail_with_strength(first, last, strength, bulk, volume, pressure, &
       pressure_floor, damage, &
@@ -142,7 +143,7 @@ contains
    end subroutine fail_with_strength
 
    !> Without equation of state the mean stress does not know of voids: rubble less dense than the
-   !! material bears no pressure, and no signal faster than that of the material runs through it.
+   !! material supports no pressure, and no signal faster than that of the material runs through it.
    pure subroutine drop_loose_pressure(first, last, density, bulk, mass, volume, failed, pressure, &
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range

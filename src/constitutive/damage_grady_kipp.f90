@@ -35,7 +35,7 @@ module damage_grady_kipp
       procedure :: takes_scatter => grady_kipp_takes_scatter !! It does
       procedure :: needs_weibull => grady_kipp_needs_weibull !! Always, for the flaws
       procedure :: read => grady_kipp_read           !! Reads its keys
-      procedure :: request => grady_kipp_request     !! Asks for damage and scatter
+      procedure :: request => grady_kipp_request     !! Requests damage and scatter
       procedure :: draw_strength => grady_kipp_draw_strength           !! The weakest flaw
       procedure :: update => grady_kipp_update       !! Lets flaws grow
    end type damage_grady_kipp_t
@@ -44,8 +44,8 @@ contains
 
    !> Declare the keys of the model.
    subroutine grady_kipp_declare(self, schema)
-      class(damage_grady_kipp_t), intent(in) :: self !! The model
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(damage_grady_kipp_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = grady_kipp"
 
       call schema%real("material", "weibull_k", "flaws in a volume at a strain of 1, k of "// &
@@ -55,23 +55,23 @@ contains
       call schema%require("material", "weibull_k")
    end subroutine grady_kipp_declare
 
-   !> It does not count plastic strain.
+   !> It does not use the plastic strain.
    pure logical function grady_kipp_needs_flow(self) result(needs)
-      class(damage_grady_kipp_t), intent(in) :: self !! The model
+      class(damage_grady_kipp_t), intent(in) :: self
 
       needs = .false.
    end function grady_kipp_needs_flow
 
    !> The weakest flaw may be one's own.
    pure logical function grady_kipp_takes_scatter(self) result(takes)
-      class(damage_grady_kipp_t), intent(in) :: self !! The model
+      class(damage_grady_kipp_t), intent(in) :: self
 
       takes = .true.
    end function grady_kipp_takes_scatter
 
    !> The modulus is the exponent of flaws over strain.
    pure logical function grady_kipp_needs_weibull(self, scatter) result(needs)
-      class(damage_grady_kipp_t), intent(in) :: self !! The model
+      class(damage_grady_kipp_t), intent(in) :: self
       logical, intent(in) :: scatter                 !! Switch size_scatter of &effects
 
       needs = .true.
@@ -79,9 +79,9 @@ contains
 
    !> Read the keys of the model.
    pure subroutine grady_kipp_read(self, group, effects)
-      class(damage_grady_kipp_t), intent(inout) :: self !! The model
+      class(damage_grady_kipp_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("weibull_k", self%flaws)
       if (group%given("weibull_m")) call group%get("weibull_m", self%exponent)
@@ -91,8 +91,8 @@ contains
 
    !> Damage, and the weakest flaw.
    pure subroutine grady_kipp_request(self, requests)
-      class(damage_grady_kipp_t), intent(in) :: self !! The model
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(damage_grady_kipp_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("damage", "damage model grady_kipp", 1)
       if (self%scatters) call requests%add("scatter", "size_scatter", 1)
@@ -100,8 +100,8 @@ contains
 
    !> Flaws that the mean counts when the weakest one of a particle grows.
    pure subroutine grady_kipp_draw_strength(self, seed, identity, first, last, mass, scatter)
-      class(damage_grady_kipp_t), intent(in) :: self       !! The model
-      integer(int64), intent(in) :: seed                   !! Seed of the run
+      class(damage_grady_kipp_t), intent(in) :: self
+      integer(int64), intent(in) :: seed                   !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -117,7 +117,7 @@ contains
 
    !> Let the flaws of strained particles grow.
    pure subroutine grady_kipp_update(self, state, deformation, first, last, dt)
-      class(damage_grady_kipp_t), intent(in) :: self       !! The model
+      class(damage_grady_kipp_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -139,7 +139,7 @@ contains
 
    !> Kernel of the above.
    pure subroutine grow(model, first, last, dt, pressure, bound, weakest, mass, stress, damage)
-      class(damage_grady_kipp_t), intent(in) :: model      !! The model
+      class(damage_grady_kipp_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Damage of Johnson and Holmquist (JH-2): the sum of plastic increments over the strain to fracture
-!! D1 (p* + T*)**D2, and the pressure that fractured matter gains because it cannot keep the elastic
+!! D1 (p* + T*)**D2, and the pressure that fractured material gains because it cannot keep the
+!! elastic
 !! energy of its shear (bulking).
 !!
-!! With D1 = 0 matter fractures at once when it flows. Failed matter has the fractured strength
+!! With D1 = 0 material fractures at once when it flows. Failed material has the fractured strength
 !! unless failed_as says otherwise. Equations (F.14) and (F.16) of doc/theory/failure.md.
 module damage_jh2
    use base_deck_group, only: group_t
@@ -32,7 +33,7 @@ module damage_jh2
       procedure :: fault => damage_jh2_fault         !! Without the law it is not known
       procedure :: leaves_strength => damage_jh2_leaves_strength !! It does
       procedure :: read => damage_jh2_read           !! Reads its keys
-      procedure :: request => damage_jh2_request     !! Asks for damage and bulking
+      procedure :: request => damage_jh2_request     !! Requests damage and bulking
       procedure :: update => damage_jh2_update       !! Lets the damage grow
    end type damage_jh2_t
 
@@ -40,8 +41,8 @@ contains
 
    !> Declare the keys of the model.
    subroutine damage_jh2_declare(self, schema)
-      class(damage_jh2_t), intent(in) :: self        !! The model
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(damage_jh2_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = jh2"
 
       call schema%real("material", "jh2_d1", "JH-2 D1, strain to fracture; 0: at once", &
@@ -55,7 +56,7 @@ contains
 
    !> It is a part of the law.
    pure function damage_jh2_fault(self, group, law) result(text)
-      class(damage_jh2_t), intent(in) :: self        !! The model
+      class(damage_jh2_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       class(law_t), allocatable, intent(in) :: law   !! Law of strength, if there is one
       character(len=:), allocatable :: text
@@ -67,18 +68,18 @@ contains
       if (.not. fits) text = "damage_model = 'jh2' needs strength_model = 'jh2'"
    end function damage_jh2_fault
 
-   !> Failed matter has the fractured strength.
+   !> Failed material has the fractured strength.
    pure logical function damage_jh2_leaves_strength(self) result(leaves)
-      class(damage_jh2_t), intent(in) :: self        !! The model
+      class(damage_jh2_t), intent(in) :: self
 
       leaves = .true.
    end function damage_jh2_leaves_strength
 
    !> Read the keys of the model.
    pure subroutine damage_jh2_read(self, group, effects)
-      class(damage_jh2_t), intent(inout) :: self     !! The model
+      class(damage_jh2_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call self%constants%read(group, effects)
       call group%get("jh2_d1", self%factor)
@@ -88,8 +89,8 @@ contains
 
    !> Damage, and pressure where fracture makes some.
    pure subroutine damage_jh2_request(self, requests)
-      class(damage_jh2_t), intent(in) :: self        !! The model
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(damage_jh2_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("damage", "damage model jh2", 1)
       if (self%share > 0.0_wp) call requests%add("bulking", "jh2_beta", 1)
@@ -97,7 +98,7 @@ contains
 
    !> Let the damage of flowing particles grow.
    pure subroutine damage_jh2_update(self, state, deformation, first, last, dt)
-      class(damage_jh2_t), intent(in) :: self              !! The model
+      class(damage_jh2_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -119,7 +120,7 @@ contains
 
    !> Add the share of the step to the damage of the particles that flow.
    pure subroutine grow(model, first, last, pressure, plastic_increment, damage)
-      class(damage_jh2_t), intent(in) :: model             !! The model
+      class(damage_jh2_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), contiguous, intent(in) :: pressure(:)            !! (range) [Pa]
@@ -142,11 +143,11 @@ contains
    end subroutine grow
 
    !> Pressure dp that the energy dU = (Y**2(D) - Y**2(D'))/(6 G) lost from the shear makes: of
-   !! compressed matter dp' = -K mu + sqrt((K mu + dp)**2 + 2 beta K dU), mu = rho/rho0 - 1.
+   !! compressed material dp' = -K mu + sqrt((K mu + dp)**2 + 2 beta K dU), mu = rho/rho0 - 1.
    !! Equation (F.16).
    pure subroutine gain_pressure(model, first, last, old_damage, rate, damage, mass, volume, &
       bulking, pressure)
-      class(damage_jh2_t), intent(in) :: model             !! The model
+      class(damage_jh2_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), contiguous, intent(in) :: old_damage(:)    !! Before the step (range) [1]

@@ -31,7 +31,7 @@ module damage_johnson_cook
       procedure :: declare => johnson_cook_declare   !! Declares its keys
       procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! It does
       procedure :: read => johnson_cook_read         !! Reads its keys
-      procedure :: request => johnson_cook_request   !! Asks for damage and temperature
+      procedure :: request => johnson_cook_request   !! Requests damage and temperature
       procedure :: update => johnson_cook_update     !! Lets the damage grow
       procedure :: failure_strain => johnson_cook_failure_strain !! Strain to failure of a state
    end type damage_johnson_cook_t
@@ -40,8 +40,8 @@ contains
 
    !> Declare the keys of the model.
    subroutine johnson_cook_declare(self, schema)
-      class(damage_johnson_cook_t), intent(in) :: self !! The model
-      type(schema_t), intent(inout) :: schema          !! Keys of the deck
+      class(damage_johnson_cook_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call schema%real("material", "jcd(5)", "Johnson-Cook D1 to D5, strain to failure", &
          owner="effects.damage & damage_model = johnson_cook")
@@ -50,16 +50,16 @@ contains
 
    !> The strain to failure depends on the rate.
    pure logical function johnson_cook_uses_jc_rate(self) result(uses)
-      class(damage_johnson_cook_t), intent(in) :: self !! The model
+      class(damage_johnson_cook_t), intent(in) :: self
 
       uses = .true.
    end function johnson_cook_uses_jc_rate
 
    !> Read the keys of the model.
    pure subroutine johnson_cook_read(self, group, effects)
-      class(damage_johnson_cook_t), intent(inout) :: self !! The model
+      class(damage_johnson_cook_t), intent(inout) :: self
       type(group_t), intent(in) :: group                  !! &material
-      type(effects_t), intent(in) :: effects              !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("jcd", self%coefficient)
       if (effects%rate) then
@@ -75,8 +75,8 @@ contains
 
    !> Damage grows with plastic strain, and the strain to failure may depend on temperature.
    pure subroutine johnson_cook_request(self, requests)
-      class(damage_johnson_cook_t), intent(in) :: self !! The model
-      class(field_requests_t), intent(inout) :: requests         !! Fields to be carried
+      class(damage_johnson_cook_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("damage", "damage model johnson_cook", 1)
       if (allocated(self%range)) call requests%add("temperature", "damage model johnson_cook", 1)
@@ -85,7 +85,7 @@ contains
    !> Strain to failure [1] of a state.
    pure real(wp) function johnson_cook_failure_strain(self, triaxiality, rate, homologous) &
       result(strain)
-      class(damage_johnson_cook_t), intent(in) :: self !! The model
+      class(damage_johnson_cook_t), intent(in) :: self
       real(wp), intent(in) :: triaxiality              !! Mean over equivalent stress [1]
       real(wp), intent(in) :: rate                     !! Rate of plastic strain [1/s]
       real(wp), intent(in) :: homologous               !! Homologous temperature, 0 to 1 [1]
@@ -100,7 +100,7 @@ contains
 
    !> Let the damage of flowing particles grow.
    pure subroutine johnson_cook_update(self, state, deformation, first, last, dt)
-      class(damage_johnson_cook_t), intent(in) :: self     !! The model
+      class(damage_johnson_cook_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -120,7 +120,7 @@ contains
    !> Add the share of the step to the damage of the particles that flow.
    pure subroutine grow(model, first, last, dt, stress, pressure, plastic_increment, homologous, &
       damage)
-      class(damage_johnson_cook_t), intent(in) :: model    !! The model
+      class(damage_johnson_cook_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]

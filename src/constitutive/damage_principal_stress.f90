@@ -29,11 +29,11 @@ module damage_principal_stress
       type(weibull_t), allocatable :: weibull        !! Only if strength scatters
    contains
       procedure :: declare => principal_declare      !! Declares its keys
-      procedure :: fault => principal_fault          !! What is wrong with its keys together
+      procedure :: fault => principal_fault          !! Error in the combination of its keys
       procedure :: needs_flow => principal_needs_flow !! It does not
       procedure :: takes_scatter => principal_takes_scatter !! It does
       procedure :: read => principal_read            !! Reads its keys
-      procedure :: request => principal_request      !! Asks for damage and scatter
+      procedure :: request => principal_request      !! Requests damage and scatter
       procedure :: draw_strength => principal_draw_strength            !! Random strength
       procedure :: update => principal_update        !! Failure
    end type damage_principal_stress_t
@@ -42,8 +42,8 @@ contains
 
    !> Declare the keys of the model.
    subroutine principal_declare(self, schema)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
-      type(schema_t), intent(inout) :: schema          !! Keys of the deck
+      class(damage_principal_stress_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress"
 
       call schema%real("material", "failure_stress", "greatest principal stress at failure", &
@@ -55,9 +55,9 @@ contains
       call declare_softening(schema)
    end subroutine principal_declare
 
-   !> What is wrong with its keys taken together; empty if nothing is.
+   !> Error in the combination of its keys; empty if there is none.
    pure function principal_fault(self, group, law) result(text)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
+      class(damage_principal_stress_t), intent(in) :: self
       type(group_t), intent(in) :: group                  !! &material
       class(law_t), allocatable, intent(in) :: law        !! Law of strength, if there is one
       character(len=:), allocatable :: text
@@ -65,25 +65,25 @@ contains
       text = delay_fault(group)
    end function principal_fault
 
-   !> It does not count plastic strain.
+   !> It does not use the plastic strain.
    pure logical function principal_needs_flow(self) result(needs)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
+      class(damage_principal_stress_t), intent(in) :: self
 
       needs = .false.
    end function principal_needs_flow
 
    !> Its strength may scatter.
    pure logical function principal_takes_scatter(self) result(takes)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
+      class(damage_principal_stress_t), intent(in) :: self
 
       takes = .true.
    end function principal_takes_scatter
 
    !> Read the keys of the model.
    pure subroutine principal_read(self, group, effects)
-      class(damage_principal_stress_t), intent(inout) :: self !! The model
+      class(damage_principal_stress_t), intent(inout) :: self
       type(group_t), intent(in) :: group                  !! &material
-      type(effects_t), intent(in) :: effects              !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("failure_stress", self%strength)
       ! Then cracks open by tension, and this model is left with compression.
@@ -97,8 +97,8 @@ contains
 
    !> Damage, and a strength of its own for each particle.
    pure subroutine principal_request(self, requests)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
-      class(field_requests_t), intent(inout) :: requests         !! Fields to be carried
+      class(damage_principal_stress_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("damage", "damage model principal_stress", 1)
       call self%delay%request(requests)
@@ -107,8 +107,8 @@ contains
 
    !> Random strength.
    pure subroutine principal_draw_strength(self, seed, identity, first, last, mass, scatter)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
-      integer(int64), intent(in) :: seed                   !! Seed of the run
+      class(damage_principal_stress_t), intent(in) :: self
+      integer(int64), intent(in) :: seed                   !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
@@ -119,10 +119,10 @@ contains
          first, last, mass, scatter)
    end subroutine principal_draw_strength
 
-   !> Let overloaded particles fail. Few are near their strength, and only these are looked at one
+   !> Let overloaded particles fail. Few are near their strength, and only these are treated one
    !! by one.
    pure subroutine principal_update(self, state, deformation, first, last, dt)
-      class(damage_principal_stress_t), intent(in) :: self !! The model
+      class(damage_principal_stress_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -151,7 +151,7 @@ contains
 
    !> Kernel of the above.
    pure subroutine overload(model, first, last, dt, pressure, scratch, stress, damage)
-      class(damage_principal_stress_t), intent(in) :: model !! The model
+      class(damage_principal_stress_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
@@ -176,7 +176,7 @@ contains
    !> Load over strength, the greater one of tension and shear. Where it is below 1, and was before,
    !! a bound that it does not exceed will do. Equation (F.3).
    pure subroutine find_load(model, first, last, pressure, scratch, stress, overload)
-      class(damage_principal_stress_t), intent(in) :: model !! The model
+      class(damage_principal_stress_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]

@@ -22,7 +22,7 @@ module eos_ideal_gas
       procedure :: declare => ideal_gas_declare      !! Declares its key
       procedure :: read => ideal_gas_read            !! Reads its key
       procedure :: sets_bulk => ideal_gas_sets_bulk  !! It does: 0 without energy
-      procedure :: request => ideal_gas_request      !! Asks for energy
+      procedure :: request => ideal_gas_request      !! Requests energy
       procedure :: update => ideal_gas_update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => ideal_gas_find_gruneisen  !! Grueneisen number times density
       procedure :: stored_energy => ideal_gas_stored_energy        !! Nothing, energy is carried
@@ -32,8 +32,8 @@ contains
 
    !> Declare the key of the equation of state.
    subroutine ideal_gas_declare(self, schema)
-      class(eos_ideal_gas_t), intent(in) :: self     !! The equation of state
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(eos_ideal_gas_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call schema%real("material", "ig_gamma", "ratio of the heat capacities of an ideal gas", &
          range="> 1", owner="effects.eos & eos_model = ideal_gas")
@@ -42,7 +42,7 @@ contains
 
    !> Read the key of the equation of state.
    pure subroutine ideal_gas_read(self, group)
-      class(eos_ideal_gas_t), intent(inout) :: self  !! The equation of state
+      class(eos_ideal_gas_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
 
       call group%get("ig_gamma", self%heat_ratio)
@@ -51,22 +51,22 @@ contains
 
    !> The stiffness of a gas is that of its energy.
    pure logical function ideal_gas_sets_bulk(self) result(sets)
-      class(eos_ideal_gas_t), intent(in) :: self     !! The equation of state
+      class(eos_ideal_gas_t), intent(in) :: self
 
       sets = .true.
    end function ideal_gas_sets_bulk
 
    !> The pressure depends on energy.
    pure subroutine ideal_gas_request(self, requests)
-      class(eos_ideal_gas_t), intent(in) :: self     !! The equation of state
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(eos_ideal_gas_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("energy", "equation of state ideal_gas", 1)
    end subroutine ideal_gas_request
 
    !> Pressure and square of the sound speed.
    pure subroutine ideal_gas_update(self, state, deformation, first, last)
-      class(eos_ideal_gas_t), intent(in) :: self           !! The equation of state
+      class(eos_ideal_gas_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -77,7 +77,7 @@ contains
    end subroutine ideal_gas_update
 
    !> Kernel of the above, c**2 = gamma p/rho. Work along a path of finite steps can take more
-   !! energy than a particle of cold gas has; it then bears no pressure.
+   !! energy than a particle of cold gas has; it then supports no pressure.
    pure subroutine gas_pressure(first, last, heat_ratio, mass, volume, energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -101,7 +101,7 @@ contains
    !> Grueneisen number gamma - 1 times density at the middle of the step. Equation (A.13) of
    !! doc/theory/matter.md.
    pure subroutine ideal_gas_find_gruneisen(self, state, deformation, first, last)
-      class(eos_ideal_gas_t), intent(in) :: self           !! The equation of state
+      class(eos_ideal_gas_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -117,7 +117,7 @@ contains
 
    !> The energy is carried by the particles.
    pure real(wp) function ideal_gas_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_ideal_gas_t), intent(in) :: self     !! The equation of state
+      class(eos_ideal_gas_t), intent(in) :: self
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]

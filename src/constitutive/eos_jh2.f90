@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Pressure of brittle matter after Johnson and Holmquist (JH-2), see constitutive_jh2: with
+!> Pressure of brittle material after Johnson and Holmquist (JH-2), see constitutive_jh2: with
 !! mu = rho/rho0 - 1 it is K1 mu + K2 mu**2 + K3 mu**3 in compression and K1 mu in tension.
 !!
 !! Pressure from bulking is added by the chain, in tension too, so that the sum has no jump.
@@ -26,7 +26,7 @@ module eos_jh2
       procedure :: fault => jh2_fault                !! A pressure that falls
       procedure :: read => jh2_read                  !! Reads its keys
       procedure :: sets_bulk => jh2_sets_bulk        !! It does, K1
-      procedure :: request => jh2_request            !! Asks for nothing
+      procedure :: request => jh2_request            !! Requests nothing
       procedure :: update => jh2_update              !! Pressure and square of the sound speed
       procedure :: stored_energy => jh2_stored_energy !! Energy stored in the change of volume
    end type eos_jh2_t
@@ -35,8 +35,8 @@ contains
 
    !> Declare the keys of the equation of state.
    subroutine jh2_declare(self, schema)
-      class(eos_jh2_t), intent(in) :: self           !! The equation of state
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(eos_jh2_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.eos & eos_model = jh2"
 
       call schema%real("material", "jh2_k1", "JH-2 K1, bulk modulus", unit="Pa", range="> 0", &
@@ -50,7 +50,7 @@ contains
 
    !> The pressure must grow with the density, or there is no sound speed.
    pure function jh2_fault(self, group) result(text)
-      class(eos_jh2_t), intent(in) :: self           !! The equation of state
+      class(eos_jh2_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
       real(wp) :: linear, square, cube
@@ -67,7 +67,7 @@ contains
 
    !> Read the keys of the equation of state.
    pure subroutine jh2_read(self, group)
-      class(eos_jh2_t), intent(inout) :: self        !! The equation of state
+      class(eos_jh2_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
 
       call group%get("jh2_k1", self%bulk)
@@ -77,20 +77,20 @@ contains
 
    !> The bulk modulus is K1.
    pure logical function jh2_sets_bulk(self) result(sets)
-      class(eos_jh2_t), intent(in) :: self           !! The equation of state
+      class(eos_jh2_t), intent(in) :: self
 
       sets = .true.
    end function jh2_sets_bulk
 
    !> The pressure depends on density alone.
    pure subroutine jh2_request(self, requests)
-      class(eos_jh2_t), intent(in) :: self           !! The equation of state
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(eos_jh2_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
    end subroutine jh2_request
 
    !> Pressure and square of the sound speed.
    pure subroutine jh2_update(self, state, deformation, first, last)
-      class(eos_jh2_t), intent(in) :: self                 !! The equation of state
+      class(eos_jh2_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -125,7 +125,7 @@ contains
    !> Energy stored in the change of volume: in tension that of a linear equation of state, in
    !! compression m/rho0 times the integral of p/(1 + mu)**2, by Gauss.
    pure real(wp) function jh2_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_jh2_t), intent(in) :: self           !! The equation of state
+      class(eos_jh2_t), intent(in) :: self
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]

@@ -14,7 +14,7 @@ module eos_linear
    !> Linear equation of state.
    type, extends(eos_t) :: eos_linear_t
    contains
-      procedure :: request => linear_request         !! Asks for nothing
+      procedure :: request => linear_request         !! Requests nothing
       procedure :: update => linear_update           !! Pressure and square of the sound speed
       procedure :: stored_energy => linear_stored_energy !! Energy stored in the change of volume
    end type eos_linear_t
@@ -23,13 +23,13 @@ contains
 
    !> The pressure depends on density alone.
    pure subroutine linear_request(self, requests)
-      class(eos_linear_t), intent(in) :: self            !! The equation of state
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(eos_linear_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
    end subroutine linear_request
 
    !> Pressure and square of the sound speed.
    pure subroutine linear_update(self, state, deformation, first, last)
-      class(eos_linear_t), intent(in) :: self                  !! The equation of state
+      class(eos_linear_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -61,7 +61,7 @@ contains
 
    !> Energy stored in the change of volume.
    pure real(wp) function linear_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_linear_t), intent(in) :: self        !! The equation of state
+      class(eos_linear_t), intent(in) :: self
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]

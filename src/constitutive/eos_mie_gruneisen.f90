@@ -37,7 +37,7 @@ module eos_mie_gruneisen
       procedure :: declare => mie_gruneisen_declare  !! Declares its keys
       procedure :: read => mie_gruneisen_read        !! Reads its keys
       procedure :: sets_bulk => mie_gruneisen_sets_bulk !! It does
-      procedure :: request => mie_gruneisen_request  !! Asks for energy
+      procedure :: request => mie_gruneisen_request  !! Requests energy
       procedure :: update => mie_gruneisen_update    !! Pressure and square of the sound speed
       procedure :: find_gruneisen => mie_gruneisen_find_gruneisen !! Grueneisen number times density
       procedure :: stored_energy => mie_gruneisen_stored_energy    !! Nothing, energy is carried
@@ -66,8 +66,8 @@ contains
 
    !> Declare the keys of the equation of state.
    subroutine mie_gruneisen_declare(self, schema)
-      class(eos_mie_gruneisen_t), intent(in) :: self !! The equation of state
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(eos_mie_gruneisen_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.eos & eos_model = mie_gruneisen p_alpha"
 
       call schema%real("material", "mg_c0", "Mie-Grueneisen c0 of Us = c0 + s up", unit="m/s", &
@@ -81,7 +81,7 @@ contains
 
    !> Read the keys of the equation of state.
    pure subroutine mie_gruneisen_read(self, group)
-      class(eos_mie_gruneisen_t), intent(inout) :: self !! The equation of state
+      class(eos_mie_gruneisen_t), intent(inout) :: self
       type(group_t), intent(in) :: group                !! &material
 
       call group%get("mg_c0", self%sound)
@@ -92,22 +92,22 @@ contains
 
    !> The bulk modulus is that of c0.
    pure logical function mie_gruneisen_sets_bulk(self) result(sets)
-      class(eos_mie_gruneisen_t), intent(in) :: self !! The equation of state
+      class(eos_mie_gruneisen_t), intent(in) :: self
 
       sets = .true.
    end function mie_gruneisen_sets_bulk
 
    !> The pressure depends on energy.
    pure subroutine mie_gruneisen_request(self, requests)
-      class(eos_mie_gruneisen_t), intent(in) :: self     !! The equation of state
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(eos_mie_gruneisen_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("energy", "equation of state mie_gruneisen", 1)
    end subroutine mie_gruneisen_request
 
    !> Pressure and square of the sound speed.
    pure subroutine mie_gruneisen_update(self, state, deformation, first, last)
-      class(eos_mie_gruneisen_t), intent(in) :: self           !! The equation of state
+      class(eos_mie_gruneisen_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -182,7 +182,7 @@ contains
 
    !> Grueneisen number times density at the middle of the step. Equation (E.7).
    pure subroutine mie_gruneisen_find_gruneisen(self, state, deformation, first, last)
-      class(eos_mie_gruneisen_t), intent(in) :: self       !! The equation of state
+      class(eos_mie_gruneisen_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -216,7 +216,7 @@ contains
 
    !> The energy is carried by the particles.
    pure real(wp) function mie_gruneisen_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_mie_gruneisen_t), intent(in) :: self     !! The equation of state
+      class(eos_mie_gruneisen_t), intent(in) :: self
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Porous matter that crushes (W. Herrmann, J. Appl. Phys. 40 (1969) 2490; M. M. Carroll, A. C.
+!> Porous material that crushes (W. Herrmann, J. Appl. Phys. 40 (1969) 2490; M. M. Carroll, A. C.
 !! Holt, J. Appl. Phys. 43 (1972) 1626).
 !!
-!! The distension alpha is the density of the solid over that of the matter, and p = ps(alpha rho,
+!! The distension alpha is the density of the solid over that of the material, and p = ps(alpha rho,
 !! e)/alpha with the pressure ps of the solid, here that of Mie and Grueneisen. Up to the elastic
 !! limit alpha stays as it is; beyond it the pressure follows the curve alpha = 1 + (alpha0 - 1)
 !! ((pc - p)/(pc - pe))**2 to the pressure pc that leaves no pores. Crushing is for good. Equations
@@ -20,7 +20,7 @@ module eos_p_alpha
 
    public :: eos_p_alpha_t
 
-   !> Equation of state of porous matter. Its density is that of the porous matter at the start.
+   !> Equation of state of porous material. Its density is that of the porous material at the start.
    type, extends(eos_t) :: eos_p_alpha_t
       type(eos_mie_gruneisen_t) :: solid             !! Without pores
       real(wp) :: elastic = 0.0_wp                   !! pe, crushing begins [Pa]
@@ -32,7 +32,7 @@ module eos_p_alpha
       procedure :: set => p_alpha_set                !! Sets its constants
       procedure :: sets_bulk => p_alpha_sets_bulk    !! It does
       procedure :: has_pores => p_alpha_has_pores    !! It does
-      procedure :: request => p_alpha_request        !! Asks for energy and distension
+      procedure :: request => p_alpha_request        !! Requests energy and distension
       procedure :: update => p_alpha_update          !! Pressure and square of the sound speed
       procedure :: keep_state => p_alpha_keep_state      !! Keeps the distension
       procedure :: stored_energy => p_alpha_stored_energy          !! Nothing, energy is carried
@@ -42,11 +42,11 @@ contains
 
    !> Declare the keys of the equation of state; those of the solid are shared with mie_gruneisen.
    subroutine p_alpha_declare(self, schema)
-      class(eos_p_alpha_t), intent(in) :: self       !! The equation of state
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(eos_p_alpha_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.eos & eos_model = p_alpha"
 
-      call schema%real("material", "pa_solid", "density of porous matter without its pores; "// &
+      call schema%real("material", "pa_solid", "density of porous material without its pores; "// &
          "density is that with them", unit="kg/m3", range="> 0", owner=owner)
       call schema%real("material", "pa_pe", "pressure at which pores begin to crush", unit="Pa", &
          range=">= 0", owner=owner)
@@ -55,9 +55,9 @@ contains
       call schema%require("material", "pa_solid pa_pe pa_pc")
    end subroutine p_alpha_declare
 
-   !> Porous matter is less dense than solid, and crushing must begin before it ends.
+   !> Porous material is less dense than solid, and crushing must begin before it ends.
    pure function p_alpha_fault(self, group) result(text)
-      class(eos_p_alpha_t), intent(in) :: self       !! The equation of state
+      class(eos_p_alpha_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
       real(wp) :: one, other
@@ -71,7 +71,7 @@ contains
       if (group%known("pa_solid") .and. group%known("density")) then
          call group%get("pa_solid", one)
          call group%get("density", other)
-         if (other > one) text = "density of porous matter must not be above pa_solid"
+         if (other > one) text = "density of porous material must not be above pa_solid"
       end if
       if (group%given("specific_heat")) text = "eos_model = 'p_alpha' does not know how "// &
          "crushing heats; set thermal = .false."
@@ -79,7 +79,7 @@ contains
 
    !> Read the keys of the equation of state.
    pure subroutine p_alpha_read(self, group)
-      class(eos_p_alpha_t), intent(inout) :: self    !! The equation of state
+      class(eos_p_alpha_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
       real(wp) :: solid, sound, slope, gamma, elastic, crushed
 
@@ -94,7 +94,7 @@ contains
 
    !> Set the constants; the density is set before.
    pure subroutine p_alpha_set(self, solid, elastic, crushed)
-      class(eos_p_alpha_t), intent(inout) :: self    !! The equation of state
+      class(eos_p_alpha_t), intent(inout) :: self
       type(eos_mie_gruneisen_t), intent(in) :: solid !! Without pores
       real(wp), intent(in) :: elastic                !! pe [Pa]
       real(wp), intent(in) :: crushed                !! pc [Pa]
@@ -109,22 +109,22 @@ contains
 
    !> The bulk modulus is that of c0.
    pure logical function p_alpha_sets_bulk(self) result(sets)
-      class(eos_p_alpha_t), intent(in) :: self       !! The equation of state
+      class(eos_p_alpha_t), intent(in) :: self
 
       sets = .true.
    end function p_alpha_sets_bulk
 
    !> Its material is porous.
    pure logical function p_alpha_has_pores(self) result(has)
-      class(eos_p_alpha_t), intent(in) :: self       !! The equation of state
+      class(eos_p_alpha_t), intent(in) :: self
 
       has = .true.
    end function p_alpha_has_pores
 
    !> The pressure depends on energy and on what has been crushed.
    pure subroutine p_alpha_request(self, requests)
-      class(eos_p_alpha_t), intent(in) :: self       !! The equation of state
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(eos_p_alpha_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("energy", "equation of state p_alpha", 1)
       call requests%add("distension", "equation of state p_alpha", 1)
@@ -132,7 +132,7 @@ contains
 
    !> Pressure and square of the sound speed, that at constant distension: no wave is faster.
    pure subroutine p_alpha_update(self, state, deformation, first, last)
-      class(eos_p_alpha_t), intent(in) :: self             !! The equation of state
+      class(eos_p_alpha_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -211,7 +211,7 @@ contains
 
    !> Keep the distension.
    pure subroutine p_alpha_keep_state(self, state, deformation, first, last)
-      class(eos_p_alpha_t), intent(in) :: self             !! The equation of state
+      class(eos_p_alpha_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -222,7 +222,7 @@ contains
 
    !> The energy is carried by the particles.
    pure real(wp) function p_alpha_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_p_alpha_t), intent(in) :: self       !! The equation of state
+      class(eos_p_alpha_t), intent(in) :: self
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]

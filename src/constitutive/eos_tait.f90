@@ -19,7 +19,7 @@ module eos_tait
    contains
       procedure :: declare => tait_declare           !! Declares its key
       procedure :: read => tait_read                 !! Reads its key
-      procedure :: request => tait_request           !! Asks for nothing
+      procedure :: request => tait_request           !! Requests nothing
       procedure :: update => tait_update             !! Pressure and square of the sound speed
       procedure :: stored_energy => tait_stored_energy !! Energy stored in the change of volume
    end type eos_tait_t
@@ -28,8 +28,8 @@ contains
 
    !> Declare the key of the equation of state.
    subroutine tait_declare(self, schema)
-      class(eos_tait_t), intent(in) :: self          !! The equation of state
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(eos_tait_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call schema%real("material", "tait_n", "exponent of Tait's equation of state, 7 for water", &
          range="> 0", owner="effects.eos & eos_model = tait")
@@ -38,7 +38,7 @@ contains
 
    !> Read the key of the equation of state.
    pure subroutine tait_read(self, group)
-      class(eos_tait_t), intent(inout) :: self       !! The equation of state
+      class(eos_tait_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
 
       call group%get("tait_n", self%exponent)
@@ -46,13 +46,13 @@ contains
 
    !> The pressure depends on density alone.
    pure subroutine tait_request(self, requests)
-      class(eos_tait_t), intent(in) :: self          !! The equation of state
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(eos_tait_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
    end subroutine tait_request
 
    !> Pressure and square of the sound speed.
    pure subroutine tait_update(self, state, deformation, first, last)
-      class(eos_tait_t), intent(in) :: self                !! The equation of state
+      class(eos_tait_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -77,8 +77,8 @@ contains
       real(wp) :: ratio, power
       integer :: i, k
 
-      ! Not with vectors: powers of vectors differ in the last bits from those of the numbers that
-      ! are left at the end of a range, and bits must not depend on the place of a particle.
+      ! Not vectorised: vector powers differ in the last bits from the scalar ones of the
+      ! remainder of a range, and bits must not depend on the position of a particle.
       !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i
@@ -94,7 +94,7 @@ contains
    !! - 1)/(n - 1) + x - 1, and beyond the x at which the pressure would be less than its limit it
    !! grows linearly.
    pure real(wp) function tait_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_tait_t), intent(in) :: self          !! The equation of state
+      class(eos_tait_t), intent(in) :: self
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]

@@ -39,7 +39,7 @@ module eos_tillotson
       procedure :: fault => tillotson_fault          !! Energies in the wrong order
       procedure :: read => tillotson_read            !! Reads its keys
       procedure :: sets_bulk => tillotson_sets_bulk  !! It does
-      procedure :: request => tillotson_request      !! Asks for energy
+      procedure :: request => tillotson_request      !! Requests energy
       procedure :: update => tillotson_update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => tillotson_find_gruneisen  !! Grueneisen number times density
       procedure :: stored_energy => tillotson_stored_energy        !! Nothing, energy is carried
@@ -49,8 +49,8 @@ contains
 
    !> Declare the keys of the equation of state.
    subroutine tillotson_declare(self, schema)
-      class(eos_tillotson_t), intent(in) :: self     !! The equation of state
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(eos_tillotson_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.eos & eos_model = tillotson"
 
       call schema%real("material", "till_a", "Tillotson a", range="> 0", owner=owner)
@@ -62,9 +62,9 @@ contains
       call schema%real("material", "till_alpha", "Tillotson alpha", range=">= 0", owner=owner)
       call schema%real("material", "till_beta", "Tillotson beta", range=">= 0", owner=owner)
       call schema%real("material", "till_e0", "Tillotson e0", unit="J/kg", range="> 0", owner=owner)
-      call schema%real("material", "till_eiv", "energy at which expanded matter begins to boil", &
+      call schema%real("material", "till_eiv", "energy at which expanded material begins to boil", &
          unit="J/kg", range="> 0", owner=owner)
-      call schema%real("material", "till_ecv", "energy at which expanded matter is vapour", &
+      call schema%real("material", "till_ecv", "energy at which expanded material is vapour", &
          unit="J/kg", range="> 0", owner=owner)
       call schema%require("material", "till_a till_b till_bulk till_square till_alpha "// &
          "till_beta till_e0 till_eiv till_ecv")
@@ -72,7 +72,7 @@ contains
 
    !> Boiling must begin before it ends.
    pure function tillotson_fault(self, group) result(text)
-      class(eos_tillotson_t), intent(in) :: self     !! The equation of state
+      class(eos_tillotson_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: text
       real(wp) :: melt, vapour
@@ -86,7 +86,7 @@ contains
 
    !> Read the keys of the equation of state.
    pure subroutine tillotson_read(self, group)
-      class(eos_tillotson_t), intent(inout) :: self  !! The equation of state
+      class(eos_tillotson_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
 
       call group%get("till_a", self%a)
@@ -102,22 +102,22 @@ contains
 
    !> The bulk modulus is A.
    pure logical function tillotson_sets_bulk(self) result(sets)
-      class(eos_tillotson_t), intent(in) :: self     !! The equation of state
+      class(eos_tillotson_t), intent(in) :: self
 
       sets = .true.
    end function tillotson_sets_bulk
 
    !> The pressure depends on energy.
    pure subroutine tillotson_request(self, requests)
-      class(eos_tillotson_t), intent(in) :: self     !! The equation of state
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(eos_tillotson_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("energy", "equation of state tillotson", 1)
    end subroutine tillotson_request
 
    !> Pressure and square of the sound speed, dp/drho + p/rho**2 dp/de: (E.1).
    pure subroutine tillotson_update(self, state, deformation, first, last)
-      class(eos_tillotson_t), intent(in) :: self           !! The equation of state
+      class(eos_tillotson_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -138,7 +138,7 @@ contains
    !> Grueneisen number (a + b/w**2) of condensed material times density at the middle of the step.
    !! In vapour b/w**2 is small.
    pure subroutine tillotson_find_gruneisen(self, state, deformation, first, last)
-      class(eos_tillotson_t), intent(in) :: self           !! The equation of state
+      class(eos_tillotson_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -200,7 +200,7 @@ contains
 
    !> The energy is carried by the particles.
    pure real(wp) function tillotson_stored_energy(self, mass, volume, limit) result(energy)
-      class(eos_tillotson_t), intent(in) :: self     !! The equation of state
+      class(eos_tillotson_t), intent(in) :: self
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]
       real(wp), intent(in) :: limit                  !! Least pressure [Pa]

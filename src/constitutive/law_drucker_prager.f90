@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Matter with friction and cohesion after D. C. Drucker and W. Prager (Q. Appl. Math. 10 (1952)
+!> Material with friction and cohesion after D. C. Drucker and W. Prager (Q. Appl. Math. 10 (1952)
 !! 157): the equivalent stress q is not above M p + k, which ends in an apex at the pressure -k/M.
 !!
 !! Flow loosens by b for each unit of equivalent plastic strain. M, k and b are those of the cone
@@ -37,8 +37,8 @@ contains
 
    !> Declare the keys of the law.
    subroutine drucker_prager_declare(self, schema)
-      class(law_drucker_prager_t), intent(in) :: self !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_drucker_prager_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call declare_angles(schema)
       call schema%text("material", "dp_cone", "where the cone touches the surface of Mohr and "// &
@@ -47,9 +47,9 @@ contains
          owner="effects.strength & strength_model = drucker_prager")
    end subroutine drucker_prager_declare
 
-   !> What is wrong with the angles taken together.
+   !> Error in the combination of the angles; empty if there is none.
    pure function drucker_prager_fault(self, group, eos) result(text)
-      class(law_drucker_prager_t), intent(in) :: self !! The law
+      class(law_drucker_prager_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
@@ -59,9 +59,9 @@ contains
 
    !> Read the keys of the law.
    pure subroutine drucker_prager_read(self, group, effects)
-      class(law_drucker_prager_t), intent(inout) :: self !! The law
+      class(law_drucker_prager_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
       type(angles_t) :: angles
       character(len=:), allocatable :: where_cone
 
@@ -72,8 +72,8 @@ contains
 
    !> Cone that belongs to the angles. All that friction takes becomes heat.
    pure subroutine drucker_prager_set(self, angles, where_cone)
-      class(law_drucker_prager_t), intent(inout) :: self !! The law
-      type(angles_t), intent(in) :: angles           !! The constants
+      class(law_drucker_prager_t), intent(inout) :: self
+      type(angles_t), intent(in) :: angles
       character(len=*), intent(in) :: where_cone     !! Where it touches Mohr-Coulomb
 
       self%slope = cone(angles%friction, where_cone)
@@ -109,7 +109,7 @@ contains
 
    !> Return to cone or apex.
    pure subroutine drucker_prager_update(self, state, deformation, first, last, dt)
-      class(law_drucker_prager_t), intent(in) :: self      !! The law
+      class(law_drucker_prager_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -136,7 +136,7 @@ contains
    end subroutine drucker_prager_update
 
    !> Kernel of the above (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods for
-   !! plasticity", 2008, section 8.3). Flow loosens only on the cone: what has come apart has no
+   !! plasticity", 2008, section 8.3). Flow loosens only on the cone: what has separated has no
    !! grains that climb over each other. Equation (Y.22).
    pure subroutine return_to_cone(first, last, law, mass, volume, tangent, stress, pressure, &
       plastic_increment, plastic_work, dilation)

@@ -14,7 +14,7 @@ module law_elastic
    type, extends(law_t) :: law_elastic_t
    contains
       procedure :: is_plastic => elastic_is_plastic        !! It does not flow
-      procedure :: request => elastic_request        !! Asks for nothing
+      procedure :: request => elastic_request        !! Requests nothing
       procedure :: update => elastic_update          !! Keeps the trial
    end type law_elastic_t
 
@@ -22,20 +22,20 @@ contains
 
    !> An elastic law does not flow.
    pure logical function elastic_is_plastic(self) result(plastic)
-      class(law_elastic_t), intent(in) :: self       !! The law
+      class(law_elastic_t), intent(in) :: self
 
       plastic = .false.
    end function elastic_is_plastic
 
    !> An elastic particle remembers nothing but its stress.
    pure subroutine elastic_request(self, requests)
-      class(law_elastic_t), intent(in) :: self           !! The law
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(law_elastic_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
    end subroutine elastic_request
 
    !> The trial deviator is right already.
    pure subroutine elastic_update(self, state, deformation, first, last, dt)
-      class(law_elastic_t), intent(in) :: self                 !! The law
+      class(law_elastic_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range

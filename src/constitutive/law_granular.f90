@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Granular matter whose stress relaxes as its contacts break (D. Z. Zhang, R. M. Rauenzahn, J.
+!> Granular material whose stress relaxes as its contacts break (D. Z. Zhang, R. M. Rauenzahn, J.
 !! Rheol. 41 (1997) 1275 and 44 (2000) 1019):
 !!
 !!    dsigma/dt - W sigma + sigma W = -sigma/tau + lambda tr(D) I + 2 G D
@@ -36,7 +36,7 @@ module law_granular
       procedure :: fault => granular_fault           !! Without any relaxation it is elastic
       procedure :: read => granular_read             !! Reads its keys
       procedure :: gives_whole_stress => granular_gives_whole_stress           !! In mode seed
-      procedure :: request => granular_request       !! Asks for nothing
+      procedure :: request => granular_request       !! Requests nothing
       procedure :: predict_trial => granular_predict_trial !! Volume, and the deviator as it was
       procedure :: update => granular_update         !! Relaxes
       !> Waves are those of the intact contacts
@@ -48,13 +48,13 @@ contains
 
    !> Declare the keys of the law.
    subroutine granular_declare(self, schema)
-      class(law_granular_t), intent(in) :: self      !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_granular_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = granular"
 
-      call schema%real("material", "gr_tau", "time in which the stress of granular matter "// &
+      call schema%real("material", "gr_tau", "time in which the stress of granular material "// &
          "relaxes at rest", unit="s", range="> 0", owner=owner)
-      call schema%real("material", "gr_gamma_c", "strain that a contact of granular matter "// &
+      call schema%real("material", "gr_gamma_c", "strain that a contact of granular material "// &
          "survives", range="> 0", owner=owner)
       call schema%text("material", "gr_mode", "what relaxes: seed, the whole stress; deviator, "// &
          "all but the pressure, which follows the equation of state", default="deviator", &
@@ -63,7 +63,7 @@ contains
 
    !> The mode decides whether there is an equation of state.
    pure subroutine granular_read_mode(self, group)
-      class(law_granular_t), intent(inout) :: self   !! The law
+      class(law_granular_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: mode
 
@@ -73,7 +73,7 @@ contains
 
    !> One of the two relaxations must be there.
    pure function granular_fault(self, group, eos) result(text)
-      class(law_granular_t), intent(in) :: self      !! The law
+      class(law_granular_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
@@ -85,9 +85,9 @@ contains
 
    !> Read the keys of the law. All that relaxation takes becomes heat.
    pure subroutine granular_read(self, group, effects)
-      class(law_granular_t), intent(inout) :: self   !! The law
+      class(law_granular_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
       real(wp) :: number
 
       self%heat_share = 1.0_wp
@@ -103,20 +103,20 @@ contains
 
    !> In mode seed the pressure is a part of the law.
    pure logical function granular_gives_whole_stress(self) result(whole)
-      class(law_granular_t), intent(in) :: self      !! The law
+      class(law_granular_t), intent(in) :: self
 
       whole = self%relaxes_pressure
    end function granular_gives_whole_stress
 
    !> The stress is all that is remembered.
    pure subroutine granular_request(self, requests)
-      class(law_granular_t), intent(in) :: self      !! The law
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(law_granular_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
    end subroutine granular_request
 
    !> Volume after the step; the stress becomes its deviator.
    pure subroutine granular_predict_trial(self, state, deformation, first, last)
-      class(law_granular_t), intent(in) :: self            !! The law
+      class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -128,7 +128,7 @@ contains
 
    !> Deviator after the step, and in mode seed the pressure.
    pure subroutine granular_update(self, state, deformation, first, last, dt)
-      class(law_granular_t), intent(in) :: self            !! The law
+      class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -154,7 +154,7 @@ contains
 
    !> Shear, and in mode seed the bulk modulus too.
    pure subroutine granular_add_wave_speed(self, state, deformation, first, last)
-      class(law_granular_t), intent(in) :: self            !! The law
+      class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -168,9 +168,9 @@ contains
 
    !> Energy of the contacts that live.
    pure real(wp) function granular_stored_energy(self, state, particle) result(energy)
-      class(law_granular_t), intent(in) :: self      !! The law
+      class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                !! Index in the store
       real(wp) :: pressure
 
       energy = law_stored_energy(self, state, particle)

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Strength of brittle matter after Johnson and Holmquist (JH-2), see constitutive_jh2. Damage is
+!> Strength of brittle material after Johnson and Holmquist (JH-2), see constitutive_jh2. Damage is
 !! that
-!! of damage_model = 'jh2'; without it matter stays intact. Damaged matter bears less tension, T (1
+!! of damage_model = 'jh2'; without it material stays intact. Damaged material supports less
+!! tension, T (1
 !! - D). Equations (F.12) and (F.13) of doc/theory/failure.md.
 module law_jh2
    use base_deck_group, only: group_t
@@ -28,9 +29,9 @@ module law_jh2
       procedure :: needs_eos => law_jh2_needs_eos    !! It does
       procedure :: supports_voids => law_jh2_supports_voids !! It does not
       procedure :: softens_by_damage => law_jh2_softens_by_damage !! It does
-      procedure :: request => law_jh2_request        !! Asks for energy
+      procedure :: request => law_jh2_request        !! Requests energy
       procedure :: update => law_jh2_update          !! Radial return
-      procedure :: add_wave_speed => law_jh2_add_wave_speed        !! Fractured matter is stiff too
+      procedure :: add_wave_speed => law_jh2_add_wave_speed !! Fractured material is stiff too
       procedure :: least_pressure => law_jh2_least_pressure !! That of the tension
    end type law_jh2_t
 
@@ -38,15 +39,15 @@ contains
 
    !> Declare the keys of the law.
    subroutine law_jh2_declare(self, schema)
-      class(law_jh2_t), intent(in) :: self           !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_jh2_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call self%constants%declare(schema)
    end subroutine law_jh2_declare
 
    !> The stress of the limit has a deviator.
    pure function law_jh2_fault(self, group, eos) result(text)
-      class(law_jh2_t), intent(in) :: self           !! The law
+      class(law_jh2_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
@@ -61,45 +62,45 @@ contains
 
    !> Read the keys of the law.
    pure subroutine law_jh2_read(self, group, effects)
-      class(law_jh2_t), intent(inout) :: self        !! The law
+      class(law_jh2_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call self%constants%read(group, effects)
    end subroutine law_jh2_read
 
    !> Strength follows a pressure that knows the density.
    pure logical function law_jh2_needs_eos(self) result(needs)
-      class(law_jh2_t), intent(in) :: self           !! The law
+      class(law_jh2_t), intent(in) :: self
 
       needs = .true.
    end function law_jh2_needs_eos
 
    !> Its constants are those of material without pores.
    pure logical function law_jh2_supports_voids(self) result(supports)
-      class(law_jh2_t), intent(in) :: self           !! The law
+      class(law_jh2_t), intent(in) :: self
 
       supports = .false.
    end function law_jh2_supports_voids
 
    !> Its strength goes from intact to fractured with the damage.
    pure logical function law_jh2_softens_by_damage(self) result(softens)
-      class(law_jh2_t), intent(in) :: self           !! The law
+      class(law_jh2_t), intent(in) :: self
 
       softens = .true.
    end function law_jh2_softens_by_damage
 
    !> Pressure that fracture made is no function of the density, so that the energy is carried.
    pure subroutine law_jh2_request(self, requests)
-      class(law_jh2_t), intent(in) :: self           !! The law
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(law_jh2_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("energy", "strength model jh2", 1)
    end subroutine law_jh2_request
 
    !> Return to the yield surface, which does not change in the step.
    pure subroutine law_jh2_update(self, state, deformation, first, last, dt)
-      class(law_jh2_t), intent(in) :: self                 !! The law
+      class(law_jh2_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -157,7 +158,7 @@ contains
       real(wp) :: trial, limit, scaling
       integer :: i, k
 
-      ! Not with vectors: powers of vectors differ in the last bits from those of single numbers.
+      ! Not vectorised: vector powers differ in the last bits from scalar ones.
       !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i
@@ -178,10 +179,11 @@ contains
       end do
    end subroutine return_to_strength
 
-   !> Shear modulus in the square of the wave speed, also of fractured matter. It does not grow with
+   !> Shear modulus in the square of the wave speed, also of fractured material. It does not grow
+   !! with
    !! the volume, or a cloud of fragments would shorten the time step.
    pure subroutine law_jh2_add_wave_speed(self, state, deformation, first, last)
-      class(law_jh2_t), intent(in) :: self                 !! The law
+      class(law_jh2_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -195,9 +197,9 @@ contains
       end do
    end subroutine law_jh2_add_wave_speed
 
-   !> Least pressure that the law can bear [Pa].
+   !> Least pressure that the law supports [Pa].
    pure real(wp) function law_jh2_least_pressure(self) result(pressure)
-      class(law_jh2_t), intent(in) :: self           !! The law
+      class(law_jh2_t), intent(in) :: self
 
       pressure = -self%constants%tension
    end function law_jh2_least_pressure

@@ -30,7 +30,7 @@ module law_johnson_cook
       procedure :: declare => johnson_cook_declare   !! Declares its keys
       procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! It does
       procedure :: read => johnson_cook_read         !! Reads its keys
-      procedure :: request => johnson_cook_request   !! Asks for plastic strain and temperature
+      procedure :: request => johnson_cook_request   !! Requests plastic strain and temperature
       procedure :: update => johnson_cook_update     !! Radial return
    end type law_johnson_cook_t
 
@@ -38,8 +38,8 @@ contains
 
    !> Declare the keys of the law.
    subroutine johnson_cook_declare(self, schema)
-      class(law_johnson_cook_t), intent(in) :: self  !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_johnson_cook_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = johnson_cook"
 
       call schema%real("material", "jc_a", "Johnson-Cook A, static yield stress", unit="Pa", &
@@ -57,16 +57,16 @@ contains
 
    !> The flow stress depends on the rate.
    pure logical function johnson_cook_uses_jc_rate(self) result(uses)
-      class(law_johnson_cook_t), intent(in) :: self  !! The law
+      class(law_johnson_cook_t), intent(in) :: self
 
       uses = .true.
    end function johnson_cook_uses_jc_rate
 
    !> Read the keys of the law.
    pure subroutine johnson_cook_read(self, group, effects)
-      class(law_johnson_cook_t), intent(inout) :: self !! The law
+      class(law_johnson_cook_t), intent(inout) :: self
       type(group_t), intent(in) :: group               !! &material
-      type(effects_t), intent(in) :: effects           !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("jc_a", self%yield)
       call group%get("jc_b", self%hardening)
@@ -84,8 +84,8 @@ contains
 
    !> Hardening needs the plastic strain, softening the temperature.
    pure subroutine johnson_cook_request(self, requests)
-      class(law_johnson_cook_t), intent(in) :: self  !! The law
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(law_johnson_cook_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("plastic_strain", "hardening of johnson_cook", 1)
       if (allocated(self%range)) call requests%add("temperature", "softening of johnson_cook", 1)
@@ -94,7 +94,7 @@ contains
    !> Return to the yield surface. Few particles flow at a time, and these need powers and
    !! logarithms, so they are treated one by one after a pass over all.
    pure subroutine johnson_cook_update(self, state, deformation, first, last, dt)
-      class(law_johnson_cook_t), intent(in) :: self        !! The law
+      class(law_johnson_cook_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -132,7 +132,7 @@ contains
    !! a stress at rest, and Newton steps that leave the bracket are replaced by bisection. A melted
    !! particle flows without resistance and its plastic strain is left alone. Equation (Y.5).
    pure subroutine flow(law, trial, strain, dt, homologous, limit, increment)
-      class(law_johnson_cook_t), intent(in) :: law   !! The law
+      class(law_johnson_cook_t), intent(in) :: law
       real(wp), intent(in) :: trial                  !! Equivalent trial stress [Pa]
       real(wp), intent(in) :: strain                 !! Equivalent plastic strain before [1]
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -172,7 +172,7 @@ contains
 
    !> Yield stress, and its derivative to the plastic increment.
    pure subroutine yield_stress(law, strain, increment, dt, softening, limit, slope)
-      class(law_johnson_cook_t), intent(in) :: law   !! The law
+      class(law_johnson_cook_t), intent(in) :: law
       real(wp), intent(in) :: strain                 !! Equivalent plastic strain after [1]
       real(wp), intent(in) :: increment              !! Increment of plastic strain, above 0 [1]
       real(wp), intent(in) :: dt                     !! Time step [s]

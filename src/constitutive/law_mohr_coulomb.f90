@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Matter with friction and cohesion after Mohr and Coulomb: on no plane is the shear above
+!> Material with friction and cohesion after Mohr and Coulomb: on no plane is the shear above
 !> c + tan(phi) times the pressure on it. In principal stresses, s1 the greatest tension,
 !> (s1 - s3) + (s1 + s3) sin(phi) is not above 2 c cos(phi).
 !!
@@ -34,9 +34,9 @@ module law_mohr_coulomb
 
 contains
 
-   !> What is wrong with the angles taken together.
+   !> Error in the combination of the angles; empty if there is none.
    pure function mohr_coulomb_fault(self, group, eos) result(text)
-      class(law_mohr_coulomb_t), intent(in) :: self  !! The law
+      class(law_mohr_coulomb_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
@@ -46,9 +46,9 @@ contains
 
    !> Read the keys of the law, which those of Drucker and Prager declare.
    pure subroutine mohr_coulomb_read(self, group, effects)
-      class(law_mohr_coulomb_t), intent(inout) :: self !! The law
+      class(law_mohr_coulomb_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
       type(angles_t) :: angles
 
       call read_angles(group, angles)
@@ -57,8 +57,8 @@ contains
 
    !> Surface that belongs to the angles. All that friction takes becomes heat.
    pure subroutine mohr_coulomb_set(self, angles)
-      class(law_mohr_coulomb_t), intent(inout) :: self !! The law
-      type(angles_t), intent(in) :: angles           !! The constants
+      class(law_mohr_coulomb_t), intent(inout) :: self
+      type(angles_t), intent(in) :: angles
 
       self%friction = sin(angles%friction)
       self%dilation = sin(angles%dilation)
@@ -72,7 +72,7 @@ contains
    !> Return to the surface. What lies inside the inscribed cone of Drucker and Prager does not
    !! flow; the others are treated one by one, as they need their principal stresses.
    pure subroutine mohr_coulomb_update(self, state, deformation, first, last, dt)
-      class(law_mohr_coulomb_t), intent(in) :: self        !! The law
+      class(law_mohr_coulomb_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -206,10 +206,10 @@ contains
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: pressure               !! [Pa]
       real(wp), intent(inout) :: values(3)           !! Principal values of the deviator [Pa]
-      real(wp) :: room, taken
+      real(wp) :: limit, taken
 
-      room = max(0.0_wp, 2.0_wp*pressure*law%friction + law%strength)
+      limit = max(0.0_wp, 2.0_wp*pressure*law%friction + law%strength)
       taken = (1.0_wp + law%friction)*maxval(values) - (1.0_wp - law%friction)*minval(values)
-      if (taken > room) values = values*(room/taken)
+      if (taken > limit) values = values*(limit/taken)
    end subroutine draw_in
 end module law_mohr_coulomb

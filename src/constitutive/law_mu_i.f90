@@ -3,7 +3,8 @@
 !! is the cohesion and mu(I) times the pressure with mu = mu_s + (mu_2 - mu_s)/(1 + I0/I), where the
 !! inertial number I = rate d sqrt(rho_s/p) has the diameter d and the density rho_s of a grain.
 !!
-!! Below mu_s the grains are an elastic solid, and without pressure and cohesion they bear nothing
+!! Below mu_s the grains are an elastic solid, and without pressure and cohesion they support
+!! nothing
 !! (S. Dunatunga, K. Kamrin, J. Fluid Mech. 779 (2015) 483). Equation (Y.25) of
 !! doc/theory/strength.md.
 module law_mu_i
@@ -39,8 +40,8 @@ contains
 
    !> Declare the keys of the law.
    subroutine mu_i_declare(self, schema)
-      class(law_mu_i_t), intent(in) :: self          !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_mu_i_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = mu_i"
 
       call schema%real("material", "mu_s", "coefficient of friction of slow flow", range="> 0", &
@@ -58,7 +59,7 @@ contains
 
    !> Friction must not fall with the rate.
    pure function mu_i_fault(self, group, eos) result(text)
-      class(law_mu_i_t), intent(in) :: self          !! The law
+      class(law_mu_i_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
@@ -73,9 +74,9 @@ contains
 
    !> Read the keys of the law. All that friction takes becomes heat.
    pure subroutine mu_i_read(self, group, effects)
-      class(law_mu_i_t), intent(inout) :: self       !! The law
+      class(law_mu_i_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
       real(wp) :: diameter, density
 
       call group%get("mu_s", self%slow)
@@ -92,14 +93,14 @@ contains
 
    !> Its grains have an inertial number.
    pure logical function mu_i_has_grains(self) result(has)
-      class(law_mu_i_t), intent(in) :: self          !! The law
+      class(law_mu_i_t), intent(in) :: self
 
       has = .true.
    end function mu_i_has_grains
 
    !> Return to the flow stress.
    pure subroutine mu_i_update(self, state, deformation, first, last, dt)
-      class(law_mu_i_t), intent(in) :: self                !! The law
+      class(law_mu_i_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range

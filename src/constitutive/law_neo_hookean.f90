@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Hyperelastic matter after Neo and Hooke, with the whole stress from the deformation gradient F:
+!> Hyperelastic material after Neo and Hooke, with the whole stress from the deformation gradient F:
 !! sigma = (lambda ln J I + mu (F F^T - I))/J with J = det F.
 !!
 !! The energy of a unit of reference volume is mu/2 (tr F^T F - 3) - mu ln J + lambda/2 (ln J)**2
@@ -26,7 +26,7 @@ module law_neo_hookean
    contains
       procedure :: gives_whole_stress => neo_hookean_gives_whole_stress !! It gives the whole stress
       procedure :: is_plastic => neo_hookean_is_plastic    !! It does not flow
-      procedure :: request => neo_hookean_request    !! Asks for the deformation gradient
+      procedure :: request => neo_hookean_request    !! Requests the deformation gradient
       procedure :: predict_trial => neo_hookean_predict_trial    !! Volume and deformation gradient
       procedure :: update => neo_hookean_update      !! Stress
       !> Fastest wave of the deformed state
@@ -38,29 +38,29 @@ contains
 
    !> There is no equation of state beside it.
    pure logical function neo_hookean_gives_whole_stress(self) result(whole)
-      class(law_neo_hookean_t), intent(in) :: self   !! The law
+      class(law_neo_hookean_t), intent(in) :: self
 
       whole = .true.
    end function neo_hookean_gives_whole_stress
 
    !> A hyperelastic law does not flow.
    pure logical function neo_hookean_is_plastic(self) result(plastic)
-      class(law_neo_hookean_t), intent(in) :: self   !! The law
+      class(law_neo_hookean_t), intent(in) :: self
 
       plastic = .false.
    end function neo_hookean_is_plastic
 
    !> A particle remembers how it is deformed.
    pure subroutine neo_hookean_request(self, requests)
-      class(law_neo_hookean_t), intent(in) :: self   !! The law
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(law_neo_hookean_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("deformation_gradient", "strength neo_hookean", 9)
    end subroutine neo_hookean_request
 
    !> Volume and deformation gradient after the step.
    pure subroutine neo_hookean_predict_trial(self, state, deformation, first, last)
-      class(law_neo_hookean_t), intent(in) :: self             !! The law
+      class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -72,7 +72,7 @@ contains
 
    !> Deviator and pressure of the stress.
    pure subroutine neo_hookean_update(self, state, deformation, first, last, dt)
-      class(law_neo_hookean_t), intent(in) :: self             !! The law
+      class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -85,7 +85,7 @@ contains
 
    !> Square of the fastest wave speed.
    pure subroutine neo_hookean_add_wave_speed(self, state, deformation, first, last)
-      class(law_neo_hookean_t), intent(in) :: self             !! The law
+      class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -97,9 +97,9 @@ contains
 
    !> Energy of a particle, whose reference volume is V/J.
    pure real(wp) function neo_hookean_stored_energy(self, state, particle) result(energy)
-      class(law_neo_hookean_t), intent(in) :: self   !! The law
+      class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                !! Index in the store
       real(wp) :: f(9)
 
       f = state%deformation_gradient(particle, :)
@@ -157,8 +157,8 @@ contains
       real(wp) :: f(9), s(6), mean
       integer :: i, k
 
-      ! Not with vectors: logarithms of vectors differ in the last bits from those of the numbers
-      ! that are left at the end of a range, and bits must not depend on the place of a particle.
+      ! Not vectorised: vector logarithms differ in the last bits from the scalar ones of the
+      ! remainder of a range, and bits must not depend on the position of a particle.
       !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i
@@ -191,8 +191,8 @@ contains
       real(wp) :: f(9), b(6), j, mean, largest
       integer :: i, k
 
-      ! Not with vectors: logarithms of vectors differ in the last bits from those of the numbers
-      ! that are left at the end of a range, and bits must not depend on the place of a particle.
+      ! Not vectorised: vector logarithms differ in the last bits from the scalar ones of the
+      ! remainder of a range, and bits must not depend on the position of a particle.
       !GCC$ novector
       do i = 1, last - first + 1
          k = first - 1 + i

@@ -24,7 +24,7 @@ module law_newtonian
       procedure :: read => newtonian_read            !! Reads its key
       procedure :: has_shear => newtonian_has_shear  !! It has no shear modulus
       procedure :: follows_density => newtonian_follows_density !! Its pressure has no rate form
-      procedure :: request => newtonian_request      !! Asks for nothing
+      procedure :: request => newtonian_request      !! Requests nothing
       procedure :: predict_trial => newtonian_predict_trial      !! Volume, there is no trial
       procedure :: update => newtonian_update        !! Viscous stress
       procedure :: add_wave_speed => newtonian_add_wave_speed      !! Nothing
@@ -37,8 +37,8 @@ contains
 
    !> Declare the key of the law.
    subroutine newtonian_declare(self, schema)
-      class(law_newtonian_t), intent(in) :: self     !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_newtonian_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call schema%real("material", "viscosity", "viscosity of a Newtonian fluid", unit="Pa s", &
          range=">= 0", owner="effects.strength & strength_model = newtonian")
@@ -47,9 +47,9 @@ contains
 
    !> Read the key of the law. All that viscosity takes becomes heat.
    pure subroutine newtonian_read(self, group, effects)
-      class(law_newtonian_t), intent(inout) :: self  !! The law
+      class(law_newtonian_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("viscosity", self%viscosity)
       self%heat_share = 1.0_wp
@@ -57,27 +57,27 @@ contains
 
    !> A fluid has no shear modulus.
    pure logical function newtonian_has_shear(self) result(has)
-      class(law_newtonian_t), intent(in) :: self     !! The law
+      class(law_newtonian_t), intent(in) :: self
 
       has = .false.
    end function newtonian_has_shear
 
    !> The stress keeps nothing from step to step, so the pressure cannot be found from it.
    pure logical function newtonian_follows_density(self) result(follows)
-      class(law_newtonian_t), intent(in) :: self     !! The law
+      class(law_newtonian_t), intent(in) :: self
 
       follows = .true.
    end function newtonian_follows_density
 
    !> A fluid remembers nothing.
    pure subroutine newtonian_request(self, requests)
-      class(law_newtonian_t), intent(in) :: self     !! The law
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(law_newtonian_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
    end subroutine newtonian_request
 
    !> Volume after the step.
    pure subroutine newtonian_predict_trial(self, state, deformation, first, last)
-      class(law_newtonian_t), intent(in) :: self           !! The law
+      class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -89,7 +89,7 @@ contains
 
    !> Viscous stress, and the work that it takes.
    pure subroutine newtonian_update(self, state, deformation, first, last, dt)
-      class(law_newtonian_t), intent(in) :: self           !! The law
+      class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -139,7 +139,7 @@ contains
 
    !> Shear travels by diffusion, not as a wave.
    pure subroutine newtonian_add_wave_speed(self, state, deformation, first, last)
-      class(law_newtonian_t), intent(in) :: self           !! The law
+      class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -150,7 +150,7 @@ contains
    !! h/(Q + sqrt(Q**2 + c**2)) with Q = eta/(rho h), as for the artificial viscosity. Both together
    !! are not less than the wave speed found before plus 2 Q. Equation (Y.14).
    pure subroutine newtonian_add_viscous_speed(self, state, deformation, first, last, spacing)
-      class(law_newtonian_t), intent(in) :: self           !! The law
+      class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -179,9 +179,9 @@ contains
 
    !> Viscous stress stores nothing.
    pure real(wp) function newtonian_stored_energy(self, state, particle) result(energy)
-      class(law_newtonian_t), intent(in) :: self     !! The law
+      class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                !! Index in the store
 
       energy = 0.0_wp
    end function newtonian_stored_energy

@@ -46,7 +46,7 @@ module law_steinberg_guinan
       procedure :: declare => steinberg_guinan_declare !! Declares its keys
       procedure :: fault => steinberg_guinan_fault   !! Constants of other units
       procedure :: read => steinberg_guinan_read     !! Reads its keys
-      procedure :: request => steinberg_guinan_request !! Asks for plastic strain and temperature
+      procedure :: request => steinberg_guinan_request !! Requests plastic strain and temperature
       !> Trial with the modulus of the state
       procedure :: predict_trial => steinberg_guinan_predict_trial
       procedure :: update => steinberg_guinan_update !! Radial return
@@ -56,7 +56,7 @@ module law_steinberg_guinan
       procedure :: modulus => steinberg_guinan_modulus !! G/G0 of a particle
    end type law_steinberg_guinan_t
 
-   !> Matter softer than this share of G0 is given this modulus in the trial, which divides by it;
+   !> Material softer than this share of G0 is given this modulus in the trial, which divides by it;
    !! it has no yield stress when melted.
    real(wp), parameter :: least_modulus = 1.0e-6_wp
 
@@ -64,8 +64,8 @@ contains
 
    !> Declare the keys of the law.
    subroutine steinberg_guinan_declare(self, schema)
-      class(law_steinberg_guinan_t), intent(in) :: self !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_steinberg_guinan_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = "// &
          "steinberg_guinan"
       character(len=*), parameter :: warm = owner//" & effects.thermal"
@@ -97,7 +97,7 @@ contains
 
    !> A modulus that doubles within 1 MPa was given per Mbar.
    pure function steinberg_guinan_fault(self, group, eos) result(text)
-      class(law_steinberg_guinan_t), intent(in) :: self !! The law
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), allocatable, intent(in) :: eos   !! Equation of state, if there is one
       character(len=:), allocatable :: text
@@ -118,9 +118,9 @@ contains
 
    !> Read the keys of the law.
    pure subroutine steinberg_guinan_read(self, group, effects)
-      class(law_steinberg_guinan_t), intent(inout) :: self !! The law
+      class(law_steinberg_guinan_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("scg_y0", self%yield)
       call group%get("scg_ymax", self%greatest)
@@ -138,8 +138,8 @@ contains
 
    !> Hardening needs the plastic strain, softening the temperature.
    pure subroutine steinberg_guinan_request(self, requests)
-      class(law_steinberg_guinan_t), intent(in) :: self !! The law
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(law_steinberg_guinan_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       call requests%add("plastic_strain", "hardening of steinberg_guinan", 1)
       if (allocated(self%curve)) call requests%add("temperature", &
@@ -148,9 +148,9 @@ contains
 
    !> Shear modulus of a particle over that of the reference state, 0 if it has melted.
    pure real(wp) function steinberg_guinan_modulus(self, state, particle, pressure) result(ratio)
-      class(law_steinberg_guinan_t), intent(in) :: self !! The law
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                !! Index in the store
       real(wp), intent(in) :: pressure               !! Its pressure [Pa]
       real(wp) :: compression, melting
 
@@ -170,7 +170,7 @@ contains
    !> Elastic trial with the modulus of the state before the step. The trial is linear in stress and
    !! modulus, so that with r = G/G0 it is r times that of the stress over r with G0.
    pure subroutine steinberg_guinan_predict_trial(self, state, deformation, first, last)
-      class(law_steinberg_guinan_t), intent(in) :: self    !! The law
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -199,7 +199,7 @@ contains
    !> Return to the yield surface of the new pressure. Few particles flow at a time, so they are
    !! treated one by one.
    pure subroutine steinberg_guinan_update(self, state, deformation, first, last, dt)
-      class(law_steinberg_guinan_t), intent(in) :: self    !! The law
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -214,7 +214,7 @@ contains
          k = first - 1 + i
          associate (trial => deformation%plastic_increment(i))
             ratio = self%modulus(state, k, deformation%pressure(i))
-            ! matter that freezes has the modulus after the step: its trial had almost none
+            ! material that freezes has the modulus after the step: its trial had almost none
             stiffness = 3.0_wp*self%shear*merge(deformation%strength%shear_ratio(i), ratio, &
                deformation%strength%shear_ratio(i) > least_modulus)
             call flow(self, trial, state%plastic_strain(k), ratio, stiffness, limit, increment)
@@ -264,7 +264,7 @@ contains
 
    !> Modulus of the state in the square of the wave speed.
    pure subroutine steinberg_guinan_add_wave_speed(self, state, deformation, first, last)
-      class(law_steinberg_guinan_t), intent(in) :: self    !! The law
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -291,9 +291,9 @@ contains
 
    !> Energy in the deviator with the modulus of the state.
    pure real(wp) function steinberg_guinan_stored_energy(self, state, particle) result(energy)
-      class(law_steinberg_guinan_t), intent(in) :: self !! The law
+      class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                !! Index in the store
       real(wp) :: pressure
 
       pressure = -sum(state%stress(particle, 1:3))/3.0_wp

@@ -21,7 +21,7 @@ module law_von_mises
    contains
       procedure :: declare => von_mises_declare      !! Declares its keys
       procedure :: read => von_mises_read            !! Reads its keys
-      procedure :: request => von_mises_request      !! Asks for plastic strain if it hardens
+      procedure :: request => von_mises_request      !! Requests plastic strain if it hardens
       procedure :: update => von_mises_update        !! Radial return
    end type law_von_mises_t
 
@@ -29,8 +29,8 @@ contains
 
    !> Declare the keys of the law.
    subroutine von_mises_declare(self, schema)
-      class(law_von_mises_t), intent(in) :: self     !! The law
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      class(law_von_mises_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = von_mises"
 
       call schema%real("material", "yield", "yield stress of von Mises", unit="Pa", range="> 0", &
@@ -42,9 +42,9 @@ contains
 
    !> Read the keys of the law.
    pure subroutine von_mises_read(self, group, effects)
-      class(law_von_mises_t), intent(inout) :: self  !! The law
+      class(law_von_mises_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
 
       call group%get("yield", self%yield)
       call group%get("hardening", self%hardening)
@@ -52,15 +52,15 @@ contains
 
    !> Perfect plasticity needs no memory, hardening needs the plastic strain.
    pure subroutine von_mises_request(self, requests)
-      class(law_von_mises_t), intent(in) :: self         !! The law
-      class(field_requests_t), intent(inout) :: requests       !! Fields to be carried
+      class(law_von_mises_t), intent(in) :: self
+      class(field_requests_t), intent(inout) :: requests
 
       if (self%hardening > 0.0_wp) call requests%add("plastic_strain", "hardening of von_mises", 1)
    end subroutine von_mises_request
 
    !> Return to the yield surface.
    pure subroutine von_mises_update(self, state, deformation, first, last, dt)
-      class(law_von_mises_t), intent(in) :: self               !! The law
+      class(law_von_mises_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What the effects of matter take of the way from nodes to particles. In one step of many the
-!! stages of the chain are timed one by one, tile by tile; their shares of the whole are booked at
-!! the end. Timing all steps would cost as much as what it measures where a tile holds a particle
-!! or two.
+!> Time of each effect of the material update, as a part of the phase from nodes to particles. In
+!! every 32nd step the stages are timed one by one, tile by tile; the phase is divided by these
+!! samples at the end. Timing all steps would cost as much as what it measures where a tile holds a
+!! particle or two.
 module material_effect_timers
    use base_kinds, only: int64, wp
    use base_timer, only: timer_t, wall_seconds
@@ -17,49 +17,49 @@ module material_effect_timers
 
    integer(int64), parameter :: every = 32           !! Steps from one that is timed to the next
 
-   !> What one thread has seen.
+   !> Samples of one thread.
    type :: stage_clock_t
-      logical :: on = .false.                        !! Is this step timed?
+      logical :: on = .false.                        !! True if this step is timed
       real(wp) :: whole = 0.0_wp                     !! Nodes to particles in those steps [s]
       real(wp) :: effect(effect_count) = 0.0_wp     !! Each effect in them [s]
    contains
-      procedure :: start_step => stage_clock_start_step               !! A step begins
-      procedure :: read_clock => stage_clock_read               !! Clock, if it is read at all
-      procedure :: record => stage_clock_record                 !! Work on a tile since then
-      procedure :: update => stage_clock_update             !! Step of matter, stage by stage
+      procedure :: start_step => stage_clock_start_step !! Decides whether a step is timed
+      procedure :: read_clock => stage_clock_read               !! Clock at the start of a tile
+      procedure :: record => stage_clock_record !! Adds the work on a tile since then
+      procedure :: update => stage_clock_update             !! Material update, stage by stage
    end type stage_clock_t
 
 contains
 
-   !> A step begins: is it timed?
+   !> Decide whether a step is timed.
    pure subroutine stage_clock_start_step(self, step)
-      class(stage_clock_t), intent(inout) :: self           !! Of this thread
+      class(stage_clock_t), intent(inout) :: self
       integer(int64), intent(in) :: step             !! Steps done
 
       self%on = modulo(step, every) == 0
    end subroutine stage_clock_start_step
 
-   !> Clock at the start of the work on a tile; it stands still in steps that are not timed [s].
+   !> Clock at the start of the work on a tile; 0 in steps that are not timed [s].
    real(wp) function stage_clock_read(self) result(seconds)
-      class(stage_clock_t), intent(in) :: self              !! Of this thread
+      class(stage_clock_t), intent(in) :: self
 
       seconds = 0.0_wp
       if (self%on) seconds = wall_seconds()
    end function stage_clock_read
 
-   !> Book the work on a tile since a reading of the clock.
+   !> Add the work on a tile since a reading of the clock.
    subroutine stage_clock_record(self, began)
-      class(stage_clock_t), intent(inout) :: self           !! Of this thread
+      class(stage_clock_t), intent(inout) :: self
       real(wp), intent(in) :: began                  !! Clock at the start [s]
 
       if (self%on) self%whole = self%whole + wall_seconds() - began
    end subroutine stage_clock_record
 
-   !> One time step of a range of particles by the chain, in steps that are timed with a look at the
-   !! clock after each stage.
+   !> Material update of a range of particles; in steps that are timed the clock is read after each
+   !! stage.
    subroutine stage_clock_update(self, chain, state, deformation, first, last, dt, spacing)
-      class(stage_clock_t), intent(inout) :: self           !! Of this thread
-      class(chain_t), intent(in) :: chain            !! The material
+      class(stage_clock_t), intent(inout) :: self
+      class(chain_t), intent(in) :: chain
       type(material_state_t), intent(inout) :: state        !! State of the store
       type(deformation_t), intent(inout) :: deformation !! Step of the range
       integer, intent(in) :: first                   !! First particle of the range
@@ -86,12 +86,12 @@ contains
       end do
    end subroutine stage_clock_update
 
-   !> Give each effect that has a row of its own its share of the time of a phase.
+   !> Move the time of each effect with a row of its own out of the phase that holds them.
    subroutine divide_phase_time(laps, from, rows, timer)
       type(stage_clock_t), intent(in) :: laps(:)            !! Of all threads
       integer, intent(in) :: from                    !! The phase that holds them all
       integer, intent(in) :: rows(effect_count)     !! Phase of each effect, 0 = off
-      type(timer_t), intent(inout) :: timer          !! The times
+      type(timer_t), intent(inout) :: timer
       real(wp) :: whole, seconds
       integer :: effect, thread
 

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What failed matter is: rubble, which has no deviator and bears no tension; nothing; or matter
-!! that follows a law of its own.
+!> Failed material: rubble, which has no deviator and supports no tension; nothing; or material with
+!! a law of its own.
 !!
 !! A law of its own is called for the failed particles of a range only. Their state is gathered,
-!! which leaves loops over neighbouring particles, and a range without any costs a look at its
+!! which leaves loops over neighbouring particles, and a range without any costs the test of its
 !! flags. The stress at failure is the first one of that law, which returns it to what the law
 !! allows.
 module material_failed
@@ -25,13 +25,13 @@ module material_failed
       failed_subset_t, &
       failure_t, keeps_no_stress, remove_failed_stress
 
-   !> The law of failed matter.
+   !> The law of failed material.
    type :: failed_law_t
-      class(law_t), allocatable :: law               !! The law
+      class(law_t), allocatable :: law
    contains
       procedure :: gather => failed_law_gather        !! Gathers the failed particles of a range
-      procedure :: update => failed_law_update          !! Lets them follow the law
-      procedure :: scatter => failed_law_scatter    !! Puts them back
+      procedure :: update => failed_law_update          !! Updates them by the law
+      procedure :: scatter => failed_law_scatter    !! Scatters them back
    end type failed_law_t
 
    !> How particles of a material fail.
@@ -45,9 +45,9 @@ module material_failed
 
    !> The failed particles of a range.
    type :: failed_subset_t
-      integer :: count = 0                           !! How many
-      integer, allocatable :: position(:)               !! Their places in the range
-      real(wp), allocatable :: released(:)           !! Work that loosening them sets free [J]
+      integer :: count = 0                           !! Number of particles
+      integer, allocatable :: position(:)               !! Their positions in the range
+      real(wp), allocatable :: released(:) !! Work released by the loss of the deviator [J]
       type(material_state_t) :: state                       !! Their state
       type(deformation_t) :: deformation             !! Their step
    end type failed_subset_t
@@ -56,23 +56,24 @@ contains
 
    !> Declare the keys.
    subroutine declare_failed_law(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & failed_as = "
 
-      call schema%text("material", "failed_as", "what failed matter is: rubble has neither "// &
+      call schema%text("material", "failed_as", "failed material: rubble has neither "// &
          "deviator nor tension, nothing has no stress at all, the others follow that law; "// &
          "default: rubble, with damage_model = 'jh2' its fractured strength", &
          words="rubble nothing granular drucker_prager", owner="effects.damage")
-      call schema%real("material", "failed_friction_angle", "angle of friction of failed matter", &
+      call schema%real("material", "failed_friction_angle", &
+         "angle of friction of failed material", &
          unit="deg", range="> 0 < 90", owner=owner//"drucker_prager")
       call schema%require("material", "failed_friction_angle")
-      call schema%real("material", "failed_tau", "time in which the stress of failed matter "// &
+      call schema%real("material", "failed_tau", "time in which the stress of failed material "// &
          "relaxes at rest", unit="s", range="> 0", owner=owner//"granular")
-      call schema%real("material", "failed_gamma_c", "strain that a contact of failed matter "// &
+      call schema%real("material", "failed_gamma_c", "strain that a contact of failed material "// &
          "survives", range="> 0", owner=owner//"granular")
    end subroutine declare_failed_law
 
-   !> What is wrong with the keys taken together; empty if nothing is.
+   !> Error in the combination of the keys; empty if there is none.
    pure function failed_law_fault(group, fails, has_shear) result(text)
       type(group_t), intent(in) :: group             !! &material
       logical, intent(in) :: fails                   !! True if its particles can fail
@@ -102,7 +103,7 @@ contains
       none = word == "nothing"
    end function keeps_no_stress
 
-   !> The law of failed matter, if it has one of its own.
+   !> Law of failed material; not allocated for rubble and nothing.
    subroutine choose_failed_law(group, shear, bulk, density, failed_law)
       type(group_t), intent(in) :: group             !! &material
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
@@ -145,12 +146,12 @@ contains
    !> Gather the failed particles of a range before the step, and make the elastic trial of their
    !! law.
    pure subroutine failed_law_gather(self, state, deformation, first, last, subset)
-      class(failed_law_t), intent(in) :: self                 !! The law
+      class(failed_law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
-      type(failed_subset_t), intent(out) :: subset                  !! The failed ones
+      type(failed_subset_t), intent(out) :: subset                  !! Failed particles
       integer :: i, k, n, column
 
       n = 0
@@ -215,15 +216,15 @@ contains
       end do
    end subroutine find_release
 
-   !> Let the failed particles follow their law, with volume, pressure and wave speed after the
+   !> Update the failed particles by their law, with volume, pressure and wave speed after the
    !! step.
    pure subroutine failed_law_update(self, state, deformation, first, dt, subset)
-      class(failed_law_t), intent(in) :: self                 !! The law
+      class(failed_law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      type(failed_subset_t), intent(inout) :: subset                !! The failed ones
+      type(failed_subset_t), intent(inout) :: subset                !! Failed particles
       integer :: i
 
       if (subset%count == 0) return
@@ -262,8 +263,8 @@ contains
 
    !> Put the failed particles back into their range.
    pure subroutine failed_law_scatter(self, subset, state, deformation, first)
-      class(failed_law_t), intent(in) :: self                 !! The law
-      type(failed_subset_t), intent(in) :: subset                   !! The failed ones
+      class(failed_law_t), intent(in) :: self
+      type(failed_subset_t), intent(in) :: subset                   !! Failed particles
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range

@@ -20,7 +20,7 @@ contains
 
    !> Declare all keys of &material, and those of &effects and &method that concern materials.
    subroutine declare_material_keys(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
       type(effects_t) :: effects
 
       call effects%declare(schema)
@@ -33,7 +33,7 @@ contains
       call schema%real("method", "bulk_q2", "quadratic coefficient of artificial viscosity", &
          default="4.0", range=">= 0", owner="effects.artificial_viscosity")
       call schema%group("material", "one material; flat keys, prefix = model", many=.true.)
-      call schema%text("material", "name", "what bodies refer to")
+      call schema%text("material", "name", "name that bodies refer to")
       call schema%text("material", "preset", "material of the library; it gives the keys that "// &
          "the deck does not (scree --list materials, scree --explain NAME)", default="none", &
          words="none")
@@ -49,7 +49,7 @@ contains
 
    !> Declare density, moduli and the choice of models.
    subroutine declare_elasticity(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
 
       call schema%real("material", "density", "density of the reference state", unit="kg/m3", &
          range="> 0")
@@ -58,7 +58,7 @@ contains
       call schema%real("material", "young", "Young's modulus, with poisson", unit="Pa", range="> 0")
       call schema%real("material", "poisson", "Poisson's ratio, with young", range="> -1 < 0.5")
       call schema%explain_range("material", "poisson", "0.5 makes the wave speed infinite, "// &
-         "matter that hardly changes its volume has about 0.49")
+         "nearly incompressible material has about 0.49")
       call schema%real("material", "bulk", "bulk modulus, with shear, instead of young and "// &
          "poisson", unit="Pa", range="> 0")
       call schema%real("material", "shear", "shear modulus, with bulk or where the equation of "// &
@@ -75,7 +75,8 @@ contains
       call schema%words("material", "damage_model", damage_names)
       call schema%real("material", "spall", "greatest tension; with &effects damage a particle "// &
          "that reaches it fails", unit="Pa", range="> 0")
-      call schema%text("material", "volume_from", "volume of loose matter: motion, that of its "// &
+      call schema%text("material", "volume_from", &
+         "volume of loose material: motion, that of its "// &
          "motion; grid, corrected where nodes see gaps or too many particles", &
          default="motion", words="motion grid", owner="effects.eos & "// &
          "effects.strength & strength_model = drucker_prager mohr_coulomb mu_i")
@@ -87,7 +88,7 @@ contains
 
    !> Declare temperatures and the rate that several models share.
    subroutine declare_heat(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
 
       call schema%real("material", "specific_heat", "at constant volume", unit="J/(kg K)", &
          range="> 0", owner="effects.thermal")
@@ -105,7 +106,7 @@ contains
 
    !> Declare the keys that belong to the models of the catalogue.
    subroutine declare_models(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
       class(law_t), allocatable :: law
       class(eos_t), allocatable :: eos
       class(damage_t), allocatable :: damage

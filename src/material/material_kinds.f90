@@ -12,7 +12,7 @@ contains
 
    !> Is a material without strength? Loose grains have some.
    pure logical function is_fluid(material) result(yes)
-      type(material_t), intent(in) :: material       !! The material
+      type(material_t), intent(in) :: material
 
       yes = .true.
       if (allocated(material%law)) yes = .not. (material%law%has_shear() .or. &
@@ -21,7 +21,7 @@ contains
 
    !> Does a material support any shear: without flow, failure or a law made for large strains?
    pure logical function supports_any_shear(material) result(yes)
-      type(material_t), intent(in) :: material       !! The material
+      type(material_t), intent(in) :: material
 
       yes = .false.
       if (.not. allocated(material%law) .or. allocated(material%damage) .or. &

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The models of one material, each only if asked for, and what they need.
+!> The models of one material, and the fields that its particles carry.
 module material_models
    use base_kinds, only: int64, wp
    use constitutive_damage, only: damage_t
@@ -19,7 +19,7 @@ module material_models
 
    public :: models_t
 
-   !> The models of one material. What is not allocated does not happen and costs nothing.
+   !> The models of one material. A model that is not allocated costs nothing.
    type :: models_t
       character(len=:), allocatable :: name          !! Name that bodies refer to
       real(wp) :: density = 0.0_wp                   !! Of the reference state [kg/m3]
@@ -27,33 +27,33 @@ module material_models
       real(wp) :: shear = 0.0_wp                     !! Shear modulus, 0 without strength [Pa]
       class(law_t), allocatable :: law               !! Strength; none: stress is pressure alone
       class(eos_t), allocatable :: eos               !! None: mean stress in rate form
-      class(damage_t), allocatable :: damage         !! Lets damage grow
+      class(damage_t), allocatable :: damage         !! Growth of damage
       type(viscosity_t), allocatable :: viscosity    !! Artificial viscosity
       type(failure_t) :: failure                     !! Limits of tension, and failed material
       type(voids_t), allocatable :: voids            !! Voids open and close
       logical :: elastic_pressure = .false. !! The eos is K (rho/rho0 - 1) as the effect is off
       logical :: repacks = .false.                   !! The fill of nodes corrects volumes
-      type(record_t) :: record                       !! What outputs alone ask of particles
+      type(record_t) :: record                       !! Fields that outputs request
       type(heat_t), allocatable :: heat              !! Temperature follows the work
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]
    contains
-      procedure :: field_requests => models_field_requests !! Fields to be carried, and why
+      procedure :: field_requests => models_field_requests !! Requested fields, with reasons
       procedure :: allocate_state => models_allocate_state         !! Allocates these fields
-      procedure :: carries_energy => models_carries_energy !! Is an internal energy among them?
+      procedure :: carries_energy => models_carries_energy !! True if it has an internal energy
       procedure :: start => models_start             !! Initial state of particles
       procedure :: scatter => models_scatter         !! Random strength of particles
-      procedure :: has_shear => models_has_shear     !! Has it a shear modulus?
-      procedure :: has_whole_stress => models_has_whole_stress !! Does the law give all stress?
-      procedure :: has => models_has                 !! Is an effect on?
+      procedure :: has_shear => models_has_shear     !! True if it has a shear modulus
+      procedure :: has_whole_stress => models_has_whole_stress !! True if the law gives all stress
+      procedure :: has => models_has                 !! True if an effect is on
       procedure :: reference_speed => models_reference_speed   !! Fastest signal at rest
       procedure :: bulk_in_rate_form => models_bulk_in_rate_form !! Mean stress follows the volume
    end type models_t
 
 contains
 
-   !> The fields that the chain needs its particles to carry.
+   !> Fields that the models request.
    pure function models_field_requests(self) result(requests)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
       type(field_requests_t) :: requests
 
       call requests%add("mass", "every material", 1)
@@ -76,20 +76,20 @@ contains
       end if
    end function models_field_requests
 
-   !> Do its particles carry an internal energy?
+   !> True if its particles carry an internal energy.
    pure logical function models_carries_energy(self) result(carries)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
       type(field_requests_t) :: requests
 
       requests = self%field_requests()
       carries = requests%has("energy")
    end function models_carries_energy
 
-   !> Allocate exactly the fields that the chain needs.
+   !> Allocate the requested fields.
    pure subroutine models_allocate_state(self, state, particles)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
       type(material_state_t), intent(out) :: state          !! State of its particles
-      integer, optional, intent(in) :: particles     !! Room for so many; none if not given
+      integer, optional, intent(in) :: particles     !! Capacity; 0 if not given
       type(field_requests_t) :: requests
       integer :: n
 
@@ -116,7 +116,7 @@ contains
 
    !> Initial state of particles: at rest without stress. Mass and volume are set by the caller.
    pure subroutine models_start(self, state, first, last, temperature)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -145,9 +145,10 @@ contains
       if (allocated(state%failed)) state%failed(first:last) = 0
    end subroutine models_start
 
-   !> Random strength of new particles. Their mass is known, and who they are decides.
+   !> Random strength of new particles. Their mass is known, and the strength depends on their
+   !! identity.
    pure subroutine models_scatter(self, state, identity, first, last)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
       integer, intent(in) :: first                   !! First particle of the range
@@ -162,7 +163,7 @@ contains
    !> True if the mean stress follows the dilatation, without equation of state and without a law
    !! that gives the whole stress.
    pure logical function models_bulk_in_rate_form(self) result(follows)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
 
       follows = .not. allocated(self%eos)
       if (follows .and. allocated(self%law)) follows = .not. self%law%gives_whole_stress()
@@ -170,7 +171,7 @@ contains
 
    !> True if the material has a shear modulus.
    pure logical function models_has_shear(self) result(has)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
 
       has = .false.
       if (allocated(self%law)) has = self%law%has_shear()
@@ -178,7 +179,7 @@ contains
 
    !> True if the law gives the whole stress.
    pure logical function models_has_whole_stress(self) result(has)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
 
       has = .false.
       if (allocated(self%law)) has = self%law%gives_whole_stress()
@@ -186,14 +187,14 @@ contains
 
    !> Fastest signal [m/s] in the reference state, for the first time step.
    pure real(wp) function models_reference_speed(self) result(speed)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
 
       speed = sqrt((self%bulk + 4.0_wp/3.0_wp*self%shear)/self%density)
    end function models_reference_speed
 
-   !> Is an effect on in this material?
+   !> True if an effect is on in this material.
    pure logical function models_has(self, effect) result(is_on)
-      class(models_t), intent(in) :: self            !! The material
+      class(models_t), intent(in) :: self
       integer, intent(in) :: effect                  !! One of those of the stages
 
       select case (effect)

@@ -39,8 +39,8 @@ contains
 
    !> Put the point at rest.
    pure subroutine point_start(self, chain)
-      class(point_t), intent(inout) :: self          !! The point
-      class(chain_t), intent(in) :: chain            !! Its material
+      class(point_t), intent(inout) :: self
+      class(chain_t), intent(in) :: chain
 
       call chain%allocate_state(self%state, 1)
       call self%deformation%reserve(1)
@@ -63,8 +63,8 @@ contains
 
    !> Drive the point; a row of the table for the start and one for each step.
    pure subroutine point_run(self, chain, table)
-      class(point_t), intent(inout) :: self          !! The point
-      class(chain_t), intent(in) :: chain            !! Its material
+      class(point_t), intent(inout) :: self
+      class(chain_t), intent(in) :: chain
       real(wp), allocatable, intent(out) :: table(:, :) !! (column, row)
       real(wp) :: increment, dt, lateral, done
       integer :: step, steps
@@ -96,7 +96,7 @@ contains
 
    !> One step with a gradient that is referred to its middle.
    pure subroutine advance(chain, gradient, dt, state, deformation)
-      class(chain_t), intent(in) :: chain                !! The material
+      class(chain_t), intent(in) :: chain
       real(wp), intent(in) :: gradient(9)                !! dt du_k/dx_l [1]
       real(wp), intent(in) :: dt                         !! Time step [s]
       type(material_state_t), intent(inout) :: state            !! State of the point
@@ -131,11 +131,11 @@ contains
 
    !> One step in which some diagonal components of the gradient, all the same, hold the pressure
    !! from the sides: secants, and bisection where these leave the bracket that was found.
-   pure subroutine balance(point, chain, gradient, places, dt, lateral)
-      type(point_t), intent(inout) :: point          !! The point
-      class(chain_t), intent(in) :: chain            !! Its material
+   pure subroutine balance(point, chain, gradient, components, dt, lateral)
+      type(point_t), intent(inout) :: point
+      class(chain_t), intent(in) :: chain
       real(wp), intent(in) :: gradient(9)            !! The other components [1]
-      integer, intent(in) :: places(:)               !! Which components are found
+      integer, intent(in) :: components(:)               !! Which components are found
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(inout) :: lateral             !! Last and new value [1]
       type(material_state_t) :: before
@@ -151,7 +151,7 @@ contains
       high = lateral + width
       do iteration = 1, most_iterations
          lateral = 0.5_wp*(low + high)
-         whole(places) = lateral
+         whole(components) = lateral
          point%state = before
          call advance(chain, whole, dt, point%state, point%deformation)
          excess = point%state%stress(1, 2) + point%confinement
@@ -166,8 +166,8 @@ contains
 
    !> Load the point from all sides.
    pure subroutine confine(point, chain)
-      type(point_t), intent(inout) :: point          !! The point
-      class(chain_t), intent(in) :: chain            !! Its material
+      type(point_t), intent(inout) :: point
+      class(chain_t), intent(in) :: chain
       integer, parameter :: steps = 50
       real(wp) :: lateral, whole, none(9)
       integer :: step
@@ -182,11 +182,11 @@ contains
       end do
    end subroutine confine
 
-   !> States behind shocks of growing speed u in matter at rest: p = rho0 u**2/(1 - r) and e =
+   !> States behind shocks of growing speed u in material at rest: p = rho0 u**2/(1 - r) and e =
    !! u**2/2 with r = rho0/rho, where p is that of the chain.
    pure subroutine shock(point, chain, table)
-      type(point_t), intent(inout) :: point          !! The point
-      class(chain_t), intent(in) :: chain            !! Its material
+      type(point_t), intent(inout) :: point
+      class(chain_t), intent(in) :: chain
       real(wp), allocatable, intent(out) :: table(:, :) !! (column, row)
       real(wp) :: low, high, ratio, speed, pressure
       integer :: step, iteration
@@ -201,7 +201,7 @@ contains
             call point%start(chain)
             point%state%volume = point%volume*ratio
             if (allocated(point%state%energy)) point%state%energy = 0.5_wp*speed**2
-            call chain%settle(point%state, 1, 1)
+            call chain%find_rest_stress(point%state, 1, 1)
             pressure = -sum(point%state%stress(1, 1:3))/3.0_wp
             if (pressure*(1.0_wp - ratio) > chain%density*speed**2) then
                low = ratio
@@ -235,7 +235,7 @@ contains
 
    !> The state as numbers.
    pure function point_row(self, time, strain) result(row)
-      class(point_t), intent(in) :: self             !! The point
+      class(point_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]
       real(wp), intent(in) :: strain                 !! [1]
       real(wp), allocatable :: row(:)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What particles remember only because an output of the deck asks for it; no law looks at it.
+!> Fields that particles carry for outputs only; no law uses them.
 module material_record
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -9,17 +9,17 @@ module material_record
 
    public :: add_strain, read_record, record_t
 
-   !> Fields that some output asks for.
+   !> Fields that outputs request.
    type :: record_t
       logical :: strain = .false.                    !! equivalent_strain
-      logical :: inertia = .false.                   !! inertial_number, of laws that know grains
+      logical :: inertia = .false.                   !! inertial_number, of laws with grains
    end type record_t
 
 contains
 
-   !> Find out what the outputs of a deck ask for.
+   !> Fields that the outputs of a deck request.
    function read_record(deck) result(record)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(in) :: deck
       type(record_t) :: record
       type(group_t) :: group
       type(text_t), allocatable :: names(:)
@@ -40,7 +40,7 @@ contains
    pure subroutine add_strain(first, last, plane, gradient, strain)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      logical, intent(in) :: plane                   !! Is y a direction of its own?
+      logical, intent(in) :: plane !! Plane motion: components with one index y are 0
       real(wp), contiguous, intent(in) :: gradient(:, :) !! dt du_k/dx_l (range, 9) [1]
       real(wp), contiguous, intent(inout) :: strain(:)   !! (store) [1]
       real(wp) :: mean, square

@@ -21,11 +21,11 @@ module material_type
 
 contains
 
-   !> Make a material from its group. What the single keys cannot tell is checked here; the material
-   !> is complete only if neither it nor what it depends on has errors.
+   !> Make a material from its group and check the combination of its keys. The material is complete
+   !! only if neither it nor the groups that it depends on have errors.
    subroutine material_read(self, deck, place)
-      class(material_t), intent(out) :: self         !! The material
-      type(deck_t), intent(inout) :: deck            !! The deck, notes what is wrong
+      class(material_t), intent(out) :: self
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: place                   !! Number among the &material of the deck
       character(len=14), parameter :: models(5) = [character(len=14) :: "elastic", "eos_model", &
          "strength_model", "damage_model", "preset"]
@@ -47,11 +47,11 @@ contains
       call read_failure(self, group, effects, deck%group("run"))
    end subroutine material_read
 
-   !> Allocate the models that are asked for.
+   !> Allocate the requested models.
    subroutine choose_models(material, group, effects)
-      class(material_t), intent(inout) :: material   !! The material
+      class(material_t), intent(inout) :: material
       type(group_t), intent(in) :: group             !! Its &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
       character(len=:), allocatable :: word
 
       call group%get("elastic", word)
@@ -73,7 +73,7 @@ contains
 
    !> Bulk and shear modulus from what is given.
    subroutine read_moduli(material, group)
-      class(material_t), intent(inout) :: material   !! The material
+      class(material_t), intent(inout) :: material
       type(group_t), intent(in) :: group             !! Its &material
       real(wp) :: young, poisson
 
@@ -91,9 +91,9 @@ contains
 
    !> The models with their constants.
    subroutine read_models(material, group, effects, method_group)
-      class(material_t), intent(inout) :: material   !! The material
+      class(material_t), intent(inout) :: material
       type(group_t), intent(in) :: group             !! Its &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
       type(group_t), intent(in) :: method_group      !! &method
 
       if (effects%voids .and. allocated(material%eos)) then
@@ -113,7 +113,7 @@ contains
          material%law%bulk = material%bulk
          material%law%density = material%density
          call material%law%read(group, effects)
-         ! What has neither cohesion nor tension is loose from the start.
+         ! Material with neither cohesion nor tension is loose from the start.
          if (allocated(material%voids)) &
             material%voids%loose = material%law%least_pressure() >= 0.0_wp
       end if
@@ -134,11 +134,11 @@ contains
       end if
    end subroutine read_models
 
-   !> How the material fails, and what is left then.
+   !> Failure of the material, and its failed state.
    subroutine read_failure(material, group, effects, run_group)
-      class(material_t), intent(inout) :: material   !! The material
+      class(material_t), intent(inout) :: material
       type(group_t), intent(in) :: group             !! Its &material
-      type(effects_t), intent(in) :: effects         !! What is asked for
+      type(effects_t), intent(in) :: effects
       type(group_t), intent(in) :: run_group         !! &run
       integer :: seed
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The chain of laws that a time step of a material runs through, each link only if asked for.
-!! Its links are equations (A.1) to (A.13) of doc/theory/matter.md and those of the laws.
+!> Update of a material in a time step: a chain of models, each only if requested. Its links are
+!! equations (A.1) to (A.13) of doc/theory/matter.md and those of the laws.
 module material_update
    use base_kinds, only: int64, wp
    use constitutive_heat, only: cut_melted_tension, heat_particles
@@ -26,7 +26,7 @@ module material_update
    !> The models as a chain through which a time step runs.
    type, extends(models_t) :: chain_t
    contains
-      procedure :: settle => chain_settle            !! Stress of the state as it is
+      procedure :: find_rest_stress => chain_find_rest_stress !! Stress of a given state at rest
       procedure :: update => chain_update            !! One time step
       procedure :: run_stage => chain_run_stage      !! One stage of it
       procedure :: signal_speed => chain_signal_speed         !! Fastest signal of a state
@@ -37,12 +37,12 @@ contains
 
    !> Stress of particles at rest whose volume, energy, deformation gradient or deviator of stress
    !! were set from outside: a step without deformation that takes no time.
-   pure subroutine chain_settle(self, state, first, last)
-      class(chain_t), intent(in) :: self             !! The material
+   pure subroutine chain_find_rest_stress(self, state, first, last)
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      ! Short beside every time of matter, and still a divisor that leaves numbers.
+      ! Shorter than any time of the material, but a divisor with finite results.
       real(wp), parameter :: instant = 1.0e-100_wp
       type(deformation_t) :: deformation
 
@@ -51,12 +51,12 @@ contains
       deformation%gradient = 0.0_wp
       deformation%jump = 0.0_wp
       call self%update(state, deformation, first, last, instant, 1.0_wp)
-   end subroutine chain_settle
+   end subroutine chain_find_rest_stress
 
    !> Fastest signal [m/s] of a range of particles in their present state, for the first time step
-   !! of matter that does not start in the reference state.
+   !! of material that does not start in the reference state.
    pure real(wp) function chain_signal_speed(self, state, first, last) result(speed)
-      class(chain_t), intent(in) :: self             !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -89,7 +89,7 @@ contains
    !> One time step of a range of particles, with the gradient given and the work of the stress of
    !! the force already in the energy: all stages in their order.
    pure subroutine chain_update(self, state, deformation, first, last, dt, spacing)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
@@ -108,7 +108,7 @@ contains
    !> One stage of a time step, so that a caller can take the time between stages.
    pure subroutine chain_run_stage(self, stage, state, deformation, first, last, dt, spacing, &
       subset)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       integer, intent(in) :: stage                       !! One of those of material_stages
       type(material_state_t), intent(inout) :: state     !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
@@ -163,7 +163,7 @@ contains
 
    !> Volume after the step, and the elastic trial of the deviator.
    pure subroutine predict_trial(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state     !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
@@ -186,7 +186,7 @@ contains
 
    !> Viscous pressure of the next step, and the wave speed from its square.
    pure subroutine find_wave_speed(self, state, deformation, first, last, rate)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state     !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
@@ -208,7 +208,7 @@ contains
 
    !> Stress from deviator and pressure, and what the viscosity of a law adds to the wave speed.
    pure subroutine add_pressure(self, state, deformation, first, last, spacing)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state     !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
@@ -225,7 +225,7 @@ contains
 
    !> Take all stress from failed particles, if they keep none.
    pure subroutine remove_stress(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
@@ -240,7 +240,7 @@ contains
 
    !> Pressure of the material, and the square of its wave speed without strength.
    pure subroutine update_pressure(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
@@ -278,14 +278,14 @@ contains
 
    !> Deviator of stress, and what strength adds to the square of the wave speed.
    pure subroutine update_deviator(self, state, deformation, first, last, dt)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
       integer, intent(in) :: last                        !! Last particle of the range
       real(wp), intent(in) :: dt                         !! Time step [s]
 
-      ! Before the law, so that what has no strength does not flow plastically.
+      ! Before the law, so that material without strength does not flow plastically.
       if (drops(self)) call remove_failed_deviator(first, last, state%failed, state%stress)
       if (allocated(self%melting)) &
          call remove_melted_deviator(first, last, self%melting, state%temperature, state%stress)
@@ -293,9 +293,9 @@ contains
       call self%law%add_wave_speed(state, deformation, first, last)
    end subroutine update_deviator
 
-   !> True if the law of strength must not see failed matter.
+   !> True if failed material loses its deviator before the law of strength.
    pure logical function drops(self) result(must_not)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
 
       must_not = .false.
       if (allocated(self%failure%fracture)) must_not = allocated(self%failure%failed_law) .or. &
@@ -304,7 +304,7 @@ contains
 
    !> Let particles fail.
    pure subroutine break_or_fail(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
@@ -325,7 +325,7 @@ contains
 
    !> Cut the tension or let particles fail.
    pure subroutine limit_tension(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
@@ -350,7 +350,7 @@ contains
 
    !> Temperature after the step.
    pure subroutine update_temperature(self, state, deformation, first, last)
-      class(chain_t), intent(in) :: self                 !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range
       integer, intent(in) :: first                       !! First particle of the range
@@ -378,11 +378,11 @@ contains
          deformation%voids%old_temperature, state%solid_fraction)
    end subroutine update_temperature
 
-   !> True if nothing is left of a particle that bears stress.
+   !> True if a particle has failed and keeps no stress.
    pure logical function gone(self, state, particle) result(is_gone)
-      class(chain_t), intent(in) :: self             !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Which particle
+      integer, intent(in) :: particle                !! Index in the store
 
       is_gone = .false.
       if (.not. allocated(self%failure%fracture)) return
@@ -392,7 +392,7 @@ contains
    !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.
    !! Equation (L.2) of doc/theory/ledger.md.
    pure subroutine chain_stored_energy(self, state, first, last, energy)
-      class(chain_t), intent(in) :: self             !! The material
+      class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Voids between the grains or fragments of a particle. The volume V of a particle is that of the
-!! motion; matter of its own density rho fills the share theta of it, m = theta rho V.
+!! motion; solid material of density rho fills the fraction theta of it, m = theta rho V.
 !!
-!! The dilatation of the matter is alpha times that of the motion and B (D. Z. Zhang, X. Ma, B.
+!! The dilatation of the material is alpha times that of the motion and B (D. Z. Zhang, X. Ma, B.
 !! Jayaraman, LA-UR-11-06616), so that
 !!
 !!    d ln rho = -(alpha d ln V + B dt),   d ln theta = (alpha - 1) d ln V + B dt
@@ -24,19 +24,19 @@ module material_voids
 
    !> Rules of the voids of a material.
    type :: voids_t
-      logical :: opens = .true.                      !! Voids of loose matter open and close
+      logical :: opens = .true.                      !! Voids of loose material open and close
       logical :: crushes = .false.                   !! Pressed grains close them for good
-      logical :: loose = .false.                     !! All matter is loose, not failed one only
+      logical :: loose = .false. !! All material is loose, not only failed material
       real(wp) :: start = 1.0_wp                     !! theta of the reference state [1]
       real(wp) :: critical = 1.0_wp                  !! theta from which on grains touch [1]
       real(wp) :: shearing = 0.0_wp                  !! Of B: -d ln theta for a unit of shear [1]
       real(wp) :: expansion = 0.0_wp                 !! Of B: thermal expansion of volume [1/K]
    contains
       procedure :: read => voids_read                !! Reads the keys
-      !> Which share matter takes of the motion
+      !> Which share material takes of the motion
       procedure :: choose_fraction => voids_choose_fraction
       procedure :: update_solid_fraction => voids_update_solid_fraction !! Opens and closes voids
-      procedure :: to_solid_volume => voids_to_solid_volume !! Volume becomes that of the matter
+      procedure :: to_solid_volume => voids_to_solid_volume !! Volume becomes that of the solid
       procedure :: to_total_volume => voids_to_total_volume              !! And back again
       procedure :: to_solid_volumes => voids_to_solid_volumes !! The same before and after the step
    end type voids_t
@@ -45,18 +45,22 @@ contains
 
    !> Declare the keys.
    subroutine declare_voids(schema)
-      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+      type(schema_t), intent(inout) :: schema
 
-      call schema%text("material", "alpha_m", "share of the dilatation that the matter itself "// &
-         "takes: one, all; open_when_failed, none in failed or loose matter that opens or "// &
+      call schema%text("material", "alpha_m", &
+         "fraction of the dilatation that the material itself "// &
+         "takes: one, all; open_when_failed, none in failed or loose material that opens or "// &
          "whose grains do not touch; crush, also less than all until pressed grains leave no "// &
          "voids", &
          default="open_when_failed", words="one open_when_failed crush", owner="effects.voids")
-      call schema%real("material", "solid_fraction", "share of the volume that matter fills in "// &
+      call schema%real("material", "solid_fraction", &
+         "fraction of the volume that solid material fills in "// &
          "the reference state", default="1", range="> 0 <= 1", owner="effects.voids")
-      call schema%real("material", "critical_packing", "share from which on grains touch; "// &
+      call schema%real("material", "critical_packing", &
+         "solid fraction from which on grains touch; "// &
          "default: solid_fraction", range="> 0 <= 1", owner="effects.voids")
-      call schema%real("material", "b_shear", "voids that shear opens in pressed loose matter: "// &
+      call schema%real("material", "b_shear", &
+         "voids that shear opens in pressed loose material: "// &
          "logarithm of volume for a unit of shear strain", default="0", range=">= 0", &
          owner="effects.voids")
       call schema%real("material", "b_thermal", "thermal expansion of the volume of grains, "// &
@@ -64,7 +68,7 @@ contains
          owner="effects.voids & effects.thermal")
    end subroutine declare_voids
 
-   !> What is wrong with the keys taken together; empty if nothing is.
+   !> Error in the combination of the keys; empty if there is none.
    pure function voids_fault(group, eos, law) result(text)
       type(group_t), intent(in) :: group             !! &material
       class(eos_t), intent(in) :: eos
@@ -94,7 +98,7 @@ contains
 
    !> Read the keys.
    pure subroutine voids_read(self, group)
-      class(voids_t), intent(inout) :: self          !! The rules
+      class(voids_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable :: rule
 
@@ -108,9 +112,9 @@ contains
       call group%get("b_thermal", self%expansion)
    end subroutine voids_read
 
-   !> Which share of the dilatation the matter takes in the step, from the stress before it.
+   !> Fraction of the dilatation that the material takes in the step, from the stress before it.
    pure subroutine voids_choose_fraction(self, state, deformation, first, last)
-      class(voids_t), intent(in) :: self                   !! The rules
+      class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -136,7 +140,7 @@ contains
    pure subroutine choose(first, last, voids, gradient, loose, pressure, solid_fraction, share)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      type(voids_t), intent(in) :: voids             !! The rules
+      type(voids_t), intent(in) :: voids
       real(wp), contiguous, intent(in) :: gradient(:, :)  !! dt du_k/dx_l (range, 9) [1]
       real(wp), contiguous, intent(in) :: loose(:)   !! 1 if voids can open, else 0 (range) [1]
       real(wp), contiguous, intent(in) :: pressure(:)        !! Before the step (range) [Pa]
@@ -170,7 +174,7 @@ contains
 
    !> Open and close voids, with the volume before and after the step.
    pure subroutine voids_update_solid_fraction(self, state, deformation, first, last)
-      class(voids_t), intent(in) :: self                   !! The rules
+      class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -180,7 +184,7 @@ contains
          deformation%voids%alpha, state%solid_fraction)
    end subroutine voids_update_solid_fraction
 
-   !> Kernel of the above. What closes voids beyond the touching of grains is left to the matter.
+   !> Kernel of the above. What closes voids beyond the touching of grains is left to the material.
    !! Equation (F.18).
    pure subroutine open_or_close(first, last, critical, volume, old_volume, share, solid_fraction)
       integer, intent(in) :: first                   !! First particle of the range
@@ -201,9 +205,9 @@ contains
       end do
    end subroutine open_or_close
 
-   !> Give laws of the matter its own volume.
+   !> Volume becomes that of the solid, for the models of the material.
    pure subroutine voids_to_solid_volume(self, state, deformation, first, last)
-      class(voids_t), intent(in) :: self                   !! The rules
+      class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -216,7 +220,7 @@ contains
    !> Volumes before and after the step become those of the material itself, which takes its part of
    !! the dilatation. The volume of the motion is left in `whole_volume`.
    pure subroutine voids_to_solid_volumes(self, state, deformation, first, last)
-      class(voids_t), intent(in) :: self                   !! The rules
+      class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
@@ -232,7 +236,7 @@ contains
    !> Volume becomes that of the motion again, and the pressure that on a whole surface. Where voids
    !! open or close there is none: round-off of it would stop the opening.
    pure subroutine voids_to_total_volume(self, state, deformation, first, last)
-      class(voids_t), intent(in) :: self                   !! The rules
+      class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range

@@ -86,7 +86,7 @@ contains
                   tile, 0.1_wp*simulation%grid%spacing &
                   /simulation%materials(index)%reference_speed())
                ! what follows from these by the laws, such as the pressure of an equation of state
-               call simulation%materials(index)%settle(store%state, store%first(tile), &
+               call simulation%materials(index)%find_rest_stress(store%state, store%first(tile), &
                   store%first(tile) + store%count(tile) - 1)
             end do
          end associate

@@ -218,7 +218,7 @@ contains
             call material%start(trial, p, p, bodies(body)%temperature)
             if (allocated(trial%energy)) trial%energy(p) = bodies(body)%energy
          end do
-         call material%settle(trial, 1, n)
+         call material%find_rest_stress(trial, 1, n)
          value = -(trial%stress(:, xx) + trial%stress(:, yy) + trial%stress(:, zz))/3.0_wp
       end subroutine find
    end subroutine press

@@ -159,7 +159,7 @@ contains
                call simulation%materials(index)%scatter(store%state, store%identity, &
                   store%first(tile), store%first(tile) + store%count(tile) - 1)
                if (any(bodies%energy > 0.0_wp .and. bodies%store == index)) &
-                  call simulation%materials(index)%settle(store%state, store%first(tile), &
+                  call simulation%materials(index)%find_rest_stress(store%state, store%first(tile), &
                   store%first(tile) + store%count(tile) - 1)
             end do
          end associate

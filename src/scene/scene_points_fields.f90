@@ -114,7 +114,7 @@ contains
          call agree(simulation%communicator, error)
          if (allocated(error) .or. body%keeps_stress) return
          do tile = 1, size(store%count)
-            call simulation%materials(body%store)%settle(store%state, store%first(tile), &
+            call simulation%materials(body%store)%find_rest_stress(store%state, store%first(tile), &
                store%first(tile) + store%count(tile) - 1)
          end do
       end associate
