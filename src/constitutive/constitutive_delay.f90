@@ -26,7 +26,7 @@ module constitutive_delay
    contains
       procedure :: read => delay_read                !! Reads its keys
       procedure :: request => delay_request          !! Requests the overload, if it is needed
-      procedure :: grow_damage => delay_grow_damage        !! Growth of damage by the overload
+      procedure :: grow_damage => delay_grow_damage  !! Growth of damage by the overload
    end type delay_t
 
 contains

@@ -24,9 +24,9 @@ module constitutive_eos
       procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
       procedure :: has_pores => eos_has_pores        !! True if its material is porous
       procedure(request_i), deferred :: request      !! Requests the fields it needs
-      procedure :: keep_state => eos_keep_state          !! Keeps what the step did to its own state
+      procedure :: keep_state => eos_keep_state      !! Keeps what the step did to its own state
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
-      procedure :: find_gruneisen => eos_find_gruneisen        !! Grueneisen number times density
+      procedure :: find_gruneisen => eos_find_gruneisen !! Grueneisen number times density
       procedure(stored_energy_i), deferred :: stored_energy !! Energy stored in the change of volume
    end type eos_t
 

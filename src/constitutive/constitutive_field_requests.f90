@@ -16,10 +16,10 @@ module constitutive_field_requests
 
    !> All fields, each once.
    type :: field_requests_t
-      type(field_request_t), allocatable :: entries(:)        !! In the order of requests
+      type(field_request_t), allocatable :: entries(:) !! In the order of requests
    contains
       procedure :: add => requests_add                 !! Request a field
-      procedure :: has => requests_has             !! True if a field is requested
+      procedure :: has => requests_has                 !! True if a field is requested
       procedure :: bytes => requests_bytes             !! Bytes a particle of all fields
       procedure :: report => requests_report           !! Table for the user
    end type field_requests_t

@@ -138,8 +138,7 @@ contains
 
       if (allocated(state%failed)) then
          call add_intact_shear_speed(first, last, self%shear, state%failed, state%mass, &
-            state%volume, &
-            deformation%wave_speed)
+            state%volume, deformation%wave_speed)
       else
          call add_joined_shear_speed(first, last, self%shear, self%bulk, self%apex, state%mass, &
             state%volume, deformation%pressure, deformation%wave_speed)

@@ -41,8 +41,7 @@ contains
    !! material is at the least pressure it supports, voids open or close and the material itself
    !! keeps its volume and temperature. Equations (A.12) and (A.13) of doc/theory/matter.md.
    pure subroutine heat_particles(first, last, specific_heat, plastic_share, gruneisen, mass, &
-      volume, &
-      old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
+      volume, old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: specific_heat          !! At constant volume [J/(kg K)]

@@ -308,9 +308,9 @@ contains
          sxy = stress(k, 4) + dxy
          syz = stress(k, 5) + dyz
          sxz = stress(k, 6) + dxz
-         call rotate(0.5_wp*(gradient(i, 6) - gradient(i, 8)), &
-            0.5_wp*(gradient(i, 7) - gradient(i, 3)), 0.5_wp*(gradient(i, 2) - gradient(i, 4)), &
-            sxx, syy, szz, sxy, syz, sxz)
+         call rotate(0.5_wp*(gradient(i, 6) - gradient(i, 8)), 0.5_wp*(gradient(i, &
+            7) - gradient(i, 3)), 0.5_wp*(gradient(i, 2) - gradient(i, 4)), sxx, syy, szz, sxy, &
+            syz, sxz)
          stress(k, 1) = sxx + dxx
          stress(k, 2) = syy + dyy
          stress(k, 3) = szz + dzz

@@ -25,7 +25,7 @@ module constitutive_law
       real(wp) :: heat_share = 0.9_wp !! Of plastic work, becomes heat (Taylor, Quinney 1934) [1]
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
-      procedure :: read_mode => law_read_mode              !! Reads what decides on other models
+      procedure :: read_mode => law_read_mode        !! Reads what decides on other models
       procedure :: fault => law_fault                !! Error in the combination of its keys
       procedure :: read => law_read                  !! Reads its keys
       procedure :: gives_whole_stress => law_gives_whole_stress !! True if it gives the whole stress
@@ -36,14 +36,14 @@ module constitutive_law
       procedure :: uses_jc_rate => law_uses_jc_rate  !! True if it reads the key jc_rate
       procedure :: follows_density => law_follows_density !! True if its pressure must know it
       procedure :: has_grains => law_has_grains      !! True if it has an inertial number
-      procedure :: is_plastic => law_is_plastic            !! True if it flows and so dissipates
+      procedure :: is_plastic => law_is_plastic      !! True if it flows and so dissipates
       procedure(request_i), deferred :: request      !! Requests the fields it needs
-      procedure :: predict_trial => law_predict_trial            !! Trial deviator of the step
+      procedure :: predict_trial => law_predict_trial !! Trial deviator of the step
       procedure(update_i), deferred :: update        !! Corrects the trial deviator
       procedure :: add_wave_speed => law_add_wave_speed !! Its share of the square of the wave speed
       !> Wave speed that its viscosity adds
       procedure :: add_viscous_speed => law_add_viscous_speed
-      procedure :: stored_energy => law_stored_energy              !! Energy stored in a particle
+      procedure :: stored_energy => law_stored_energy !! Energy stored in a particle
       procedure :: least_pressure => law_least_pressure !! Least pressure it supports
    end type law_t
 
@@ -192,8 +192,7 @@ contains
 
       if (allocated(state%failed)) then
          call add_intact_shear_speed(first, last, self%shear, state%failed, state%mass, &
-            state%volume, &
-            deformation%wave_speed)
+            state%volume, deformation%wave_speed)
       else
          call add_shear_speed(first, last, self%shear, state%mass, state%volume, &
             deformation%wave_speed)
@@ -215,7 +214,7 @@ contains
    pure real(wp) function law_stored_energy(self, state, particle) result(energy)
       class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
-      integer, intent(in) :: particle                          !! Index in the store
+      integer, intent(in) :: particle                                 !! Index in the store
       real(wp) :: mean
 
       energy = 0.0_wp

@@ -122,7 +122,8 @@ contains
 
       text = ""
       if (.not. self%bulk > 0.0_wp) then
-         text = "fracture_energy needs an eos_model with a bulk modulus at rest; a gas does not crack"
+         text = "fracture_energy needs an eos_model with a bulk modulus at rest; a gas does not "// &
+            "crack"
          return
       end if
       young = 9.0_wp*self%bulk*self%shear/(3.0_wp*self%bulk + self%shear)
@@ -273,7 +274,7 @@ contains
    pure real(wp) function softening_hidden_energy(self, state, particle, of_pressure) result(energy)
       class(softening_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Index in the store
+      integer, intent(in) :: particle                       !! Index in the store
       logical, intent(in) :: of_pressure             !! No equation of state
       real(wp) :: tensor(6), values(3), axes(3, 3), whole(3), mean, uncracked_mean, share
 

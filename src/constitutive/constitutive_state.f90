@@ -160,11 +160,10 @@ contains
       end if
       n = padded_length(particles)
       allocate (self%gradient(n, 9), self%old_volume(n), self%dilatation(n), self%jump(n), &
-         self%pressure(n), self%pressure_floor(n), self%plastic_increment(n), &
-         self%distension(n), self%gruneisen(n), self%wave_speed(n), self%plastic_work(n), &
-         self%viscous_work(n), self%strength%homologous(n), self%strength%old_damage(n), &
-         self%strength%strain_rate(n), self%strength%dilation(n), self%strength%tangent(n), &
-         self%strength%shear_ratio(n))
+         self%pressure(n), self%pressure_floor(n), self%plastic_increment(n), self%distension(n), &
+         self%gruneisen(n), self%wave_speed(n), self%plastic_work(n), self%viscous_work(n), &
+         self%strength%homologous(n), self%strength%old_damage(n), self%strength%strain_rate(n), &
+         self%strength%dilation(n), self%strength%tangent(n), self%strength%shear_ratio(n))
    end subroutine deformation_reserve
 
    !> Allocate the scratch for a number of particles, at the start of an update of damage.

@@ -8,8 +8,8 @@ module constitutive_tension
    private
 
    public :: fail_as_rubble, cut_tension, fail_with_strength,  remove_failed_deviator, &
-      remove_melted_deviator, fracture_t, drop_loose_pressure, spall_t, &
-      add_shear_speed, add_intact_shear_speed
+      remove_melted_deviator, fracture_t, drop_loose_pressure, spall_t, add_shear_speed, &
+      add_intact_shear_speed
 
    !> Tension cut-off that leaves no trace.
    type :: spall_t
@@ -113,8 +113,7 @@ contains
    !> Let particles fail as above, but leave the deviator to the law of failed material. Of the
    !! elastic energy only that of the tension is lost.
    pure subroutine fail_with_strength(first, last, strength, bulk, volume, pressure, &
-      pressure_floor, damage, &
-      failed, plastic_work)
+      pressure_floor, damage, failed, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: strength               !! Tension at failure [Pa]

@@ -36,7 +36,7 @@ module damage_grady_kipp
       procedure :: needs_weibull => grady_kipp_needs_weibull !! Always, for the flaws
       procedure :: read => grady_kipp_read           !! Reads its keys
       procedure :: request => grady_kipp_request     !! Requests damage and scatter
-      procedure :: draw_strength => grady_kipp_draw_strength           !! The weakest flaw
+      procedure :: draw_strength => grady_kipp_draw_strength !! The weakest flaw
       procedure :: update => grady_kipp_update       !! Lets flaws grow
    end type damage_grady_kipp_t
 

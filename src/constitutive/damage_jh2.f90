@@ -114,8 +114,8 @@ contains
       if (.not. allocated(state%brittle%bulking)) return
       call strain_rate(count, deformation%gradient, dt, deformation%strength%strain_rate)
       call gain_pressure(self, first, last, deformation%strength%old_damage, &
-         deformation%strength%strain_rate, &
-         state%damage, state%mass, state%volume, state%brittle%bulking, deformation%pressure)
+         deformation%strength%strain_rate, state%damage, state%mass, state%volume, &
+         state%brittle%bulking, deformation%pressure)
    end subroutine damage_jh2_update
 
    !> Add the share of the step to the damage of the particles that flow.

@@ -34,7 +34,7 @@ module damage_principal_stress
       procedure :: takes_scatter => principal_takes_scatter !! It does
       procedure :: read => principal_read            !! Reads its keys
       procedure :: request => principal_request      !! Requests damage and scatter
-      procedure :: draw_strength => principal_draw_strength            !! Random strength
+      procedure :: draw_strength => principal_draw_strength !! Random strength
       procedure :: update => principal_update        !! Failure
    end type damage_principal_stress_t
 

@@ -24,8 +24,8 @@ module eos_ideal_gas
       procedure :: sets_bulk => ideal_gas_sets_bulk  !! It does: 0 without energy
       procedure :: request => ideal_gas_request      !! Requests energy
       procedure :: update => ideal_gas_update        !! Pressure and square of the sound speed
-      procedure :: find_gruneisen => ideal_gas_find_gruneisen  !! Grueneisen number times density
-      procedure :: stored_energy => ideal_gas_stored_energy        !! Nothing, energy is carried
+      procedure :: find_gruneisen => ideal_gas_find_gruneisen !! Grueneisen number times density
+      procedure :: stored_energy => ideal_gas_stored_energy !! Nothing, energy is carried
    end type eos_ideal_gas_t
 
 contains

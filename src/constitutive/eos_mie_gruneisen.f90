@@ -40,7 +40,7 @@ module eos_mie_gruneisen
       procedure :: request => mie_gruneisen_request  !! Requests energy
       procedure :: update => mie_gruneisen_update    !! Pressure and square of the sound speed
       procedure :: find_gruneisen => mie_gruneisen_find_gruneisen !! Grueneisen number times density
-      procedure :: stored_energy => mie_gruneisen_stored_energy    !! Nothing, energy is carried
+      procedure :: stored_energy => mie_gruneisen_stored_energy !! Nothing, energy is carried
    end type eos_mie_gruneisen_t
 
    interface eos_mie_gruneisen_t

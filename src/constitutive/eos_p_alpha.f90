@@ -34,8 +34,8 @@ module eos_p_alpha
       procedure :: has_pores => p_alpha_has_pores    !! It does
       procedure :: request => p_alpha_request        !! Requests energy and distension
       procedure :: update => p_alpha_update          !! Pressure and square of the sound speed
-      procedure :: keep_state => p_alpha_keep_state      !! Keeps the distension
-      procedure :: stored_energy => p_alpha_stored_energy          !! Nothing, energy is carried
+      procedure :: keep_state => p_alpha_keep_state  !! Keeps the distension
+      procedure :: stored_energy => p_alpha_stored_energy !! Nothing, energy is carried
    end type eos_p_alpha_t
 
 contains

@@ -41,8 +41,8 @@ module eos_tillotson
       procedure :: sets_bulk => tillotson_sets_bulk  !! It does
       procedure :: request => tillotson_request      !! Requests energy
       procedure :: update => tillotson_update        !! Pressure and square of the sound speed
-      procedure :: find_gruneisen => tillotson_find_gruneisen  !! Grueneisen number times density
-      procedure :: stored_energy => tillotson_stored_energy        !! Nothing, energy is carried
+      procedure :: find_gruneisen => tillotson_find_gruneisen !! Grueneisen number times density
+      procedure :: stored_energy => tillotson_stored_energy !! Nothing, energy is carried
    end type eos_tillotson_t
 
 contains

@@ -24,7 +24,7 @@ module law_drucker_prager
    type, extends(frictional_t) :: law_drucker_prager_t
       real(wp) :: slope = 0.0_wp                     !! M [1]
       real(wp) :: strength = 0.0_wp                  !! k, without pressure [Pa]
-      real(wp) :: dilation_slope = 0.0_wp                      !! b [1]
+      real(wp) :: dilation_slope = 0.0_wp            !! b [1]
    contains
       procedure :: declare => drucker_prager_declare !! Declares its keys
       procedure :: fault => drucker_prager_fault     !! Angles that do not fit
@@ -117,21 +117,20 @@ contains
       real(wp), intent(in) :: dt                           !! Time step [s]
 
       if (allocated(state%plastic_dilation)) call add_dilation_pressure(first, last, &
-         state%plastic_dilation, &
-         state%mass, state%volume, deformation%wave_speed, deformation%pressure, &
-         deformation%strength%tangent)
+         state%plastic_dilation, state%mass, state%volume, deformation%wave_speed, &
+         deformation%pressure, deformation%strength%tangent)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       if (allocated(state%plastic_dilation)) then
          call return_to_cone(first, last, self, state%mass, state%volume, &
-            deformation%strength%tangent, &
-            state%stress, deformation%pressure, deformation%plastic_increment, &
-            deformation%plastic_work, deformation%strength%dilation)
+            deformation%strength%tangent, state%stress, deformation%pressure, &
+            deformation%plastic_increment, deformation%plastic_work, &
+            deformation%strength%dilation)
          call add_dilation(first, last, deformation%strength%dilation, state%plastic_dilation)
       else
-         call return_to_cone(first, last, self, state%mass, state%volume, &
-            deformation%wave_speed, state%stress, deformation%pressure, &
-            deformation%plastic_increment, deformation%plastic_work, deformation%strength%dilation)
+         call return_to_cone(first, last, self, state%mass, state%volume, deformation%wave_speed, &
+            state%stress, deformation%pressure, deformation%plastic_increment, &
+            deformation%plastic_work, deformation%strength%dilation)
       end if
    end subroutine drucker_prager_update
 

@@ -27,21 +27,21 @@ module law_granular
 
    !> Law of stress relaxation.
    type, extends(law_t) :: law_granular_t
-      real(wp) :: relaxation_rate = 0.0_wp                  !! 1/gr_tau, 0 if there is none [1/s]
-      real(wp) :: inverse_contact_strain = 0.0_wp !! 1/gr_gamma_c, 0 if there is none [1]
+      real(wp) :: relaxation_rate = 0.0_wp           !! 1/gr_tau, 0 if there is none [1/s]
+      real(wp) :: inverse_contact_strain = 0.0_wp    !! 1/gr_gamma_c, 0 if there is none [1]
       logical :: relaxes_pressure = .false.          !! Mode seed
    contains
       procedure :: declare => granular_declare       !! Declares its keys
-      procedure :: read_mode => granular_read_mode         !! Reads the mode
+      procedure :: read_mode => granular_read_mode   !! Reads the mode
       procedure :: fault => granular_fault           !! Without any relaxation it is elastic
       procedure :: read => granular_read             !! Reads its keys
-      procedure :: gives_whole_stress => granular_gives_whole_stress           !! In mode seed
+      procedure :: gives_whole_stress => granular_gives_whole_stress !! In mode seed
       procedure :: request => granular_request       !! Requests nothing
       procedure :: predict_trial => granular_predict_trial !! Volume, and the deviator as it was
       procedure :: update => granular_update         !! Relaxes
       !> Waves are those of the intact contacts
       procedure :: add_wave_speed => granular_add_wave_speed
-      procedure :: stored_energy => granular_stored_energy         !! Elastic energy
+      procedure :: stored_energy => granular_stored_energy !! Elastic energy
    end type law_granular_t
 
 contains
@@ -138,15 +138,14 @@ contains
 
       count = last - first + 1
       call relax_deviator(first, last, self%shear, dt*self%relaxation_rate, &
-         self%inverse_contact_strain, &
-         deformation%gradient, state%volume, state%stress, deformation%plastic_increment, &
-         deformation%plastic_work)
+         self%inverse_contact_strain, deformation%gradient, state%volume, state%stress, &
+         deformation%plastic_increment, deformation%plastic_work)
       if (self%relaxes_pressure) then
          if (allocated(state%viscous_pressure)) deformation%pressure(:count) = &
             deformation%pressure(:count) - state%viscous_pressure(first:last)
          call relax_pressure(first, last, self%bulk, dt*self%relaxation_rate, &
-            self%inverse_contact_strain, &
-            deformation%gradient, state%volume, deformation%pressure, deformation%plastic_work)
+            self%inverse_contact_strain, deformation%gradient, state%volume, &
+            deformation%pressure, deformation%plastic_work)
       end if
       if (allocated(state%failed)) call remove_failed_deviator(first, last, state%failed, &
          state%stress)
@@ -170,7 +169,7 @@ contains
    pure real(wp) function granular_stored_energy(self, state, particle) result(energy)
       class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Index in the store
+      integer, intent(in) :: particle                       !! Index in the store
       real(wp) :: pressure
 
       energy = law_stored_energy(self, state, particle)

@@ -118,9 +118,8 @@ contains
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       call strain_rate(count, deformation%gradient, dt, deformation%strength%strain_rate)
       call return_to_strength(first, last, self, deformation%strength%old_damage, &
-         deformation%strength%strain_rate, &
-         state%volume, state%stress, deformation%pressure, deformation%plastic_increment, &
-         deformation%plastic_work)
+         deformation%strength%strain_rate, state%volume, state%stress, deformation%pressure, &
+         deformation%plastic_increment, deformation%plastic_work)
    end subroutine law_jh2_update
 
    !> Equivalent rate of strain, sqrt(2/3 d:d) of its deviator.

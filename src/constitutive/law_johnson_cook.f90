@@ -115,8 +115,7 @@ contains
          associate (trial => deformation%plastic_increment(i))
             k = first - 1 + i
             call flow(self, trial, state%plastic_strain(k), dt, &
-               deformation%strength%homologous(i), limit, &
-               increment)
+               deformation%strength%homologous(i), limit, increment)
             if (limit < trial) state%stress(k, :) = limit/trial*state%stress(k, :)
             state%plastic_strain(k) = state%plastic_strain(k) + increment
             deformation%plastic_work(i) = state%volume(k)*mean_work(self%shear, trial, limit, &

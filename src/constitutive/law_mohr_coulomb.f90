@@ -82,9 +82,8 @@ contains
       integer :: i, k
 
       if (allocated(state%plastic_dilation)) call add_dilation_pressure(first, last, &
-         state%plastic_dilation, &
-         state%mass, state%volume, deformation%wave_speed, deformation%pressure, &
-         deformation%strength%tangent)
+         state%plastic_dilation, state%mass, state%volume, deformation%wave_speed, &
+         deformation%pressure, deformation%strength%tangent)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       inner = 1.0_wp/sqrt(1.0_wp + self%friction**2/3.0_wp)
       offset = 0.5_wp*sqrt(3.0_wp)*self%strength*inner
@@ -127,7 +126,7 @@ contains
       real(wp), intent(inout) :: pressure            !! [Pa]
       real(wp), intent(inout) :: increment           !! Equivalent plastic strain, 0 on entry [1]
       real(wp), intent(inout) :: work                !! Plastic work, 0 on entry [J/m3]
-      real(wp), intent(inout) :: dilation           !! Volume gained, 0 on entry [1]
+      real(wp), intent(inout) :: dilation            !! Volume gained, 0 on entry [1]
       real(wp) :: trial(3), values(3), axes(3, 3), both(6), change(6), multipliers
 
       call principal(s, trial, axes)

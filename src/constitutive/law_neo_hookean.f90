@@ -25,13 +25,13 @@ module law_neo_hookean
    type, extends(law_t) :: law_neo_hookean_t
    contains
       procedure :: gives_whole_stress => neo_hookean_gives_whole_stress !! It gives the whole stress
-      procedure :: is_plastic => neo_hookean_is_plastic    !! It does not flow
+      procedure :: is_plastic => neo_hookean_is_plastic !! It does not flow
       procedure :: request => neo_hookean_request    !! Requests the deformation gradient
-      procedure :: predict_trial => neo_hookean_predict_trial    !! Volume and deformation gradient
+      procedure :: predict_trial => neo_hookean_predict_trial !! Volume and deformation gradient
       procedure :: update => neo_hookean_update      !! Stress
       !> Fastest wave of the deformed state
       procedure :: add_wave_speed => neo_hookean_add_wave_speed
-      procedure :: stored_energy => neo_hookean_stored_energy      !! Energy of a particle
+      procedure :: stored_energy => neo_hookean_stored_energy !! Energy of a particle
    end type law_neo_hookean_t
 
 contains
@@ -99,7 +99,7 @@ contains
    pure real(wp) function neo_hookean_stored_energy(self, state, particle) result(energy)
       class(law_neo_hookean_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Index in the store
+      integer, intent(in) :: particle                       !! Index in the store
       real(wp) :: f(9)
 
       f = state%deformation_gradient(particle, :)

@@ -25,12 +25,12 @@ module law_newtonian
       procedure :: has_shear => newtonian_has_shear  !! It has no shear modulus
       procedure :: follows_density => newtonian_follows_density !! Its pressure has no rate form
       procedure :: request => newtonian_request      !! Requests nothing
-      procedure :: predict_trial => newtonian_predict_trial      !! Volume, there is no trial
+      procedure :: predict_trial => newtonian_predict_trial !! Volume, there is no trial
       procedure :: update => newtonian_update        !! Viscous stress
-      procedure :: add_wave_speed => newtonian_add_wave_speed      !! Nothing
+      procedure :: add_wave_speed => newtonian_add_wave_speed !! Nothing
       !> Limit of the time step by diffusion
       procedure :: add_viscous_speed => newtonian_add_viscous_speed
-      procedure :: stored_energy => newtonian_stored_energy        !! Nothing
+      procedure :: stored_energy => newtonian_stored_energy !! Nothing
    end type law_newtonian_t
 
 contains
@@ -181,7 +181,7 @@ contains
    pure real(wp) function newtonian_stored_energy(self, state, particle) result(energy)
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Index in the store
+      integer, intent(in) :: particle                       !! Index in the store
 
       energy = 0.0_wp
    end function newtonian_stored_energy

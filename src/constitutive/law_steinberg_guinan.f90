@@ -150,7 +150,7 @@ contains
    pure real(wp) function steinberg_guinan_modulus(self, state, particle, pressure) result(ratio)
       class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Index in the store
+      integer, intent(in) :: particle                       !! Index in the store
       real(wp), intent(in) :: pressure               !! Its pressure [Pa]
       real(wp) :: compression, melting
 
@@ -284,8 +284,8 @@ contains
       end if
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         deformation%wave_speed(i) = deformation%wave_speed(i) &
-            + 4.0_wp/3.0_wp*self%shear*deformation%strength%shear_ratio(i)*state%volume(k)/state%mass(k)
+         deformation%wave_speed(i) = deformation%wave_speed(i) + 4.0_wp/3.0_wp*self%shear &
+            *deformation%strength%shear_ratio(i)*state%volume(k)/state%mass(k)
       end do
    end subroutine steinberg_guinan_add_wave_speed
 
@@ -293,7 +293,7 @@ contains
    pure real(wp) function steinberg_guinan_stored_energy(self, state, particle) result(energy)
       class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Index in the store
+      integer, intent(in) :: particle                       !! Index in the store
       real(wp) :: pressure
 
       pressure = -sum(state%stress(particle, 1:3))/3.0_wp

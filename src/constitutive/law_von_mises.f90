@@ -70,8 +70,8 @@ contains
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       if (allocated(state%plastic_strain)) then
-         call return_hardening(first, last, self%shear, self%yield, self%hardening, &
-            state%volume, state%stress, state%plastic_strain, deformation%plastic_increment, &
+         call return_hardening(first, last, self%shear, self%yield, self%hardening, state%volume, &
+            state%stress, state%plastic_strain, deformation%plastic_increment, &
             deformation%plastic_work)
       else
          call return_perfect(first, last, self%shear, self%yield, state%volume, state%stress, &

@@ -21,12 +21,12 @@ module material_effect_timers
    type :: stage_clock_t
       logical :: on = .false.                        !! True if this step is timed
       real(wp) :: whole = 0.0_wp                     !! Nodes to particles in those steps [s]
-      real(wp) :: effect(effect_count) = 0.0_wp     !! Each effect in them [s]
+      real(wp) :: effect(effect_count) = 0.0_wp      !! Each effect in them [s]
    contains
       procedure :: start_step => stage_clock_start_step !! Decides whether a step is timed
-      procedure :: read_clock => stage_clock_read               !! Clock at the start of a tile
-      procedure :: record => stage_clock_record !! Adds the work on a tile since then
-      procedure :: update => stage_clock_update             !! Material update, stage by stage
+      procedure :: read_clock => stage_clock_read    !! Clock at the start of a tile
+      procedure :: record => stage_clock_record      !! Adds the work on a tile since then
+      procedure :: update => stage_clock_update      !! Material update, stage by stage
    end type stage_clock_t
 
 contains
@@ -88,7 +88,7 @@ contains
 
    !> Move the time of each effect with a row of its own out of the phase that holds them.
    subroutine divide_phase_time(laps, from, rows, timer)
-      type(stage_clock_t), intent(in) :: laps(:)            !! Of all threads
+      type(stage_clock_t), intent(in) :: laps(:)    !! Of all threads
       integer, intent(in) :: from                    !! The phase that holds them all
       integer, intent(in) :: rows(effect_count)     !! Phase of each effect, 0 = off
       type(timer_t), intent(inout) :: timer

@@ -22,16 +22,15 @@ module material_failed
    private
 
    public :: choose_failed_law, declare_failed_law, failed_law_fault, failed_law_t, &
-      failed_subset_t, &
-      failure_t, keeps_no_stress, remove_failed_stress
+      failed_subset_t, failure_t, keeps_no_stress, remove_failed_stress
 
    !> The law of failed material.
    type :: failed_law_t
       class(law_t), allocatable :: law
    contains
-      procedure :: gather => failed_law_gather        !! Gathers the failed particles of a range
+      procedure :: gather => failed_law_gather          !! Gathers the failed particles of a range
       procedure :: update => failed_law_update          !! Updates them by the law
-      procedure :: scatter => failed_law_scatter    !! Scatters them back
+      procedure :: scatter => failed_law_scatter        !! Scatters them back
    end type failed_law_t
 
    !> How particles of a material fail.
@@ -45,7 +44,7 @@ module material_failed
 
    !> The failed particles of a range.
    type :: failed_subset_t
-      integer :: count = 0                           !! Number of particles
+      integer :: count = 0                              !! Number of particles
       integer, allocatable :: position(:)               !! Their positions in the range
       real(wp), allocatable :: released(:) !! Work released by the loss of the deviator [J]
       type(material_state_t) :: state                       !! Their state
@@ -151,7 +150,7 @@ contains
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
-      type(failed_subset_t), intent(out) :: subset                  !! Failed particles
+      type(failed_subset_t), intent(out) :: subset         !! Failed particles
       integer :: i, k, n, column
 
       n = 0
@@ -161,8 +160,7 @@ contains
       subset%count = n
       if (n == 0) return
       allocate (subset%position(n), subset%released(n), subset%state%mass(n), &
-         subset%state%volume(n), &
-         subset%state%stress(n, 6))
+         subset%state%volume(n), subset%state%stress(n, 6))
       call subset%deformation%reserve(n)
       n = 0
       do i = 1, last - first + 1
@@ -224,7 +222,7 @@ contains
       type(deformation_t), intent(in) :: deformation       !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      type(failed_subset_t), intent(inout) :: subset                !! Failed particles
+      type(failed_subset_t), intent(inout) :: subset       !! Failed particles
       integer :: i
 
       if (subset%count == 0) return
@@ -237,8 +235,7 @@ contains
       end do
       call self%law%update(subset%state, subset%deformation, 1, subset%count, dt)
       call remove_loose_deviator(subset%count, subset%released, subset%deformation%pressure, &
-         subset%state%stress, &
-         subset%deformation%plastic_work)
+         subset%state%stress, subset%deformation%plastic_work)
       call self%law%add_wave_speed(subset%state, subset%deformation, 1, subset%count)
    end subroutine failed_law_update
 
@@ -264,7 +261,7 @@ contains
    !> Put the failed particles back into their range.
    pure subroutine failed_law_scatter(self, subset, state, deformation, first)
       class(failed_law_t), intent(in) :: self
-      type(failed_subset_t), intent(in) :: subset                   !! Failed particles
+      type(failed_subset_t), intent(in) :: subset          !! Failed particles
       type(material_state_t), intent(inout) :: state              !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range

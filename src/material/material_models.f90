@@ -38,7 +38,7 @@ module material_models
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]
    contains
       procedure :: field_requests => models_field_requests !! Requested fields, with reasons
-      procedure :: allocate_state => models_allocate_state         !! Allocates these fields
+      procedure :: allocate_state => models_allocate_state !! Allocates these fields
       procedure :: carries_energy => models_carries_energy !! True if it has an internal energy
       procedure :: start => models_start             !! Initial state of particles
       procedure :: scatter => models_scatter         !! Random strength of particles
@@ -89,7 +89,7 @@ contains
    pure subroutine models_allocate_state(self, state, particles)
       class(models_t), intent(in) :: self
       type(material_state_t), intent(out) :: state          !! State of its particles
-      integer, optional, intent(in) :: particles     !! Capacity; 0 if not given
+      integer, optional, intent(in) :: particles            !! Capacity; 0 if not given
       type(field_requests_t) :: requests
       integer :: n
 
@@ -155,9 +155,7 @@ contains
       integer, intent(in) :: last                    !! Last particle of the range
 
       if (allocated(state%brittle%scatter)) call self%damage%draw_strength(self%failure%seed, &
-         identity, first, &
-         last, &
-         state%mass, state%brittle%scatter)
+         identity, first, last, state%mass, state%brittle%scatter)
    end subroutine models_scatter
 
    !> True if the mean stress follows the dilatation, without equation of state and without a law

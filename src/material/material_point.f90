@@ -135,7 +135,7 @@ contains
       type(point_t), intent(inout) :: point
       class(chain_t), intent(in) :: chain
       real(wp), intent(in) :: gradient(9)            !! The other components [1]
-      integer, intent(in) :: components(:)               !! Which components are found
+      integer, intent(in) :: components(:)           !! Which components are found
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(inout) :: lateral             !! Last and new value [1]
       type(material_state_t) :: before

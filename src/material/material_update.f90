@@ -28,7 +28,7 @@ module material_update
    contains
       procedure :: find_rest_stress => chain_find_rest_stress !! Stress of a given state at rest
       procedure :: update => chain_update            !! One time step
-      procedure :: run_stage => chain_run_stage      !! One stage of it
+      procedure :: run_stage => chain_run_stage               !! One stage of it
       procedure :: signal_speed => chain_signal_speed         !! Fastest signal of a state
       procedure :: stored_energy => chain_stored_energy       !! Internal energy of particles
    end type chain_t
@@ -312,14 +312,12 @@ contains
 
       if (self%failure%fracture%leaves_strength) then
          call fail_with_strength(first, last, self%failure%fracture%strength, self%bulk, &
-            state%volume, &
-            deformation%pressure, deformation%pressure_floor, state%damage, state%failed, &
-            deformation%plastic_work)
+            state%volume, deformation%pressure, deformation%pressure_floor, state%damage, &
+            state%failed, deformation%plastic_work)
       else
          call fail_as_rubble(first, last, self%failure%fracture%strength, self%shear, self%bulk, &
-            state%volume, &
-            state%stress, deformation%pressure, deformation%pressure_floor, state%damage, &
-            state%failed, deformation%plastic_work)
+            state%volume, state%stress, deformation%pressure, deformation%pressure_floor, &
+            state%damage, state%failed, deformation%plastic_work)
       end if
    end subroutine break_or_fail
 
@@ -344,8 +342,7 @@ contains
          deformation%pressure_floor(:last - first + 1) = -huge(1.0_wp)
       end if
       if (allocated(self%melting)) call cut_melted_tension(first, last, self%melting, &
-         state%temperature, &
-         deformation%pressure, deformation%pressure_floor)
+         state%temperature, deformation%pressure, deformation%pressure_floor)
    end subroutine limit_tension
 
    !> Temperature after the step.
@@ -369,9 +366,9 @@ contains
       deformation%gruneisen(:last - first + 1) = 0.0_wp
       if (allocated(self%eos)) call self%eos%find_gruneisen(state, deformation, first, last)
       call heat_particles(first, last, self%heat%specific_heat, plastic_share, &
-         deformation%gruneisen, state%mass, &
-         state%volume, deformation%old_volume, deformation%pressure, deformation%pressure_floor, &
-         deformation%plastic_work, deformation%viscous_work, state%temperature)
+         deformation%gruneisen, state%mass, state%volume, deformation%old_volume, &
+         deformation%pressure, deformation%pressure_floor, deformation%plastic_work, &
+         deformation%viscous_work, state%temperature)
       if (.not. allocated(self%voids)) return
       state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
       call expand_grains(first, last, self%voids%expansion, state%temperature, &
@@ -382,7 +379,7 @@ contains
    pure logical function gone(self, state, particle) result(is_gone)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store
-      integer, intent(in) :: particle                !! Index in the store
+      integer, intent(in) :: particle                       !! Index in the store
 
       is_gone = .false.
       if (.not. allocated(self%failure%fracture)) return

@@ -35,7 +35,7 @@ module material_voids
       procedure :: read => voids_read                !! Reads the keys
       !> Which share material takes of the motion
       procedure :: choose_fraction => voids_choose_fraction
-      procedure :: update_solid_fraction => voids_update_solid_fraction !! Opens and closes voids
+      procedure :: update_solid_fraction => voids_update_solid_fraction  !! Opens and closes voids
       procedure :: to_solid_volume => voids_to_solid_volume !! Volume becomes that of the solid
       procedure :: to_total_volume => voids_to_total_volume              !! And back again
       procedure :: to_solid_volumes => voids_to_solid_volumes !! The same before and after the step
