@@ -139,7 +139,7 @@ contains
    !> Length of scratch arrays for a number of particles. It is not that number itself: columns
    !! whose length is a power of two would all fall into the same few sets of the cache.
    pure integer function padded_length(particles) result(length)
-      integer, intent(in) :: particles
+      integer, intent(in) :: particles               !! Capacity
 
       length = 64*((particles + 63)/64) + 8
    end function padded_length
@@ -169,7 +169,7 @@ contains
    !> Allocate the scratch for a number of particles, at the start of an update of damage.
    pure subroutine damage_scratch_reserve(self, particles)
       class(damage_scratch_t), intent(inout) :: self
-      integer, intent(in) :: particles
+      integer, intent(in) :: particles               !! Capacity
       integer :: n
 
       if (allocated(self%bound)) then
@@ -183,7 +183,7 @@ contains
    !> Allocate the scratch for a number of particles, at the start of a step with voids.
    pure subroutine void_scratch_reserve(self, particles)
       class(void_scratch_t), intent(inout) :: self
-      integer, intent(in) :: particles
+      integer, intent(in) :: particles               !! Capacity
       integer :: n
 
       if (allocated(self%alpha)) then

@@ -118,6 +118,7 @@ contains
    end subroutine mie_gruneisen_update
 
    !> Kernel of the above.
+   ! gate: long kernel because it takes the constants one by one, as the function of a state does
    pure subroutine pressure_of_state(first, last, density, sound, slope, gamma, mass, volume, &
       energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range

@@ -41,7 +41,7 @@ module material_models
       procedure :: allocate_state => models_allocate_state !! Allocates these fields
       procedure :: carries_energy => models_carries_energy !! True if it has an internal energy
       procedure :: start => models_start             !! Initial state of particles
-      procedure :: scatter => models_scatter         !! Random strength of particles
+      procedure :: draw_strength => models_draw_strength       !! Random strength of particles
       procedure :: has_shear => models_has_shear     !! True if it has a shear modulus
       procedure :: has_whole_stress => models_has_whole_stress !! True if the law gives all stress
       procedure :: has => models_has                 !! True if an effect is on
@@ -147,7 +147,7 @@ contains
 
    !> Random strength of new particles. Their mass is known, and the strength depends on their
    !! identity.
-   pure subroutine models_scatter(self, state, identity, first, last)
+   pure subroutine models_draw_strength(self, state, identity, first, last)
       class(models_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
@@ -156,7 +156,7 @@ contains
 
       if (allocated(state%brittle%scatter)) call self%damage%draw_strength(self%failure%seed, &
          identity, first, last, state%mass, state%brittle%scatter)
-   end subroutine models_scatter
+   end subroutine models_draw_strength
 
    !> True if the mean stress follows the dilatation, without equation of state and without a law
    !! that gives the whole stress.

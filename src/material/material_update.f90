@@ -106,6 +106,7 @@ contains
    end subroutine chain_update
 
    !> One stage of a time step, so that a caller can take the time between stages.
+   ! gate: long kernel because all stages share one interface
    pure subroutine chain_run_stage(self, stage, state, deformation, first, last, dt, spacing, &
       subset)
       class(chain_t), intent(in) :: self

@@ -156,11 +156,11 @@ contains
                      bodies(body)%temperature)
                   if (bodies(body)%energy > 0.0_wp) store%state%energy(p) = bodies(body)%energy
                end do
-               call simulation%materials(index)%scatter(store%state, store%identity, &
+               call simulation%materials(index)%draw_strength(store%state, store%identity, &
                   store%first(tile), store%first(tile) + store%count(tile) - 1)
                if (any(bodies%energy > 0.0_wp .and. bodies%store == index)) &
-                  call simulation%materials(index)%find_rest_stress(store%state, store%first(tile), &
-                  store%first(tile) + store%count(tile) - 1)
+                  call simulation%materials(index)%find_rest_stress(store%state, &
+                  store%first(tile), store%first(tile) + store%count(tile) - 1)
             end do
          end associate
       end do
