@@ -25,7 +25,7 @@ module material_voids
    !> Rules of the voids of a material.
    type :: voids_t
       logical :: opens = .true.                      !! Voids of loose material open and close
-      logical :: crushes = .false.                   !! Pressed grains close them for good
+      logical :: crushes = .false.                   !! Pressed grains close them permanently
       logical :: loose = .false. !! All material is loose, not only failed material
       real(wp) :: start = 1.0_wp                     !! theta of the reference state [1]
       real(wp) :: critical = 1.0_wp                  !! theta from which on grains touch [1]
