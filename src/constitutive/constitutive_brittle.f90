@@ -76,8 +76,8 @@ contains
       end do
    end subroutine draw_weibull
 
-   !> No principal value of the deviator is above this: 2/3 of the equivalent stress. It spares most
-   !! particles the search for their axes.
+   !> No principal value of the deviator is above this: 2/3 of the equivalent stress. With it most
+   !! particles need no search for their axes.
    pure subroutine bound_deviator(first, last, stress, bound)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

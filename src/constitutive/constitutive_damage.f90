@@ -25,7 +25,7 @@ module constitutive_damage
       procedure :: takes_scatter => damage_takes_scatter !! True if strength may scatter
       procedure :: needs_weibull => damage_needs_weibull !! True if it needs a Weibull modulus
       procedure :: uses_jc_rate => damage_uses_jc_rate !! True if it reads the key jc_rate
-      !> True if the law knows failed material
+      !> True if the law holds for failed material
       procedure :: leaves_strength => damage_leaves_strength
       procedure(read_i), deferred :: read            !! Reads its keys
       procedure(request_i), deferred :: request      !! Requests the fields it needs
@@ -111,7 +111,7 @@ contains
       uses = .false.
    end function damage_uses_jc_rate
 
-   !> True if the law of strength itself knows what failed material supports.
+   !> True if the law of strength itself gives the stress of failed material.
    pure logical function damage_leaves_strength(self) result(leaves)
       class(damage_t), intent(in) :: self
 

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What laws share whose strength grows with the pressure.
+!> Common parts of laws whose strength grows with the pressure.
 !!
-!! The pressure is that of the equation of state and so knows the density: material that has come
-!! apart supports no stress until it is as dense again as it was. Where shear loosens it for good,
-!! by the
-!! angle of dilation, the volume that is gained is carried and taken out of the pressure.
+!! The pressure is that of the equation of state and follows the density: material that has
+!! separated
+!! supports no stress until it has its density again. With an angle of dilation shear increases the
+!! volume permanently; this volume is carried and taken out of the pressure.
 module constitutive_friction
    use base_constants, only: pi
    use base_deck_group, only: group_t
@@ -33,10 +33,10 @@ module constitutive_friction
    !> A law whose strength grows with the pressure.
    type, abstract, extends(law_t) :: frictional_t
       real(wp) :: apex = 0.0_wp                      !! Least pressure, at the apex [Pa]
-      logical :: dilates = .false.                   !! Shear loosens
+      logical :: dilates = .false.                   !! Shear increases the volume
    contains
       procedure :: follows_density => frictional_follows_density !! Its pressure does
-      procedure :: request => frictional_request     !! Requests what shear loosened
+      procedure :: request => frictional_request     !! Requests the volume gained by shear
       !> Shear, where material holds together
       procedure :: add_wave_speed => frictional_add_wave_speed
       procedure :: least_pressure => frictional_least_pressure !! That of the apex
@@ -54,7 +54,8 @@ contains
          range=">= 0 < 90", owner=owner)
       call schema%real("material", "cohesion", "strength without pressure", unit="Pa", &
          default="0", range=">= 0", owner=owner//" mu_i")
-      call schema%real("material", "dilation_angle", "angle by which shear loosens", &
+      call schema%real("material", "dilation_angle", &
+         "angle of dilation: shear increases the volume", &
          unit="deg", default="0", range=">= 0 < 90", owner=owner)
       call schema%require("material", "friction_angle")
    end subroutine declare_angles
@@ -99,20 +100,20 @@ contains
       else if (dilation > friction) then
          text = "dilation_angle must not be above friction_angle, or flow would make energy"
       else if (dilation > 0.0_wp .and. .not. linear) then
-         text = "dilation_angle needs eos_model = 'linear', as others know only the density"
+         text = "dilation_angle needs eos_model = 'linear', as others depend on the density alone"
       else if (.not. (friction > 0.0_wp .or. cohesion > 0.0_wp)) then
          text = "friction_angle or cohesion must be above 0; for a fluid set elastic = 'none'"
       end if
    end function angle_fault
 
-   !> The pressure must know the density.
+   !> The pressure must follow the density.
    pure logical function frictional_follows_density(self) result(follows)
       class(frictional_t), intent(in) :: self
 
       follows = .true.
    end function frictional_follows_density
 
-   !> Material that shear loosens carries by how much.
+   !> Volume gained by shear, if shear increases it.
    pure subroutine frictional_request(self, requests)
       class(frictional_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -127,7 +128,7 @@ contains
       pressure = self%apex
    end function frictional_least_pressure
 
-   !> Shear modulus in the square of the wave speed. What has separated supports no shear; its wave
+   !> Shear modulus in the square of the wave speed. Separated material supports no shear; its wave
    !! speed does not grow with its volume, or a cloud of it would shorten the time step.
    pure subroutine frictional_add_wave_speed(self, state, deformation, first, last)
       class(frictional_t), intent(in) :: self

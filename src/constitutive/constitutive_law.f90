@@ -34,7 +34,7 @@ module constitutive_law
       procedure :: supports_voids => law_supports_voids !! True if its material may be porous
       procedure :: softens_by_damage => law_softens_by_damage !! True if damage lowers its strength
       procedure :: uses_jc_rate => law_uses_jc_rate  !! True if it reads the key jc_rate
-      procedure :: follows_density => law_follows_density !! True if its pressure must know it
+      procedure :: follows_density => law_follows_density !! True if its pressure must follow it
       procedure :: has_grains => law_has_grains      !! True if it has an inertial number
       procedure :: is_plastic => law_is_plastic      !! True if it flows and so dissipates
       procedure(request_i), deferred :: request      !! Requests the fields it needs
@@ -126,7 +126,7 @@ contains
       follows = .false.
    end function law_follows_density
 
-   !> True if the law knows the size and density of grains, and so their inertial number.
+   !> True if the law has the size and density of grains, and so their inertial number.
    pure logical function law_has_grains(self) result(has)
       class(law_t), intent(in) :: self
 

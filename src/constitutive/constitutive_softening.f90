@@ -15,7 +15,7 @@
 !! pressure.
 !!
 !! Particles carry the stress that acts. The one without cracks comes from it by division, before
-!! the trial of a step, which spares a second stress for each particle. Equations (F.8), (F.9) and
+!! the trial of a step, so that no particle carries a second stress. Equations (F.8), (F.9) and
 !! (F.10) of doc/theory/failure.md.
 module constitutive_softening
    use base_deck_group, only: group_t
@@ -44,7 +44,7 @@ module constitutive_softening
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
    contains
       procedure :: read => softening_read            !! Reads its keys
-      procedure :: band_fault => softening_band_fault !! What is wrong with the cell size
+      procedure :: band_fault => softening_band_fault !! Error in the cell size
       !> Stress without cracks, before the trial
       procedure :: restore_uncracked_stress => softening_restore_stress
       procedure :: open_cracks => softening_open_cracks !! Lets cracks open, and stress that acts
@@ -109,7 +109,7 @@ contains
          "cracks take either an energy or a time"
    end function softening_fault
 
-   !> What is wrong with moduli and cell size; empty if nothing is. In too large a cell the stress
+   !> Error in moduli and cell size; empty if there is none. In too large a cell the stress
    !! falls while the cell itself springs back, and it releases more energy than the crack takes.
    !! The limit is that of uniaxial stress and cracks in any direction of the scene. Equation
    !! (F.11).

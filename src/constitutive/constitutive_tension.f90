@@ -16,7 +16,7 @@ module constitutive_tension
       real(wp) :: strength = huge(1.0_wp)            !! Greatest tension [Pa]
    end type spall_t
 
-   !> Failure for good, by damage and by tension.
+   !> Permanent failure, by damage and by tension.
    type :: fracture_t
       real(wp) :: strength = huge(1.0_wp)            !! Tension at failure [Pa]
       logical :: leaves_strength = .false.           !! Failed material follows a law
@@ -142,7 +142,7 @@ contains
       end do
    end subroutine fail_with_strength
 
-   !> Without equation of state the mean stress does not know of voids: rubble less dense than the
+   !> Without equation of state the mean stress does not depend on voids: rubble less dense than the
    !! material supports no pressure, and no signal faster than that of the material runs through it.
    pure subroutine drop_loose_pressure(first, last, density, bulk, mass, volume, failed, pressure, &
       wave_speed)

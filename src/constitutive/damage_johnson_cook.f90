@@ -17,7 +17,7 @@ module damage_johnson_cook
 
    public :: damage_johnson_cook_t
 
-   !> Least strain to failure. Sets with negative D1 would give less than nothing in tension.
+   !> Least strain to failure. Sets with negative D1 would give a negative strain in tension.
    real(wp), parameter :: least_strain = 1.0e-6_wp
    !> Bounds of the triaxiality: the fit ends at 1.5, and below -10 the exponential would overflow.
    real(wp), parameter :: least_triaxiality = -10.0_wp, most_triaxiality = 1.5_wp

@@ -5,7 +5,7 @@
 !! The distension alpha is the density of the solid over that of the material, and p = ps(alpha rho,
 !! e)/alpha with the pressure ps of the solid, here that of Mie and Grueneisen. Up to the elastic
 !! limit alpha stays as it is; beyond it the pressure follows the curve alpha = 1 + (alpha0 - 1)
-!! ((pc - p)/(pc - pe))**2 to the pressure pc that leaves no pores. Crushing is for good. Equations
+!! ((pc - p)/(pc - pe))**2 to the pressure pc that leaves no pores. Crushing is permanent. Equations
 !! (E.12) and (E.13) of doc/theory/equations_of_state.md.
 module eos_p_alpha
    use base_deck_group, only: group_t

@@ -69,7 +69,7 @@ contains
       call self%constants%read(group, effects)
    end subroutine law_jh2_read
 
-   !> Strength follows a pressure that knows the density.
+   !> Strength follows a pressure that depends on the density.
    pure logical function law_jh2_needs_eos(self) result(needs)
       class(law_jh2_t), intent(in) :: self
 

@@ -145,7 +145,7 @@ contains
 
       limit = trial
       increment = 0.0_wp
-      ! Never above the yield stress, and cheaper than its powers.
+      ! A bound of the yield stress without its powers.
       if (law%softening_exponent >= 1.0_wp .and. trial <= law%yield*(1.0_wp - homologous)) return
       softening = 1.0_wp
       if (homologous > 0.0_wp) softening = 1.0_wp - homologous**law%softening_exponent

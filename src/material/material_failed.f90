@@ -36,7 +36,7 @@ module material_failed
    !> How particles of a material fail.
    type :: failure_t
       type(spall_t), allocatable :: spall            !! Limit of tension without failure
-      type(fracture_t), allocatable :: fracture      !! Failure for good
+      type(fracture_t), allocatable :: fracture      !! Permanent failure
       type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
       type(failed_law_t), allocatable :: failed_law  !! Law of failed material
       integer(int64) :: seed = 0                     !! Of random strength

@@ -25,7 +25,7 @@ module material_voids
    !> Rules of the voids of a material.
    type :: voids_t
       logical :: opens = .true.                      !! Voids of loose material open and close
-      logical :: crushes = .false.                   !! Pressed grains close them for good
+      logical :: crushes = .false.                   !! Pressed grains close them permanently
       logical :: loose = .false. !! All material is loose, not only failed material
       real(wp) :: start = 1.0_wp                     !! theta of the reference state [1]
       real(wp) :: critical = 1.0_wp                  !! theta from which on grains touch [1]
@@ -33,7 +33,7 @@ module material_voids
       real(wp) :: expansion = 0.0_wp                 !! Of B: thermal expansion of volume [1/K]
    contains
       procedure :: read => voids_read                !! Reads the keys
-      !> Which share material takes of the motion
+      !> Fraction of the dilatation that the material takes
       procedure :: choose_fraction => voids_choose_fraction
       procedure :: update_solid_fraction => voids_update_solid_fraction  !! Opens and closes voids
       procedure :: to_solid_volume => voids_to_solid_volume !! Volume becomes that of the solid
@@ -132,12 +132,13 @@ contains
       end do
       if (allocated(state%viscous_pressure)) deformation%voids%old_pressure(:count) = &
          deformation%voids%old_pressure(:count) - state%viscous_pressure(first:last)
-      call choose(first, last, self, deformation%gradient, deformation%voids%loose, &
+      call find_fraction(first, last, self, deformation%gradient, deformation%voids%loose, &
          deformation%voids%old_pressure, state%solid_fraction, deformation%voids%alpha)
    end subroutine voids_choose_fraction
 
    !> Kernel of the above, with the voids that shear opens. Equations (F.19) and (F.20).
-   pure subroutine choose(first, last, voids, gradient, loose, pressure, solid_fraction, share)
+   pure subroutine find_fraction(first, last, voids, gradient, loose, pressure, solid_fraction, &
+      fraction)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       type(voids_t), intent(in) :: voids
@@ -145,7 +146,7 @@ contains
       real(wp), contiguous, intent(in) :: loose(:)   !! 1 if voids can open, else 0 (range) [1]
       real(wp), contiguous, intent(in) :: pressure(:)        !! Before the step (range) [Pa]
       real(wp), contiguous, intent(inout) :: solid_fraction(:) !! (store) [1]
-      real(wp), contiguous, intent(inout) :: share(:)        !! alpha (range) [1]
+      real(wp), contiguous, intent(inout) :: fraction(:)  !! alpha (range) [1]
       real(wp) :: trace, mean, shear, theta, alpha, crushing
       integer :: i, k
 
@@ -168,9 +169,9 @@ contains
             crushing > 0.0_wp .and. trace < 0.0_wp)
          alpha = merge(0.0_wp, alpha, (trace > 0.0_wp .and. pressure(i) <= 0.0_wp) .or. &
             (trace <= 0.0_wp .and. theta < voids%critical))
-         share(i) = merge(alpha, 1.0_wp, voids%opens .and. loose(i) > 0.5_wp)
+         fraction(i) = merge(alpha, 1.0_wp, voids%opens .and. loose(i) > 0.5_wp)
       end do
-   end subroutine choose
+   end subroutine find_fraction
 
    !> Open and close voids, with the volume before and after the step.
    pure subroutine voids_update_solid_fraction(self, state, deformation, first, last)
@@ -180,30 +181,31 @@ contains
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      call open_or_close(first, last, self%critical, state%volume, deformation%old_volume, &
+      call move_fraction(first, last, self%critical, state%volume, deformation%old_volume, &
          deformation%voids%alpha, state%solid_fraction)
    end subroutine voids_update_solid_fraction
 
    !> Kernel of the above. What closes voids beyond the touching of grains is left to the material.
    !! Equation (F.18).
-   pure subroutine open_or_close(first, last, critical, volume, old_volume, share, solid_fraction)
+   pure subroutine move_fraction(first, last, critical, volume, old_volume, fraction, &
+      solid_fraction)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: critical               !! theta from which on grains touch [1]
       real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]
       real(wp), contiguous, intent(in) :: old_volume(:)      !! Before it (range) [m3]
-      real(wp), contiguous, intent(in) :: share(:)           !! alpha (range) [1]
+      real(wp), contiguous, intent(in) :: fraction(:) !! alpha (range) [1]
       real(wp), contiguous, intent(inout) :: solid_fraction(:) !! (store) [1]
       real(wp) :: most, theta
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         most = merge(critical, 1.0_wp, solid_fraction(k) < critical .and. share(i) <= 0.0_wp)
-         theta = solid_fraction(k)*(share(i) + (1.0_wp - share(i))*(old_volume(i)/volume(k)))
-         solid_fraction(k) = merge(solid_fraction(k), min(theta, most), share(i) >= 1.0_wp)
+         most = merge(critical, 1.0_wp, solid_fraction(k) < critical .and. fraction(i) <= 0.0_wp)
+         theta = solid_fraction(k)*(fraction(i) + (1.0_wp - fraction(i))*(old_volume(i)/volume(k)))
+         solid_fraction(k) = merge(solid_fraction(k), min(theta, most), fraction(i) >= 1.0_wp)
       end do
-   end subroutine open_or_close
+   end subroutine move_fraction
 
    !> Volume becomes that of the solid, for the models of the material.
    pure subroutine voids_to_solid_volume(self, state, deformation, first, last)
@@ -227,8 +229,8 @@ contains
       integer, intent(in) :: last                          !! Last particle of the range
 
       associate (volume => state%volume(first:last), old => deformation%old_volume( &
-         :last - first + 1), share => deformation%voids%alpha(:last - first + 1))
-         old = state%solid_fraction(first:last)*(volume + share*(old - volume))
+         :last - first + 1), fraction => deformation%voids%alpha(:last - first + 1))
+         old = state%solid_fraction(first:last)*(volume + fraction*(old - volume))
       end associate
       call self%to_solid_volume(state, deformation, first, last)
    end subroutine voids_to_solid_volumes
@@ -268,11 +270,11 @@ contains
 
    !> Share of grains that expand, theta exp(growth) but not above 1, with the positive Pade
    !! approximant of order (2, 2), which cooling takes back to round-off.
-   pure real(wp) function expanded_fraction(solid_fraction, growth) result(share)
+   pure real(wp) function expanded_fraction(solid_fraction, growth) result(fraction)
       real(wp), intent(in) :: solid_fraction         !! Before [1]
       real(wp), intent(in) :: growth                 !! Of the logarithm of their volume [1]
 
-      share = min(1.0_wp, solid_fraction*(1.0_wp + growth*(0.5_wp + growth/12.0_wp)) &
+      fraction = min(1.0_wp, solid_fraction*(1.0_wp + growth*(0.5_wp + growth/12.0_wp)) &
          /(1.0_wp - growth*(0.5_wp - growth/12.0_wp)))
    end function expanded_fraction
 end module material_voids
