@@ -307,7 +307,7 @@ contains
    !> Replace an array by one with a single element.
    pure subroutine set_single(array, number)
       integer, allocatable, intent(inout) :: array(:)
-      integer, intent(in) :: number                      
+      integer, intent(in) :: number
 
       if (allocated(array)) deallocate (array)
       allocate (array(1))

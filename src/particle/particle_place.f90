@@ -96,7 +96,7 @@ contains
          x = (position(p, 1) - lower(1))*scale(1) - shift(1)
          y = (position(p, 2) - lower(2))*scale(2) - shift(2)
          z = (position(p, 3) - lower(3))*scale(3) - shift(3)
-        ! separate comparisons vectorise, and each of them is false for NaN
+         ! separate comparisons vectorise, and each of them is false for NaN
          inside = merge(1, 0, x >= 0.0_wp)*merge(1, 0, x < limit(1)) &
             *merge(1, 0, y >= 0.0_wp)*merge(1, 0, y < limit(2)) &
             *merge(1, 0, z >= 0.0_wp)*merge(1, 0, z < limit(3))

@@ -415,8 +415,8 @@ contains
       inside = .false.
       if (.not. allocated(self%operand)) return
       do number = 1, size(self%operand)
-        ! a union stops at the first operand that contains the point, the others at one that
-        ! excludes it
+         ! a union stops at the first operand that contains the point, the others at one that
+         ! excludes it
          if (number > 1 .and. (inside .eqv. self%kind == set_union)) return
          inside = self%operand(number)%contains(x)
          if (number > 1 .and. self%kind == set_difference) inside = .not. inside

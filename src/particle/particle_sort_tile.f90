@@ -115,7 +115,7 @@ contains
          start(cell) = start(cell) + start(cell - 1)
       end do
       do p = number, 1, -1
-        ! backwards, so that start serves as the cursor of each cell
+         ! backwards, so that start serves as the cursor of each cell
          cell = sorter%cell(p)
          place = start(cell + 1)
          sorter%source(place) = sorter%order(p)

@@ -72,11 +72,11 @@ contains
       if (allocated(store%opening)) then
          opening = store%opening(copier%from)
       else
-        ! in the first step of a run that strains before the force, no edge has grown yet
+         ! in the first step of a run that strains before the force, no edge has grown yet
          allocate (opening(halved), source=0.0_wp)
       end if
       if (any(new_count > store%capacity)) then
-        ! particles have moved, so they are listed again
+         ! particles have moved, so they are listed again
          call store%layout(new_count)
          call list_long(splitting, full, grid, store, copier%from, edge, new_count)
       end if
@@ -278,7 +278,7 @@ contains
       share = shares_of_halves(grid, store%position(low, 1), half(1))
       rate = opening
       if (flows .and. allocated(store%state%energy)) then
-        ! in a thin, cold gas the velocity difference needs more than the internal energy
+         ! in a thin, cold gas the velocity difference needs more than the internal energy
          most = greatest_share*max(store%state%energy(low), 0.0_wp)
          if (2.0_wp*share(1)*share(2)*opening**2*sum(half**2) > most) rate = sign(sqrt(most &
             /(2.0_wp*share(1)*share(2)*sum(half**2))), opening)

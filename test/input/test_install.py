@@ -96,7 +96,7 @@ class Install(unittest.TestCase):
         self.assertTrue((folder / "discs/out/two_discs/two_discs_p.hdf.series").is_file())
 
     def test_libraries(self):
-        """Would catch a package that CMake does not find, a library or a module that it lacks, and a foreign compiler."""
+        """Would catch a package that CMake does not find, and a library or a module that it lacks."""
         folder = OPTIONS.work / "user of libraries ü"
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
@@ -114,7 +114,8 @@ class Install(unittest.TestCase):
         self.assertEqual((code, said), (0, "64\n"), wrong)
         self.assertFalse([path for path in (PLACE / "lib/cmake/scree").iterdir()
                           if str(case.ROOT) in path.read_text(encoding="utf-8")])
-        (folder / "CMakeLists.txt").write_text(USER_LISTS.replace("LANGUAGES Fortran", "LANGUAGES NONE"), encoding="utf-8")
+        without = USER_LISTS.replace("LANGUAGES Fortran", "LANGUAGES NONE")
+        (folder / "CMakeLists.txt").write_text(without, encoding="utf-8")
         code, said, wrong = run(*call[:3], "-B", folder / "build none", *call[5:6])
         self.assertNotEqual(code, 0, said)
         self.assertIn("its modules were made by gfortran", " ".join(wrong.split()))
