@@ -50,7 +50,7 @@ contains
          call add_copies(schema, groups(i), groups(region), longer, filled)
       end do
       call move_alloc(longer, groups)
-      call renumber(groups)
+      call renumber_groups(groups)
    end subroutine repeat_groups
 
    !> True if a body is repeated.
@@ -186,7 +186,7 @@ contains
    end subroutine put_shift
 
    !> Number bodies and regions in the order of the list.
-   pure subroutine renumber(groups)
+   pure subroutine renumber_groups(groups)
       type(group_t), intent(inout) :: groups(:)          !! All groups
       integer :: bodies, i, regions
 
@@ -201,5 +201,5 @@ contains
             groups(i)%place = regions
          end if
       end do
-   end subroutine renumber
+   end subroutine renumber_groups
 end module base_deck_repeat
