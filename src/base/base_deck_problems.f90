@@ -92,8 +92,7 @@ contains
    end function problems_within
 
    !> True if there is an error without a line whose text begins with a word: an error of the
-   !! command
-   !! line, or of something that is missing.
+   !! command line, or of something that is missing.
    pure logical function problems_about(self, word) result(found)
       class(problems_t), intent(in) :: self
       character(len=*), intent(in) :: word               !! Such as &grid

@@ -2,8 +2,7 @@
 !> Rows and lattices of equal bodies, `repeat = 4, 3, 1  repeat_step = 2, 2, 0`.
 !!
 !! Each copy becomes a body with a region of its own, displaced by `translate`. No later code
-!! depends
-!! on the repetition, and the echo of the deck lists all copies.
+!! depends on the repetition, and the echo of the deck lists all copies.
 module base_deck_repeat
    use base_deck_check, only: label_of
    use base_deck_group, only: group_t

@@ -120,8 +120,7 @@ contains
    end subroutine log_close
 
    !> Write to the file, if there is one. After a write error, such as a full disk, the file is
-   !! closed
-   !! and the run continues.
+   !! closed and the run continues.
    subroutine write_to_file(self, text)
       class(log_t), intent(inout) :: self
       character(len=*), intent(in) :: text               !! One or more lines

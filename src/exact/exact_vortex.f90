@@ -4,8 +4,7 @@
 !!
 !! K. Kamojjala, R. Brannon, A. Sadeghirad, J. Guilkey, Eng. with Computers 31 (2015) 193: a point
 !! at radius R rotates by g(t) h(R), g = A sin(2 pi f t), h = (1 - 4 s^2)^2 with s = (R - R_m)/w
-!! from
-!! -1/2 to 1/2 over the width w. Volumes are constant; rotations and shear are large.
+!! from -1/2 to 1/2 over the width w. Volumes are constant; rotations and shear are large.
 module exact_vortex
    use base_constants, only: pi
    use base_deck_group, only: group_t

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Estimate of the time of a run, from its first steps and from a copy of the scene with larger
 !! cells, which is run to its end. The copy shows how steps become shorter in impacts and more
-!! costly
-!! as material spreads over tiles. Section Interface of doc/developer/decisions.md compares both.
+!! costly as material spreads over tiles. Section Interface of doc/developer/decisions.md compares
+!! both.
 module program_run_time_estimate
    use base_error, only: error_t
    use base_kinds, only: int64, wp
