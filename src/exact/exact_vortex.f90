@@ -44,7 +44,7 @@ contains
 
       call schema%real("exact", "twist", "greatest angle of the middle of the ring in radians", &
          default="1.0", range="> 0", owner=owner)
-      call schema%real("exact", "frequency", "frequency of the oscillation", unit="1/s", &
+      call schema%real("exact", "frequency", "oscillations in a unit of time", unit="1/s", &
          range="> 0", owner=owner)
       call schema%real("exact", "inner_radius", "inner rim of the ring, which does not move", &
          unit="m", default="0.75", range="> 0", owner=owner)
