@@ -220,8 +220,9 @@ contains
       do i = 1, size(piece%tokens)
          associate (token => piece%tokens(i))
             if (.not. token%formula) cycle
-            call compute(self, token%raw(2:len(token%raw) - 1), value, fault, place, faulty)
-            token%text = decimal(value)
+            call evaluate_expression(self, token%raw(2:len(token%raw) - 1), value, fault, place, &
+               faulty)
+            token%text = decimal_text(value)
             piece%broken = piece%broken .or. faulty
             if (fault == "") cycle
             piece%broken = .true.
@@ -254,12 +255,13 @@ contains
             opening = index(token%text, "{")
             do while (opening > 0 .and. .not. piece%broken)
                closing = opening + index(token%text(opening:)//"}", "}") - 1
-               call compute(self, token%text(opening + 1:closing - 1), value, fault, place, faulty)
+               call evaluate_expression(self, token%text(opening + 1:closing - 1), value, fault, &
+                  place, faulty)
                piece%broken = faulty .or. fault /= ""
                if (fault /= "") call problems%error(file, merge(0, token%line, &
                   file == command_line), label//": "//piece%key//" = "//token%raw// &
                   "  <- letter "//number(opening + place)//": "//fault)
-               token%text = token%text(:opening - 1)//"("//decimal(value)//")"// &
+               token%text = token%text(:opening - 1)//"("//decimal_text(value)//")"// &
                   token%text(min(closing, len(token%text)) + 1:)
                opening = index(token%text, "{")
             end do
@@ -268,7 +270,7 @@ contains
    end subroutine resolve_texts
 
    !> The value of one expression.
-   subroutine compute(self, text, value, fault, place, faulty)
+   subroutine evaluate_expression(self, text, value, fault, place, faulty)
       class(definitions_t), intent(in) :: self
       character(len=*), intent(in) :: text               !! Without its braces
       real(wp), intent(out) :: value                     !! The value, 0 if there is none
@@ -294,10 +296,10 @@ contains
       end do
       if (size(self%later) == 0 .and. index(fault, "no name '") == 1) &
          fault = fault//"; names are given by &define name = number /"
-   end subroutine compute
+   end subroutine evaluate_expression
 
    !> A number with all its digits; integers without a point, so that keys of integers take them.
-   pure function decimal(value) result(text)
+   pure function decimal_text(value) result(text)
       real(wp), intent(in) :: value                      !! Any number
       character(len=:), allocatable :: text
       real(wp), parameter :: most = 2.0e9_wp
@@ -305,5 +307,5 @@ contains
       text = number(value)
       if (abs(value) > most .or. sign(1.0_wp, value) < 0.0_wp .and. .not. value < 0.0_wp) return
       if (.not. abs(value - anint(value)) > 0.0_wp) text = number(nint(value))
-   end function decimal
+   end function decimal_text
 end module base_deck_define

@@ -77,7 +77,7 @@ contains
             word = ".false."
             if (value%switches(i)) word = ".true."
          case default
-            word = "'"//doubled(value%texts(i)%text)//"'"
+            word = "'"//doubled_quotes(value%texts(i)%text)//"'"
          end select
          if (i < value%count()) word = word//","
          if (len(line) + len(word) > longest_row .and. i > 1) then
@@ -92,7 +92,7 @@ contains
    end subroutine echo_key
 
    !> A text with its quotes doubled.
-   pure function doubled(text) result(more)
+   pure function doubled_quotes(text) result(more)
       character(len=*), intent(in) :: text               !! Text without quotes
       character(len=:), allocatable :: more
       integer :: i
@@ -102,5 +102,5 @@ contains
          more = more//text(i:i)
          if (text(i:i) == "'") more = more//"'"
       end do
-   end function doubled
+   end function doubled_quotes
 end module base_deck_echo

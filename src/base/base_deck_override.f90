@@ -184,7 +184,7 @@ contains
       end if
       if (piece%broken) then
          call problems%error(command_line, 0, "&"//rule%name//": "//key//" = "//value// &
-            "  <- is no value")
+            "  <- is not a value")
       else
          call definitions%resolve("&"//rule%name, command_line, piece, problems, &
             rule%keys(place)%kind == kind_text .and. rule%keys(place)%unit_text /= "")

@@ -33,14 +33,14 @@ contains
             if (schema%presets(p)%name /= name) cycle
             if (schema%presets(p)%group /= groups(i)%group) cycle
             do e = 1, size(schema%presets(p)%entries)
-               call apply(schema, index, schema%presets(p)%entries(e), i, problems, groups)
+               call apply_entry(schema, index, schema%presets(p)%entries(e), i, problems, groups)
             end do
          end do
       end do
    end subroutine apply_presets
 
    !> Apply one value, unless the deck gives it.
-   subroutine apply(schema, index, entry, which, problems, groups)
+   subroutine apply_entry(schema, index, entry, which, problems, groups)
       type(schema_t), intent(in) :: schema               !! Keys that are allowed
       type(deck_index_t), intent(in) :: index            !! Index of the groups
       type(preset_entry_t), intent(in) :: entry
@@ -76,7 +76,7 @@ contains
       value%line = line
       value%file = groups(which)%file("preset")
       groups(which)%values(place) = value
-   end subroutine apply
+   end subroutine apply_entry
 
    !> True if GROUP.KEY is .true. or empty.
    logical function switched_on(schema, group_index, switch, groups) result(on)

@@ -57,7 +57,7 @@ contains
       call join_copies(self, file, line, .true., text, joined)
       if (joined) return
       self%errors = self%errors + 1
-      call note(self, file, line, .true., text)
+      call record_problem(self, file, line, .true., text)
    end subroutine problems_error
 
    !> Record a warning.
@@ -71,7 +71,7 @@ contains
       call join_copies(self, file, line, .false., text, joined)
       if (joined) return
       self%warnings = self%warnings + 1
-      call note(self, file, line, .false., text)
+      call record_problem(self, file, line, .false., text)
    end subroutine problems_warning
 
    !> True if there is an error in some lines of a file.
@@ -92,8 +92,7 @@ contains
    end function problems_within
 
    !> True if there is an error without a line whose text begins with a word: an error of the
-   !! command
-   !! line, or of something that is missing.
+   !! command line, or of something that is missing.
    pure logical function problems_about(self, word) result(found)
       class(problems_t), intent(in) :: self
       character(len=*), intent(in) :: word               !! Such as &grid
@@ -233,7 +232,7 @@ contains
    end function entry_text
 
    !> Append an entry.
-   pure subroutine note(self, file, line, is_error, text)
+   pure subroutine record_problem(self, file, line, is_error, text)
       class(problems_t), intent(inout) :: self           !! The list, with the new counts
       character(len=*), intent(in) :: file               !! Where it is
       integer, intent(in) :: line                        !! Line of the file, 0 = none
@@ -248,7 +247,7 @@ contains
       if (filled > size(self%entries)) then
          allocate (longer(2*filled))
          do i = 1, filled - 1
-            call move(self%entries(i), longer(i))
+            call move_problem(self%entries(i), longer(i))
          end do
          call move_alloc(longer, self%entries)
       end if
@@ -259,10 +258,10 @@ contains
       if (.not. allocated(self%repeated)) return
       call take_copy_apart(self%repeated, text, which, label, rest)
       if (which > 0) self%entries(filled)%common = label//without_numbers(rest)
-   end subroutine note
+   end subroutine record_problem
 
    !> Move an entry.
-   pure subroutine move(from, to)
+   pure subroutine move_problem(from, to)
       type(problem_t), intent(inout) :: from             !! Emptied
       type(problem_t), intent(inout) :: to               !! Filled
 
@@ -272,7 +271,7 @@ contains
       to%copies = from%copies
       to%line = from%line
       to%is_error = from%is_error
-   end subroutine move
+   end subroutine move_problem
 
    !> All errors and warnings, one a line, file by file in the order of the lines, and their count.
    function problems_report(self, files, groups) result(text)
@@ -284,7 +283,7 @@ contains
       integer, allocatable :: order(:)
       integer :: i
 
-      call sort(self, files, order)
+      call sort_problems(self, files, order)
       do i = 1, min(size(order), most_reported)
          call add_entry(self%entries(order(i)), entry_text(self, self%entries(order(i))), buffer)
       end do
@@ -311,7 +310,7 @@ contains
    end subroutine add_entry
 
    !> Order of the entries: by file, then by line, then as found. Merges ever longer runs.
-   subroutine sort(self, files, order)
+   subroutine sort_problems(self, files, order)
       type(problems_t), intent(in) :: self
       type(text_t), intent(in) :: files(:)               !! The files in the order of reading
       integer, allocatable, intent(out) :: order(:)      !! Entry by place
@@ -334,7 +333,7 @@ contains
          order = merged
          run = 2*run
       end do
-   end subroutine sort
+   end subroutine sort_problems
 
    !> Merge the sorted runs from bounds(1) to bounds(2) - 1 and from there to bounds(3) - 1.
    subroutine merge_runs(entries, place, order, merged, bounds)

@@ -2,8 +2,7 @@
 !> Rows and lattices of equal bodies, `repeat = 4, 3, 1  repeat_step = 2, 2, 0`.
 !!
 !! Each copy becomes a body with a region of its own, displaced by `translate`. No later code
-!! depends
-!! on the repetition, and the echo of the deck lists all copies.
+!! depends on the repetition, and the echo of the deck lists all copies.
 module base_deck_repeat
    use base_deck_check, only: label_of
    use base_deck_group, only: group_t
@@ -50,7 +49,7 @@ contains
          call add_copies(schema, groups(i), groups(region), longer, filled)
       end do
       call move_alloc(longer, groups)
-      call renumber(groups)
+      call renumber_groups(groups)
    end subroutine repeat_groups
 
    !> True if a body is repeated.
@@ -186,7 +185,7 @@ contains
    end subroutine put_shift
 
    !> Number bodies and regions in the order of the list.
-   pure subroutine renumber(groups)
+   pure subroutine renumber_groups(groups)
       type(group_t), intent(inout) :: groups(:)          !! All groups
       integer :: bodies, i, regions
 
@@ -201,5 +200,5 @@ contains
             groups(i)%place = regions
          end if
       end do
-   end subroutine renumber
+   end subroutine renumber_groups
 end module base_deck_repeat

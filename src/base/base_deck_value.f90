@@ -91,7 +91,7 @@ contains
       call allocate_values(key, value)
       first = max(subscript, 1)
       places = key%places - first + 1
-      call expand(key, tokens, places, items, complaint)
+      call expand_repeats(key, tokens, places, items, complaint)
       if (complaint == "" .and. size(items) == 0) complaint = expectation(key)
       if (complaint == "" .and. key%kind == kind_real) complaint = mixed_units(items)
       do i = 1, min(size(items), places)
@@ -152,7 +152,7 @@ contains
    end subroutine allocate_values
 
    !> Resolve commas and repeat counts such as 3*0.0. Counts above the number of places are cut.
-   subroutine expand(key, tokens, places, items, complaint)
+   subroutine expand_repeats(key, tokens, places, items, complaint)
       type(key_t), intent(in) :: key
       type(token_t), intent(in) :: tokens(:)             !! As written
       integer, intent(in) :: places                      !! Number of places to fill
@@ -204,7 +204,7 @@ contains
          if (size(items) > places) call add_rest(key, items, tokens(i + 1:))
          if (size(items) > places) exit
       end do
-   end subroutine expand
+   end subroutine expand_repeats
 
    !> True if a word after a number is its unit.
    pure logical function is_unit(key, token) result(yes)

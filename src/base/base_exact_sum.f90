@@ -69,7 +69,7 @@ contains
       low = shiftr(mantissa, 32)
       self%limbs(limb + 2) = self%limbs(limb + 2) + (ieor(low, sign_mask) - sign_mask)
       self%terms = self%terms + 1_int64
-      if (self%terms >= most_terms) call carry(self)
+      if (self%terms >= most_terms) call carry_limbs(self)
    end subroutine exact_sum_add
 
    !> Count a term that is not finite.
@@ -99,7 +99,7 @@ contains
    end subroutine exact_sum_add_all
 
    !> Carry between limbs, so that all but the last are 0 ... 2^32 - 1.
-   pure subroutine carry(self)
+   pure subroutine carry_limbs(self)
       class(exact_sum_t), intent(inout) :: self
       integer :: limb
 
@@ -108,18 +108,18 @@ contains
          self%limbs(limb) = iand(self%limbs(limb), limb_mask)
       end do
       self%terms = 0_int64
-   end subroutine carry
+   end subroutine carry_limbs
 
    !> Add another sum.
    pure subroutine exact_sum_merge(self, other)
       class(exact_sum_t), intent(inout) :: self
       type(exact_sum_t), intent(in) :: other             !! What is added
 
-      if (self%terms + other%terms + 1_int64 >= most_terms) call carry(self)
+      if (self%terms + other%terms + 1_int64 >= most_terms) call carry_limbs(self)
       self%limbs = self%limbs + other%limbs
       self%special = self%special + other%special
       self%terms = self%terms + other%terms + 1_int64
-      if (self%terms >= most_terms) call carry(self)
+      if (self%terms >= most_terms) call carry_limbs(self)
    end subroutine exact_sum_merge
 
    !> Add the sums of all ranks; every rank gets the whole. Collective.
@@ -131,7 +131,7 @@ contains
       call self%save(words)
       call communicator%total(words)
       call self%load(words)
-      call carry(self)
+      call carry_limbs(self)
    end subroutine exact_sum_over_ranks
 
    !> The sum, rounded once, to nearest and ties to even.
@@ -150,11 +150,11 @@ contains
       if (self%special(3) > 0_int64) number = ieee_value(number, ieee_negative_inf)
       if (any(self%special > 0_int64)) return
       work%limbs = self%limbs
-      call carry(work)
+      call carry_limbs(work)
       negative = work%limbs(top) < 0_int64
       if (negative) then
          work%limbs = -work%limbs
-         call carry(work)
+         call carry_limbs(work)
       end if
       number = rounded(work%limbs)
       if (negative) number = -number
@@ -179,7 +179,7 @@ contains
          number = ieee_value(number, ieee_positive_inf)
          return
       end if
-      mantissa = cut(limbs, last)
+      mantissa = extract_bits(limbs, last)
       if (last > 0) then
          half = btest(limbs((last - 1)/32), mod(last - 1, 32))
          rest = any(limbs(:(last - 1)/32 - 1) /= 0_int64) .or. &
@@ -191,7 +191,7 @@ contains
    end function rounded
 
    !> The 53 bits from a given bit upwards.
-   pure function cut(limbs, last) result(bits)
+   pure function extract_bits(limbs, last) result(bits)
       integer(int64), intent(in) :: limbs(0:top)         !! Digits of base 2^32
       integer, intent(in) :: last                        !! Lowest bit
       integer(int64) :: bits
@@ -203,7 +203,7 @@ contains
       if (limb < top) bits = ior(bits, shiftl(limbs(limb + 1), 32 - shift))
       if (limb + 1 < top .and. shift > 0) bits = ior(bits, shiftl(limbs(limb + 2), 64 - shift))
       bits = ibits(bits, 0, mantissa_bits + 1)
-   end function cut
+   end function extract_bits
 
    !> Set the sum to zero.
    pure subroutine exact_sum_clear(self)
@@ -220,7 +220,7 @@ contains
       type(exact_sum_t) :: work
 
       work%limbs = self%limbs
-      call carry(work)
+      call carry_limbs(work)
       words(:top + 1) = work%limbs
       words(top + 2:) = self%special
    end subroutine exact_sum_save

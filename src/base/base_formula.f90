@@ -119,7 +119,7 @@ contains
    end function next_letter
 
    !> Append an operation.
-   subroutine emit(self, parser, code, gain, place, constant, operand)
+   subroutine append_operation(self, parser, code, gain, place, constant, operand)
       type(formula_t), intent(inout) :: self
       type(parser_t), intent(inout) :: parser            !! Counts the values
       integer, intent(in) :: code                        !! What it does
@@ -136,7 +136,7 @@ contains
       if (present(operand)) self%operand(self%count) = operand
       parser%stack = parser%stack + gain
       self%depth = max(self%depth, parser%stack)
-   end subroutine emit
+   end subroutine append_operation
 
    !> Parse terms with + and - between them.
    recursive subroutine parse_sum(self, parser)
@@ -152,7 +152,7 @@ contains
          place = parser%at
          parser%at = parser%at + 1
          call parse_product(self, parser)
-         call emit(self, parser, code_operator + index(operators, sign), -1, place)
+         call append_operation(self, parser, code_operator + index(operators, sign), -1, place)
       end do
    end subroutine parse_sum
 
@@ -170,7 +170,7 @@ contains
          place = parser%at
          parser%at = parser%at + 1
          call parse_signed(self, parser)
-         call emit(self, parser, code_operator + index(operators, sign), -1, place)
+         call append_operation(self, parser, code_operator + index(operators, sign), -1, place)
       end do
    end subroutine parse_product
 
@@ -185,7 +185,7 @@ contains
          place = parser%at
          parser%at = parser%at + 1
          call parse_signed(self, parser)
-         call emit(self, parser, code_negate, 0, place)
+         call append_operation(self, parser, code_negate, 0, place)
       case ("+")
          parser%at = parser%at + 1
          call parse_signed(self, parser)
@@ -206,7 +206,7 @@ contains
       if (parser%text(place + 1:min(place + 1, len(parser%text))) /= "*") return
       parser%at = place + 2
       call parse_signed(self, parser)
-      call emit(self, parser, code_operator + index(operators, "^"), -1, place)
+      call append_operation(self, parser, code_operator + index(operators, "^"), -1, place)
    end subroutine parse_power
 
    !> Parse a number, a name, a function, or a sum in brackets.
@@ -272,7 +272,7 @@ contains
          call set_fault(parser, "is not a number: "//parser%text(first:last))
          return
       end if
-      call emit(self, parser, code_constant, 1, first, constant=value)
+      call append_operation(self, parser, code_constant, 1, first, constant=value)
       parser%at = last + 1
    end subroutine parse_number
 
@@ -297,11 +297,11 @@ contains
       end if
       do n = 1, size(parser%names)
          if (parser%names(n)%text /= name) cycle
-         call emit(self, parser, code_variable, 1, first, operand=n)
+         call append_operation(self, parser, code_variable, 1, first, operand=n)
          return
       end do
       if (name == "pi") then
-         call emit(self, parser, code_constant, 1, first, constant=pi)
+         call append_operation(self, parser, code_constant, 1, first, constant=pi)
       else if (which > 0) then
          call set_fault(parser, name//" needs its argument in brackets, such as "//name//"(x)", &
             first)
@@ -330,7 +330,7 @@ contains
          call parse_sum(self, parser)
          given = given + 1
          if (wanted == takes_any .and. given > 1) &
-            call emit(self, parser, code_function + which, -1, first)
+            call append_operation(self, parser, code_function + which, -1, first)
          if (next_letter(parser) /= ",") exit
       end do
       call close_bracket(parser, opening)
@@ -340,7 +340,7 @@ contains
          call set_fault(parser, name//" takes "//number(wanted)//" argument"// &
             trim(merge("s", " ", wanted > 1))//", not "//number(given), first)
       else
-         call emit(self, parser, code_function + which, 1 - wanted, first)
+         call append_operation(self, parser, code_function + which, 1 - wanted, first)
       end if
    end subroutine parse_function
 

@@ -70,14 +70,14 @@ contains
             left = left/right
          end if
       case default
-         call raise(left, right, fault)
+         call raise_to_power(left, right, fault)
       end select
       if (allocated(fault)) return
       if (abs(left) > most) fault = "the result is too large"
    end subroutine apply_operator
 
    !> Replace a base by its power.
-   pure subroutine raise(base, exponent, fault)
+   pure subroutine raise_to_power(base, exponent, fault)
       real(wp), intent(inout) :: base                !! The base, then the power
       real(wp), intent(in) :: exponent               !! Exponent of the power
       character(len=:), allocatable, intent(inout) :: fault !! Allocated if there is no result
@@ -102,7 +102,7 @@ contains
          size = abs(base)**exponent
          base = merge(-size, size, base < 0.0_wp .and. odd)
       end if
-   end subroutine raise
+   end subroutine raise_to_power
 
    !> Replace the first argument by the value of a function.
    pure subroutine apply_function(which, first, second, fault)

@@ -74,8 +74,8 @@ contains
       character(len=*), intent(in) :: text               !! One or more lines
 
       if (.not. self%writes) return
-      call put(error_unit, text)
-      call keep(self, text)
+      call write_to_stream(error_unit, text)
+      call write_to_file(self, text)
    end subroutine log_print_error
 
    !> Write a warning, also to the standard error stream, quiet or not.
@@ -85,8 +85,8 @@ contains
 
       self%warnings = self%warnings + 1
       if (.not. self%writes .or. self%level < log_warn) return
-      call put(error_unit, text)
-      call keep(self, text)
+      call write_to_stream(error_unit, text)
+      call write_to_file(self, text)
    end subroutine log_print_warning
 
    !> Write progress and results.
@@ -95,8 +95,8 @@ contains
       character(len=*), intent(in) :: text               !! One or more lines
 
       if (.not. self%writes .or. self%level < log_info) return
-      if (self%screen) call put(output_unit, text)
-      call keep(self, text)
+      if (self%screen) call write_to_stream(output_unit, text)
+      call write_to_file(self, text)
    end subroutine log_print_info
 
    !> Write details, only to the file.
@@ -105,7 +105,7 @@ contains
       character(len=*), intent(in) :: text               !! One or more lines
 
       if (.not. self%writes .or. self%level < log_debug) return
-      call keep(self, text)
+      call write_to_file(self, text)
    end subroutine log_print_debug
 
    !> Close the file.
@@ -116,13 +116,12 @@ contains
       if (self%unit == no_unit) return
       close (self%unit, iostat=status)
       self%unit = no_unit
-      if (status /= 0) call put(error_unit, "warning: the end of the log is lost")
+      if (status /= 0) call write_to_stream(error_unit, "warning: the end of the log is lost")
    end subroutine log_close
 
    !> Write to the file, if there is one. After a write error, such as a full disk, the file is
-   !! closed
-   !! and the run continues.
-   subroutine keep(self, text)
+   !! closed and the run continues.
+   subroutine write_to_file(self, text)
       class(log_t), intent(inout) :: self
       character(len=*), intent(in) :: text               !! One or more lines
       integer :: status
@@ -133,18 +132,18 @@ contains
       if (status == 0) return
       close (self%unit, iostat=status)
       self%unit = no_unit
-      call put(error_unit, "warning: the log cannot be written; it continues only here")
-   end subroutine keep
+      call write_to_stream(error_unit, "warning: the log cannot be written; it continues only here")
+   end subroutine write_to_file
 
    !> Write to a standard stream and flush it. A closed stream is not an error.
-   subroutine put(unit, text)
+   subroutine write_to_stream(unit, text)
       integer, intent(in) :: unit                        !! A standard stream
       character(len=*), intent(in) :: text               !! One or more lines
       integer :: status
 
       write (unit, "(a)", iostat=status) text
       if (status == 0) flush (unit, iostat=status)
-   end subroutine put
+   end subroutine write_to_stream
 
    !> Heading above the lines of progress.
    pure function progress_heading() result(text)

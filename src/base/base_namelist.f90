@@ -84,7 +84,7 @@ contains
             call report_stray(scanner, found, found%line == line, problems)
             reported = .true.
          end if
-         call remember(self%files, scanner%file)
+         call add_file(self%files, scanner%file)
       end do
    end subroutine namelist_scan
 
@@ -105,7 +105,7 @@ contains
    end subroutine report_stray
 
    !> Add a file to the list unless it is there.
-   subroutine remember(files, file)
+   subroutine add_file(files, file)
       type(text_t), allocatable, intent(inout) :: files(:) !! The known ones
       character(len=*), intent(in) :: file               !! Name of a file
       integer :: i
@@ -114,7 +114,7 @@ contains
          if (files(i)%text == file) return
       end do
       call append(files, file)
-   end subroutine remember
+   end subroutine add_file
 
    !> Read one group up to its slash, or to where the slash must be missing.
    subroutine scan_group(self, scanner, head, problems)
@@ -294,7 +294,7 @@ contains
       token%formula = word%kind == word_formula
       token%line = word%line
       token%column = word%column
-      if (token%quoted) token%text = unquote(token%raw)
+      if (token%quoted) token%text = unquoted_text(token%raw)
    end subroutine make_token
 
    !> Values and commas as written.
@@ -315,7 +315,7 @@ contains
    end function as_written
 
    !> A quoted text without its quotes; two quotes in it stand for one.
-   pure function unquote(raw) result(text)
+   pure function unquoted_text(raw) result(text)
       character(len=*), intent(in) :: raw                !! With quotes
       character(len=:), allocatable :: text
       integer :: i
@@ -326,5 +326,5 @@ contains
          text = text//raw(i:i)
          i = i + merge(2, 1, raw(i:i) == raw(1:1))
       end do
-   end function unquote
+   end function unquoted_text
 end module base_namelist

@@ -257,7 +257,7 @@ contains
             if (self%text(closing:closing) == ")") at = closing
          end if
          if (scan(self%text(at + 1:at + 1), ",=!{'""") == 1) exit
-         if (self%text(at + 1:at + 1) == "/" .and. .not. divides(self%text, at + 1)) exit
+         if (self%text(at + 1:at + 1) == "/" .and. .not. is_unit_slash(self%text, at + 1)) exit
          if (self%text(at + 1:at + 1) <= " ") exit
          if (self%text(at + 1:at + 1) == "&" .and. is_letter(self%text(at + 2:at + 2))) exit
          at = at + 1
@@ -266,14 +266,14 @@ contains
    end subroutine read_plain
 
    !> True for a slash within a unit: a letter or bracket follows at once, no blank is before it.
-   pure logical function divides(text, at) result(yes)
+   pure logical function is_unit_slash(text, at) result(yes)
       character(len=*), intent(in) :: text               !! The whole text, a newline at its end
       integer, intent(in) :: at                          !! Place of the slash, not the first
       character(len=*), parameter :: before = "0123456789.)"
 
       yes = text(at + 1:at + 1) == "(" .or. is_letter(text(at + 1:at + 1))
       yes = yes .and. (is_letter(text(at - 1:at - 1)) .or. scan(text(at - 1:at - 1), before) == 1)
-   end function divides
+   end function is_unit_slash
 
    !> Last letter of a name.
    pure integer function end_of_name(text, first) result(last)

@@ -2,8 +2,7 @@
 !> Formulas of the position, such as `100*x` for a velocity, converted to SI.
 !!
 !! In a deck x, y, z and the result are in its units. The formula is rewritten for SI, with powers
-!! of
-!! ten at the coordinates and at the result; the echo shows the formula that is evaluated.
+!! of ten at the coordinates and at the result; the echo shows the formula that is evaluated.
 module base_place_formula
    use base_formula, only: formula_t
    use base_schema, only: key_t

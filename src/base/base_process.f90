@@ -80,8 +80,7 @@ contains
    end function ranks_here
 
    !> Number of cores for all ranks on this node. A rank that the launcher has bound sees only its
-   !! own
-   !! cores, so then all cores of the node count.
+   !! own cores, so then all cores of the node count.
    integer function cores_here() result(cores)
       cores = omp_get_num_procs()
       if (is_set("OMPI_MCA_orte_bound_at_launch")) cores = max(cores, int(c_sysconf(cores_online)))

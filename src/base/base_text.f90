@@ -214,13 +214,13 @@ contains
       best = ""
       most = 0
       if (len(word) > 64) return
-      call split(parted(word), parts)
+      call split(word_parts(word), parts)
       do i = 1, size(meanings)
-         call split(parted(meanings(i)%text), words)
+         call split(word_parts(meanings(i)%text), words)
          shared = 0
          do j = 1, size(parts)
             do k = 1, size(words)
-               if (.not. alike(parts(j)%text, words(k)%text)) cycle
+               if (.not. are_similar(parts(j)%text, words(k)%text)) cycle
                shared = shared + 1
                exit
             end do
@@ -233,7 +233,7 @@ contains
    end function closest_meaning
 
    !> A text in lower case with blanks for signs, and between letters and digits.
-   pure function parted(text) result(words)
+   pure function word_parts(text) result(words)
       character(len=*), intent(in) :: text               !! Any
       character(len=:), allocatable :: words
       character(len=*), parameter :: digits = "0123456789"
@@ -253,11 +253,11 @@ contains
             words = words//" "
          end if
       end do
-   end function parted
+   end function word_parts
 
    !> True for two words that are the same except for a typing error, or if one begins with the
    !! other.
-   pure logical function alike(one, other) result(yes)
+   pure logical function are_similar(one, other) result(yes)
       character(len=*), intent(in) :: one                !! A word in small letters
       character(len=*), intent(in) :: other              !! Another one
       integer, parameter :: telling = 3                  ! shortest common start
@@ -268,7 +268,7 @@ contains
       if (yes .or. shorter < telling .or. .not. is_letter(one(1:1))) return
       yes = one(:shorter) == other(:shorter)
       if (.not. yes .and. shorter > telling) yes = distance(one, other) <= shorter/4
-   end function alike
+   end function are_similar
 
    !> An integer as text.
    pure function number_of_integer(value) result(text)
@@ -305,7 +305,7 @@ contains
          read (line, *, iostat=status) again
          if (status == 0 .and. abs(again - value) <= 0.0_wp) exit
       end do
-      text = tidy(adjustl(line))
+      text = tidied(adjustl(line))
    end function number_of_real
 
    !> A number rounded to six digits.
@@ -315,7 +315,7 @@ contains
       character(len=32) :: line
 
       write (line, "(es32.5e3)") value
-      text = tidy(adjustl(line))
+      text = tidied(adjustl(line))
       if (len(text) < 3) return
       if (text(len(text) - 1:) == ".0") text = text(:len(text) - 2)
    end function brief
@@ -338,7 +338,7 @@ contains
    end function size_text
 
    !> A number such as 1.2300E+002 as 123.0: no trailing zeros, an exponent only for short text.
-   pure function tidy(line) result(text)
+   pure function tidied(line) result(text)
       character(len=*), intent(in) :: line               !! One digit, point, digits, E, exponent
       character(len=:), allocatable :: text
       character(len=:), allocatable :: digits, sign
@@ -366,5 +366,5 @@ contains
          digits = digits//repeat("0", max(exponent + 2 - last, 0))
          text = sign//digits(:exponent + 1)//"."//digits(exponent + 2:)
       end if
-   end function tidy
+   end function tidied
 end module base_text

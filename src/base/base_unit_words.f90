@@ -103,7 +103,7 @@ contains
       integer :: first, last
       logical :: below
 
-      word = latin(text)
+      word = with_ascii_micro(text)
       self%fault = ""
       below = .false.
       first = 1
@@ -128,7 +128,7 @@ contains
    end subroutine read_unit
 
    !> A text with u for the micro sign of UTF-8.
-   pure function latin(text) result(word)
+   pure function with_ascii_micro(text) result(word)
       character(len=*), intent(in) :: text               !! As written
       character(len=:), allocatable :: word
       character(len=2), parameter :: micro(2) = [char(194)//char(181), char(206)//char(188)]
@@ -142,7 +142,7 @@ contains
             at = index(word, micro(n))
          end do
       end do
-   end function latin
+   end function with_ascii_micro
 
    !> Multiply a unit by a symbol and its power.
    pure subroutine take_symbol(self, name, behind, below, letters)
@@ -157,7 +157,7 @@ contains
       call find_symbol(name, which, prefix)
       letters = 0
       if (which == 0) then
-         self%fault = "'"//name//"' is not a unit"//near(name)
+         self%fault = "'"//name//"' is not a unit"//suggested_unit(name)
          return
       end if
       first = 1
@@ -211,7 +211,7 @@ contains
    end subroutine find_symbol
 
    !> Suggestion for an unknown unit.
-   pure function near(name) result(question)
+   pure function suggested_unit(name) result(question)
       character(len=*), intent(in) :: name               !! As written
       character(len=:), allocatable :: question
       type(text_t), allocatable :: names(:)
@@ -227,7 +227,7 @@ contains
       else
          question = "; did you mean '"//question//"'?"
       end if
-   end function near
+   end function suggested_unit
 
    !> All units and prefixes, for --list.
    pure function unit_list() result(text)

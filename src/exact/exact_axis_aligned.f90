@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Standing waves along the axes of a cube with sliding faces; a manufactured solution.
 !!
-!! P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628: u_k = A sin(pi X_k/L)
-!! sin(pi c t/L + phase_k) with c = sqrt(E/rho). The phases differ, so that the directions are not
-!! at
-!! rest at the same time: one wave in 1-D, two in plane strain with phases pi apart.
+!! P. C. Wallstedt, J. E. Guilkey, J. Comput. Phys. 227 (2008) 9628: u_k = A sin(pi X_k/L) sin(pi c
+!! t/L + phase_k) with c = sqrt(E/rho). The phases differ, so that the directions are not at rest at
+!! the same time: one wave in 1-D, two in plane strain with phases pi apart.
 module exact_axis_aligned
    use base_constants, only: pi
    use base_deck_group, only: group_t

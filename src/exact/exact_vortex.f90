@@ -4,8 +4,7 @@
 !!
 !! K. Kamojjala, R. Brannon, A. Sadeghirad, J. Guilkey, Eng. with Computers 31 (2015) 193: a point
 !! at radius R rotates by g(t) h(R), g = A sin(2 pi f t), h = (1 - 4 s^2)^2 with s = (R - R_m)/w
-!! from
-!! -1/2 to 1/2 over the width w. Volumes are constant; rotations and shear are large.
+!! from -1/2 to 1/2 over the width w. Volumes are constant; rotations and shear are large.
 module exact_vortex
    use base_constants, only: pi
    use base_deck_group, only: group_t
@@ -45,7 +44,7 @@ contains
 
       call schema%real("exact", "twist", "greatest angle of the middle of the ring in radians", &
          default="1.0", range="> 0", owner=owner)
-      call schema%real("exact", "frequency", "frequency of the oscillation", unit="1/s", &
+      call schema%real("exact", "frequency", "oscillations in a unit of time", unit="1/s", &
          range="> 0", owner=owner)
       call schema%real("exact", "inner_radius", "inner rim of the ring, which does not move", &
          unit="m", default="0.75", range="> 0", owner=owner)

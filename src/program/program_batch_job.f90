@@ -156,8 +156,7 @@ contains
    end function slurm_text
 
    !> Script for PBS, which sends no signal in advance: the run has a wall time limit, and the
-   !! script
-   !! submits itself again.
+   !! script submits itself again.
    function pbs_text(job) result(text)
       type(job_t), intent(in) :: job
       character(len=:), allocatable :: text

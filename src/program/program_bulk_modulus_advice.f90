@@ -44,7 +44,7 @@ contains
       steps = expected_steps(simulation, bodies, limits)
       if (steps < many_steps) return
       associate (material => simulation%materials(bodies(stiffest)%store))
-         if (.not. flows(material)) return
+         if (.not. is_flow_material(material)) return
          bulk = load_pressure(simulation, bodies, material)/compression
          ! without loads there is no pressure from which to choose a modulus
          if (.not. bulk > 0.0_wp) return
@@ -93,7 +93,7 @@ contains
 
    !> True for granular materials and liquids, whose bulk modulus only keeps the volume. The results
    !! of elastic bodies and gases depend on the modulus.
-   pure logical function flows(material) result(flow)
+   pure logical function is_flow_material(material) result(flow)
       type(material_t), intent(in) :: material
 
       flow = .false.
@@ -115,7 +115,7 @@ contains
       type is (law_newtonian_t)
          flow = .true.
       end select
-   end function flows
+   end function is_flow_material
 
    !> Sum of hydrostatic pressure, dynamic pressure and cohesion [Pa]. Equation (S.6).
    pure real(wp) function load_pressure(simulation, bodies, material) result(pressure)

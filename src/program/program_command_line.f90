@@ -151,9 +151,10 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! There is one already
 
       if (argument == "") then
-         call complain(error, "the name of the deck is empty")
+         call command_line_error(error, "the name of the deck is empty")
       else if (allocated(command%deck)) then
-         call complain(error, "one deck at a time, not '"//command%deck//"' and '"//argument//"'")
+         call command_line_error(error, &
+            "one deck at a time, not '"//command%deck//"' and '"//argument//"'")
       else
          command%deck = argument
       end if
@@ -184,9 +185,9 @@ contains
       if (which == 0) then
          near = closest(name, names)
          if (near /= "") near = "; did you mean --"//near//"?"
-         call complain(error, "unknown option --"//name//near)
+         call command_line_error(error, "unknown option --"//name//near)
       else if (options(which)%takes == nothing .and. allocated(value)) then
-         call complain(error, "--"//name//" takes no value")
+         call command_line_error(error, "--"//name//" takes no value")
       else
          call find_value(arguments, next, options(which), value)
          call apply_option(options(which), value, command, error)
@@ -207,7 +208,8 @@ contains
       at = 2
       do which = 1, size(options)
          if (letters(2:) /= trim(options(which)%name)) cycle
-         call complain(error, "unknown option "//letters//"; did you mean -"//letters//"?")
+         call command_line_error(error, &
+            "unknown option "//letters//"; did you mean -"//letters//"?")
          return
       end do
       do while (at <= len(letters))
@@ -215,7 +217,8 @@ contains
             if (options(which)%letter == letters(at:at) .and. letters(at:at) /= " ") exit
          end do
          if (which > size(options)) then
-            call complain(error, "unknown option -"//letters(at:at)//" in '"//letters//"'"// &
+            call command_line_error(error, &
+               "unknown option -"//letters(at:at)//" in '"//letters//"'"// &
                suggested_option(letters))
             return
          end if
@@ -336,9 +339,9 @@ contains
 
       if (option%takes /= a_value) return
       if (.not. allocated(value)) then
-         call complain(error, "--"//trim(option%name)//" needs a value")
+         call command_line_error(error, "--"//trim(option%name)//" needs a value")
       else if (value == "") then
-         call complain(error, "the value of --"//trim(option%name)//" is empty")
+         call command_line_error(error, "the value of --"//trim(option%name)//" is empty")
       end if
    end subroutine require_value
 
@@ -359,11 +362,11 @@ contains
          command%job%time = value
          right = is_clock(value)
          if (right) right = clock_seconds(value) > 0
-         if (.not. right) call complain(error, "--time = '"//value// &
+         if (.not. right) call command_line_error(error, "--time = '"//value// &
             "' must be hours, minutes and seconds such as 04:00:00")
       case default
          command%job%scheduler = value
-         if (all(schedulers /= value)) call complain(error, &
+         if (all(schedulers /= value)) call command_line_error(error, &
             "--job knows slurm and pbs, not '"//value//"'")
       end select
    end subroutine apply_job_option
@@ -378,7 +381,7 @@ contains
 
       count = 0
       if (verify(value, "0123456789") == 0 .and. len(value) <= most_digits) read (value, *) count
-      if (count <= 0) call complain(error, "--"//trim(option%name)//" = '"//value// &
+      if (count <= 0) call command_line_error(error, "--"//trim(option%name)//" = '"//value// &
          "' must be an integer above 0")
    end subroutine read_count
 
@@ -395,27 +398,31 @@ contains
       if (allocated(command%information%explain) .or. command%information%template .or. &
          allocated(command%information%digest)) return
       if (.not. (command%estimate .or. command%check)) then
-         call complain(error, "--no-estimate needs --check; only a check makes an estimate")
+         call command_line_error(error, &
+            "--no-estimate needs --check; only a check makes an estimate")
       else if (allocated(command%example%name)) then
          call move_alloc(command%deck, command%example%folder)
-         if (.not. allocated(command%example%folder)) call complain(error, &
+         if (.not. allocated(command%example%folder)) call command_line_error(error, &
             "--new needs a folder after the example; usage: scree --new "//command%example%name// &
             " FOLDER")
       else if (command%output%quiet .and. command%output%verbose) then
-         call complain(error, "--quiet and --verbose exclude each other")
+         call command_line_error(error, "--quiet and --verbose exclude each other")
       else if (command%point .and. (command%check .or. command%restart)) then
-         call complain(error, "--point excludes --check and --restart")
+         call command_line_error(error, "--point excludes --check and --restart")
       else if (command%check .and. command%restart) then
-         call complain(error, "--check and --restart exclude each other")
+         call command_line_error(error, "--check and --restart exclude each other")
       else if (command%output%overwrite .and. command%restart) then
-         call complain(error, "--overwrite and --restart exclude each other: a run either "// &
+         call command_line_error(error, &
+            "--overwrite and --restart exclude each other: a run either "// &
             "starts again or continues; give --outdir to continue in another folder")
       else if (command%preview .and. (command%check .or. command%point .or. command%restart &
          .or. allocated(command%job%scheduler))) then
-         call complain(error, "--preview excludes --check, --point, --restart and --job; call "// &
+         call command_line_error(error, &
+            "--preview excludes --check, --point, --restart and --job; call "// &
             "scree twice")
       else if (.not. allocated(command%deck)) then
-         call complain(error, "no deck; usage: scree [options] DECK.nml, and scree --help for more")
+         call command_line_error(error, &
+            "no deck; usage: scree [options] DECK.nml, and scree --help for more")
       else
          call check_job(command, error)
       end if
@@ -438,7 +445,7 @@ contains
       end do
       near = closest(name, names)
       if (near /= "") near = "; did you mean "//near//"?"
-      call complain(error, "--list knows materials, fields, shapes, units and "// &
+      call command_line_error(error, "--list knows materials, fields, shapes, units and "// &
          "examples, not '"//name//"'"//near)
    end subroutine check_list
 
@@ -448,23 +455,24 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! Missing or conflicting options
 
       if (.not. allocated(command%job%scheduler)) then
-         if (command%job%ranks > 0) call complain(error, &
+         if (command%job%ranks > 0) call command_line_error(error, &
             "--ranks needs --job; a run uses the ranks of mpirun")
-         if (command%job%threads > 0) call complain(error, &
+         if (command%job%threads > 0) call command_line_error(error, &
             "--threads needs --job; a run uses OMP_NUM_THREADS")
-         if (allocated(command%job%time)) call complain(error, &
+         if (allocated(command%job%time)) call command_line_error(error, &
             "--time needs --job; a run uses wall_limit of &time")
       else if (command%check .or. command%point .or. command%restart) then
-         call complain(error, "--job excludes --check, --point and --restart; the script "// &
+         call command_line_error(error, &
+            "--job excludes --check, --point and --restart; the script "// &
             "continues from checkpoints by itself")
       end if
    end subroutine check_job
 
    !> Make an error of the command line.
-   subroutine complain(error, message)
+   subroutine command_line_error(error, message)
       type(error_t), allocatable, intent(out) :: error   !! Allocated on return
       character(len=*), intent(in) :: message            !! What is wrong
 
       call fail(error, exit_input, "command line: error: "//message)
-   end subroutine complain
+   end subroutine command_line_error
 end module program_command_line

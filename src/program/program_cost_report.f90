@@ -36,13 +36,13 @@ contains
 
       call find_first_step(simulation, bodies, limits, dt, cause)
       steps = expected_steps(simulation, bodies, limits)
-      bytes = memory(simulation, survey)
+      bytes = memory_bytes(simulation, survey)
       text = grid_line(simulation, survey)//new_line("a")//particles_text(bodies, survey) &
          //solid_volumes_text(simulation%grid, bodies, survey%body) &
          //fields_text(simulation, survey)
       if (allocated(simulation%contact)) text = text//contact_text(simulation, bodies)
       text = text &
-         //"step       first dt "//short(dt)//" s"//cause//"; about "// &
+         //"step       first dt "//four_digits(dt)//" s"//cause//"; about "// &
          number(nint(steps, int64))//" steps"// &
          new_line("a")//bulk_modulus_advice(simulation, bodies, limits)// &
          "memory     "//size_text(bytes)//" for particle and node fields, on all ranks together"// &
@@ -61,7 +61,7 @@ contains
       associate (grid => simulation%grid)
          text = "grid       "//number(grid%cells(1))//" x " &
             //number(grid%cells(2))//" x "//number(grid%cells(3))//" = " &
-            //number(grid%cell_count())//" cells of "//short(grid%spacing)//" m; tiles of " &
+            //number(grid%cell_count())//" cells of "//four_digits(grid%spacing)//" m; tiles of " &
             //number(grid%tile_cells)//" cells, "//number(size(survey%key, kind=int64)) &
             //" of "//number(product(int(grid%tiles, int64)))//" hold particles"
       end associate
@@ -108,7 +108,7 @@ contains
          end do
       end do
       text = text//"           "//number(nint(particle_bytes(simulation, survey), int64))// &
-         " bytes a particle, "//number(nint(memory(simulation, survey) &
+         " bytes a particle, "//number(nint(memory_bytes(simulation, survey) &
          /real(max(survey%particles, 1_int64), wp), &
          int64))//" with node fields and spare capacity"// &
          new_line("a")
@@ -147,7 +147,7 @@ contains
    end function particle_bytes
 
    !> Bytes of all particle and node fields of the first state.
-   real(wp) function memory(simulation, survey) result(bytes)
+   real(wp) function memory_bytes(simulation, survey) result(bytes)
       type(simulation_t), intent(in) :: simulation
       type(survey_t), intent(in) :: survey
       real(wp), &
@@ -174,15 +174,15 @@ contains
          + real(size(survey%key), wp)*(8.0_wp*columns &
          *real(simulation%grid%tile_nodes, wp) &
          + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
-   end function memory
+   end function memory_bytes
 
    !> A number with four digits.
-   pure function short(value) result(text)
+   pure function four_digits(value) result(text)
       real(wp), intent(in) :: value                  !! Any
       character(len=:), allocatable :: text
       character(len=24) :: line
 
       write (line, "(es10.3)") value
       text = trim(adjustl(line))
-   end function short
+   end function four_digits
 end module program_cost_report

@@ -232,8 +232,8 @@ contains
             shock = max(shock, norm2(moving) + shock_signal(material, jump))
          end associate
       end do
-      call raise(meeting%time, meeting%fresh + later, contact, time_end, signal)
-      call raise(meeting%time, meeting%lasts + later, shock, time_end, signal)
+      call raise_signal(meeting%time, meeting%fresh + later, contact, time_end, signal)
+      call raise_signal(meeting%time, meeting%lasts + later, shock, time_end, signal)
    end subroutine add_impact
    !> Raise the signal for the impact of a body on closed boundaries or a rigid region.
    pure subroutine add_wall_impact(simulation, body, low, high, extent, time_end, signal)
@@ -250,7 +250,7 @@ contains
       associate (material => simulation%materials(body%store))
          if (allocated(simulation%rigid)) then
             speed = norm2(body%velocity)
-            if (speed > 0.0_wp) call raise(0.0_wp, time_end, &
+            if (speed > 0.0_wp) call raise_signal(0.0_wp, time_end, &
                0.5_wp*speed + shock_signal(material, speed), time_end, signal)
          end if
          do k = 1, 3
@@ -258,20 +258,20 @@ contains
             speed = abs(body%velocity(k))
             if (.not. speed > 0.0_wp) cycle
             face = merge(2*k - 1, 2*k, body%velocity(k) < 0.0_wp)
-            if (.not. closed(simulation%boundary%kind(face))) cycle
+            if (.not. is_closed(simulation%boundary%kind(face))) cycle
             gap = merge(low(k) - simulation%grid%lower(k), simulation%grid%upper(k) - high(k), &
                body%velocity(k) < 0.0_wp)
             moving = norm2(body%velocity) - 0.5_wp*speed
-            call raise(gap/speed, 0.5_wp*minval(extent, mask=simulation%grid%active)/speed, &
+            call raise_signal(gap/speed, 0.5_wp*minval(extent, mask=simulation%grid%active)/speed, &
                moving + contact_signal(material, speed, speed), time_end, signal)
-            call raise(gap/speed, (high(k) - low(k))/speed, &
+            call raise_signal(gap/speed, (high(k) - low(k))/speed, &
                moving + shock_signal(material, speed), time_end, signal)
          end do
       end associate
    end subroutine add_wall_impact
 
    !> Raise the signal in an interval of time.
-   pure subroutine raise(begin, lasts, fastest, time_end, signal)
+   pure subroutine raise_signal(begin, lasts, fastest, time_end, signal)
       real(wp), intent(in) :: begin                  !! [s]
       real(wp), intent(in) :: lasts                  !! [s]
       real(wp), intent(in) :: fastest                !! Signal in this interval [m/s]
@@ -284,16 +284,16 @@ contains
       last = nint(min(begin + lasts, time_end)/time_end*real(size(signal), wp))
       last = min(max(last, first), size(signal))
       signal(first:last) = max(signal(first:last), fastest)
-   end subroutine raise
+   end subroutine raise_signal
 
    !> True for boundaries that material cannot pass.
-   elemental function closed(kind) result(stops)
+   elemental function is_closed(kind) result(stops)
       integer, intent(in) :: kind                    !! Kind of boundary
       logical :: stops
 
       stops = kind == face_symmetry .or. kind == face_slip .or. kind == face_stick &
          .or. kind == face_friction
-   end function closed
+   end function is_closed
 
    !> Wave speed with artificial viscosity where surfaces meet [m/s]. Equation (S.5).
    pure real(wp) function contact_signal(material, closing, jump) result(speed)

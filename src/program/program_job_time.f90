@@ -68,12 +68,12 @@ contains
 
       seconds = -1.0_wp
       if (communicator%rank == 0) then
-         word = environment("SLURM_JOB_END_TIME")
+         word = environment_value("SLURM_JOB_END_TIME")
          read (word, *, iostat=status) ends
          if (len(word) > 0 .and. status == 0) then
             seconds = max(real(ends - int(c_time(c_null_ptr), int64), wp), 0.0_wp)
          else
-            word = environment("SLURM_JOB_ID")
+            word = environment_value("SLURM_JOB_ID")
             if (len(word) == 0) seconds = no_job
             if (len(word) > 0 .and. verify(word, "0123456789_") == 0) &
                seconds = span_seconds(first_line("squeue -h -j "//word//" -o %L 2>/dev/null"))
@@ -86,7 +86,7 @@ contains
    end subroutine job_seconds_left
 
    !> Value of an environment variable, empty if it is not set.
-   function environment(name) result(value)
+   function environment_value(name) result(value)
       character(len=*), intent(in) :: name           !! Name of the variable
       character(len=:), allocatable :: value
       integer :: length
@@ -94,7 +94,7 @@ contains
       call get_environment_variable(name, length=length)
       allocate (character(len=length) :: value)
       if (length > 0) call get_environment_variable(name, value)
-   end function environment
+   end function environment_value
 
    !> First line that a command prints, empty if it fails.
    function first_line(command) result(line)

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Estimate of the time of a run, from its first steps and from a copy of the scene with larger
 !! cells, which is run to its end. The copy shows how steps become shorter in impacts and more
-!! costly
-!! as material spreads over tiles. Section Interface of doc/developer/decisions.md compares both.
+!! costly as material spreads over tiles. Section Interface of doc/developer/decisions.md compares
+!! both.
 module program_run_time_estimate
    use base_error, only: error_t
    use base_kinds, only: int64, wp
@@ -52,7 +52,7 @@ contains
       seconds = trial%last%processor
       steps = real(trial%last%steps, wp)
       basis = "all of them"
-      if (.not. trial%whole) call extrapolate(setup, trial, seconds, steps, basis)
+      if (.not. trial%whole) call extrapolate_costs(setup, trial, seconds, steps, basis)
       ! rows and files use one thread
       files = row*setup%outputs%ledger_rows(setup%limits%time_end, steps) &
          + real(setup%outputs%full_snapshots(setup%limits%time_end), wp)*snapshot_bytes &
@@ -81,7 +81,7 @@ contains
    end function wall_share
 
    !> Extrapolate processor time and steps from the first steps to the whole run.
-   subroutine extrapolate(setup, trial, seconds, steps, basis)
+   subroutine extrapolate_costs(setup, trial, seconds, steps, basis)
       class(run_setup_t), intent(in) :: setup
       type(trial_t), intent(in) :: trial             !! Its first steps
       real(wp), intent(inout) :: seconds             !! Of the first steps in, of the run out [s]
@@ -120,7 +120,7 @@ contains
       if (steps <= most) return
       seconds = seconds*most/steps
       steps = most
-   end subroutine extrapolate
+   end subroutine extrapolate_costs
 
    !> Steps that remain, from those of the copy after the same time. The stable step is proportional
    !! to the cell size, for waves and for shocks with artificial viscosity, which are a number of

@@ -36,8 +36,7 @@ contains
    end subroutine share_cores
 
    !> Have threads release their cores after a short wait. The OpenMP library reads the setting
-   !! before
-   !! the program starts, so the program restarts itself once with it in the environment.
+   !! before the program starts, so the program restarts itself once with it in the environment.
    subroutine yield_when_waiting(arguments)
       type(text_t), intent(in) :: arguments(:)       !! Of the command line
       character(len=:), allocatable :: name

@@ -119,8 +119,7 @@ contains
    end subroutine start_loop
 
    !> Set the requests of this rank to all ranks, which the next step distributes: to stop, and,
-   !! from
-   !! the clock of rank 0, a progress line or a checkpoint.
+   !! from the clock of rank 0, a progress line or a checkpoint.
    subroutine set_requests(simulation, limits, clock)
       type(simulation_t), intent(inout) :: simulation
       type(limits_t), intent(in) :: limits

@@ -350,7 +350,7 @@ RARE = [
     ("plain", "'metal' /", "'metal' /\n&exact origin = 0 0 0 /", 8,
      "&exact: origin given but solution = 'none' does not use it"),
     ("plain", "'metal' /", "'metal' /\n&exact solution = 'vortex' /", 8,
-     "&exact: frequency must be given (turns to and fro in a unit of time)"),
+     "&exact: frequency must be given (oscillations in a unit of time)"),
     ("plain", "'metal' /", "'metal' /\n&exact solution = 'vortex' frequency = 1 mode = 2 /", 8,
      "&exact: mode given but solution = 'vortex' does not use it"),
     ("plain", "'metal' /", "'metal' /\n&exact solution = 'vortex' frequency = 1 /", 4,
