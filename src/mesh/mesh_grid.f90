@@ -2,12 +2,12 @@
 !> The uniform Cartesian grid: cells, tiles of cells, and the constants of a cell's nodes.
 !!
 !! One code serves one, two and three dimensions: a cell always has eight lanes, one a node, the
-!! number of a lane less 1 holding one bit a direction. A direction that the scene lacks has one
-!! layer
-!! of cells and nodes; its upper lanes carry weight zero and fall on the lower ones.
+!! number of a lane less 1 holding one bit a direction. An inactive direction has one layer of cells
+!! and nodes; its upper lanes have weight zero and coincide with the lower ones.
 module mesh_grid
    use base_constants, only: pi
-   use base_kinds, only: int64, wp
+   use base_kinds, only: wp
+   use mesh_domain, only: domain_t
    implicit none
    private
 
@@ -20,18 +20,8 @@ module mesh_grid
    integer, parameter :: least_width = 4                       !! Layers of cells before the halo
    integer, parameter :: default_width(3) = [64, 5, 6]         !! Cells along a tile, by dimensions
 
-   !> The grid. In two dimensions the active directions are x and z, in axisymmetry radius and axis.
-   type :: grid_t
-      integer :: dimensions = 3                      !! Active directions
-      logical :: axisymmetric = .false.              !! x is the radius, z the axis
-      logical :: active(3) = .true.                  !! Directions that the scene has
-      logical :: periodic(3) = .false.               !! Directions that close on themselves
-      logical :: wall(6) = .false.                   !! (face) Faces that no function reaches across
-      real(wp) :: lower(3) = 0.0_wp                  !! Lower corner [m]
-      real(wp) :: upper(3) = 0.0_wp                  !! Upper corner [m]
-      real(wp) :: spacing = 0.0_wp                   !! Edge of a cell [m]
-      real(wp) :: depth = 1.0_wp                     !! Extent of missing directions [m, m2, rad]
-      integer :: cells(3) = 1                        !! Cells along each direction
+   !> The grid: the domain, its tiles, and the tables of a tile.
+   type, extends(domain_t) :: grid_t
       integer :: width(3) = 1                        !! Cells along a tile
       integer :: tiles(3) = 1                        !! Tiles along each direction
       integer :: tile_cells = 1                      !! Cells of a tile
@@ -52,10 +42,7 @@ module mesh_grid
       procedure :: tile_extent => grid_tile_extent   !! Cells of one tile along each direction
       procedure :: tile_corner => grid_tile_corner   !! Lower corner of a tile
       procedure :: node_position => grid_node_position !! Place of a node in its tile
-      procedure :: line_weight => grid_line_weight   !! Integrals of the two functions of a line
-      procedure :: mass_weight => grid_mass_weight   !! Integrals of their products
       procedure :: node_volume => grid_node_volume   !! Volume around each node of a tile
-      procedure :: cell_count => grid_cell_count     !! Cells of the whole box
    end type grid_t
 
 contains
@@ -180,50 +167,6 @@ contains
       end do
    end function grid_node_position
 
-   !> Integrals over one cell of the lower and upper function of a direction [m], with the radius
-   !! as weight along x in axisymmetry [m2]. A missing direction has one function, 1.
-   pure function grid_line_weight(self, direction, cell) result(weight)
-      class(grid_t), intent(in) :: self              !! The grid
-      integer, intent(in) :: direction               !! 1 to 3
-      integer, intent(in) :: cell                    !! Cell of the box along it, from 0
-      real(wp) :: weight(0:1)
-      real(wp) :: radius
-
-      if (.not. self%active(direction)) then
-         weight = [1.0_wp, 0.0_wp]
-      else if (self%axisymmetric .and. direction == 1) then
-         radius = self%lower(1) + real(cell, wp)*self%spacing
-         weight = self%spacing*(0.5_wp*radius + self%spacing*[1.0_wp/6.0_wp, 1.0_wp/3.0_wp])
-      else
-         weight = 0.5_wp*self%spacing
-      end if
-   end function grid_line_weight
-
-   !> Integrals over one cell of the products of the functions of a direction, weights as above.
-   pure function grid_mass_weight(self, direction, cell) result(weight)
-      class(grid_t), intent(in) :: self              !! The grid
-      integer, intent(in) :: direction               !! 1 to 3
-      integer, intent(in) :: cell                    !! Cell of the box along it, from 0
-      real(wp) :: weight(0:1, 0:1)
-      real(wp) :: radius
-
-      weight = 0.0_wp
-      if (.not. self%active(direction)) then
-         weight(0, 0) = 1.0_wp
-      else if (self%axisymmetric .and. direction == 1) then
-         radius = self%lower(1) + real(cell, wp)*self%spacing
-         weight(0, 0) = self%spacing*(radius/3.0_wp + self%spacing/12.0_wp)
-         weight(1, 1) = self%spacing*(radius/3.0_wp + self%spacing/4.0_wp)
-         weight(0, 1) = self%spacing*(radius/6.0_wp + self%spacing/12.0_wp)
-         weight(1, 0) = weight(0, 1)
-      else
-         weight(0, 0) = self%spacing/3.0_wp
-         weight(1, 1) = weight(0, 0)
-         weight(0, 1) = self%spacing/6.0_wp
-         weight(1, 0) = weight(0, 1)
-      end if
-   end function grid_mass_weight
-
    !> Volume that belongs to each node of a tile: the integral of its function over the box [m3].
    pure subroutine grid_node_volume(self, coordinate, volume)
       class(grid_t), intent(in) :: self              !! The grid
@@ -264,11 +207,4 @@ contains
          end do
       end do
    end subroutine grid_node_volume
-
-   !> Cells of the whole box.
-   pure integer(int64) function grid_cell_count(self) result(cells)
-      class(grid_t), intent(in) :: self              !! The grid
-
-      cells = product(int(self%cells, int64))
-   end function grid_cell_count
 end module mesh_grid

@@ -2,11 +2,10 @@
 !> Rigid regions: bodies without particles that rule the velocity of the nodes inside of them.
 module mesh_rigid
    use base_kinds, only: int64, wp
-   use mesh_boundary, only: boundary_t, lets_out
+   use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
    use mesh_surface_normal, only: find_surface_normal, touches
-   use mesh_wall, only: face_friction, face_periodic, face_slip, face_stick, face_symmetry, &
-      face_velocity, node_place, wall_t
+   use mesh_wall, only: node_place, wall_t
    implicit none
    private
 
@@ -29,6 +28,7 @@ module mesh_rigid
       real(wp) :: kick = 0.0_wp                      !! Time that forces act in this step [s]
       integer(int64) :: looked = -1                  !! Step for which the nodes were found
    contains
+      procedure :: add => rigid_add                  !! Add a region
       procedure :: advance => rigid_advance          !! Bring the regions to a time
       procedure :: hold => rigid_hold                !! Find the nodes of a tile in them
       procedure :: holds => rigid_holds              !! Is a node of a tile in one of them?
@@ -39,6 +39,21 @@ module mesh_rigid
    end type rigid_t
 
 contains
+
+   !> Add a region.
+   pure subroutine rigid_add(self, wall)
+      class(rigid_t), intent(inout) :: self
+      type(wall_t), intent(in) :: wall
+      type(wall_t), allocatable :: longer(:)
+      integer :: n
+
+      allocate (longer(size(self%wall) + 1))
+      do n = 1, size(self%wall)
+         longer(n) = self%wall(n)
+      end do
+      longer(size(longer)) = wall
+      call move_alloc(longer, self%wall)
+   end subroutine rigid_add
 
    !> Bring the regions to a time.
    pure subroutine rigid_advance(self, time, lag, kick)
@@ -111,10 +126,8 @@ contains
       held%normal = 0.0_wp
       do node = 1, count
          place = node_place(grid, coordinate, held%node(node))
-         associate (kind => self%wall(held%wall(node))%kind)
-            if (kind == face_slip .or. kind == face_friction) call find_normal(self, grid, &
-               boundary, coordinate, held%node(node), place, held%normal(:, node))
-         end associate
+         if (self%wall(held%wall(node))%condition%slides()) call find_normal(self, grid, &
+            boundary, coordinate, held%node(node), place, held%normal(:, node))
       end do
    end subroutine find_nodes
 
@@ -141,7 +154,7 @@ contains
       real(wp), intent(in) :: place(3)               !! Of the node [m]
       real(wp), intent(out) :: normal(3)             !! Of length one, or 0 if the node sticks [1]
       real(wp), parameter :: least = 1.0e-3_wp       ! a face and a region side by side
-      integer :: k, kind, face, global(3)
+      integer :: k, wall, face, global(3)
       logical :: found
 
       call find_surface_normal(self%wall, grid, place, normal, found)
@@ -153,10 +166,11 @@ contains
          if (global(k) == 0) face = 2*k - 1
          if (global(k) == grid%cells(k)) face = 2*k
          if (face == 0) cycle
-         kind = boundary%kind_at(face, place)
-         if (lets_out(kind) .or. kind == face_periodic) cycle
+         wall = boundary%wall_at(face, place)
+         if (wall == 0) cycle
+         if (.not. boundary%wall(wall)%condition%is_closed()) cycle
          normal(k) = 0.0_wp
-         if (kind == face_stick .or. kind == face_velocity) normal = 0.0_wp
+         if (.not. boundary%wall(wall)%condition%slides()) normal = 0.0_wp
       end do
       if (norm2(normal) > least) then
          normal = normal/norm2(normal)
@@ -188,15 +202,15 @@ contains
       associate (held => self%held(tile))
          do n = 1, size(held%node)
             node = held%node(n)
-            associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
+            associate (wall => self%wall(held%wall(n))%condition, normal => held%normal(:, n))
                wall_velocity = wall%velocity
-               if (at_end) wall_velocity = wall_velocity + self%kick*wall%gain
+               if (at_end) wall_velocity = wall_velocity + self%kick*wall%acceleration
                if (maxval(abs(normal)) > 0.0_wp) then
                   into = dot_product(velocity(:, node) - wall_velocity, normal)
                   if (into < 0.0_wp) velocity(:, node) = velocity(:, node) - into*normal
                else
                   velocity(:, node) = wall_velocity
-                  acceleration(:, node) = merge(0.0_wp, wall%gain, at_end)
+                  acceleration(:, node) = merge(0.0_wp, wall%acceleration, at_end)
                end if
             end associate
          end do
@@ -220,10 +234,10 @@ contains
       associate (held => self%held(tile))
          do n = 1, size(held%node)
             node = held%node(n)
-            associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
+            associate (wall => self%wall(held%wall(n))%condition, normal => held%normal(:, n))
                if (.not. maxval(abs(normal)) > 0.0_wp) cycle
                seen = free(:, node) - wall%velocity
-               change = dt*(acceleration(:, node) - wall%gain)
+               change = dt*(acceleration(:, node) - wall%acceleration)
                taken = -dot_product(change + share*seen, normal)
                if (.not. taken > 0.0_wp) cycle
                if (dot_product(seen + change, normal) > 0.0_wp) cycle
@@ -232,7 +246,7 @@ contains
                acceleration(:, node) = acceleration(:, node) &
                   - dot_product(change, normal)/dt*normal
                along = velocity(:, node) + dt*acceleration(:, node) &
-                  - wall%velocity - dt*wall%gain
+                  - wall%velocity - dt*wall%acceleration
                taken = wall%friction*taken
                speed = norm2(along)
                if (taken < speed) then
@@ -261,9 +275,9 @@ contains
       associate (held => self%held(tile))
          do n = 1, size(held%node)
             node = held%node(n)
-            associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
+            associate (wall => self%wall(held%wall(n))%condition, normal => held%normal(:, n))
                if (.not. maxval(abs(normal)) > 0.0_wp) cycle
-               wall_velocity = wall%velocity + self%kick*wall%gain
+               wall_velocity = wall%velocity + self%kick*wall%acceleration
                if (.not. stays(wall_velocity, normal, ended(:, node))) cycle
                velocity(:, node) = velocity(:, node) &
                   - dot_product(velocity(:, node) - wall_velocity, normal)*normal
@@ -290,7 +304,7 @@ contains
             node = held%node(n)
             if (.not. maxval(abs(held%normal(:, n))) > 0.0_wp) then
                change(:, node) = 0.0_wp
-            else if (stays(self%wall(held%wall(n))%velocity, held%normal(:, n), &
+            else if (stays(self%wall(held%wall(n))%condition%velocity, held%normal(:, n), &
                velocity(:, node))) then
                ! with what faces hold, a projection on what is left to both
                normal = held%normal(:, n)*open(:, node)

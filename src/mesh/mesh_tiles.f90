@@ -10,7 +10,7 @@ module mesh_tiles
    implicit none
    private
 
-   public :: tiles_t, partition_keys, partition_pieces
+   public :: tiles_t, partition_keys, partition_distributed_keys
 
    integer, parameter, public :: neighbors = 27      !! Places around a tile, itself included
    integer, parameter, public :: itself = 14         !! Its own place among them
@@ -186,7 +186,7 @@ contains
 
    !> The same where each rank knows the tiles of its piece of the curve only; no rank ever holds
    !! the list of all tiles. Collective.
-   subroutine partition_pieces(communicator, key, weight, border)
+   subroutine partition_distributed_keys(communicator, key, weight, border)
       type(communicator_t), intent(in) :: communicator !! The ranks
       integer(int64), intent(in) :: key(:)           !! Tiles of this rank, ascending
       integer(int64), intent(in) :: weight(:)        !! Their weights
@@ -199,7 +199,7 @@ contains
          border)
       ! a cut lies at the first tile that is heavy enough, on whichever rank that is
       call communicator%least(border)
-   end subroutine partition_pieces
+   end subroutine partition_distributed_keys
 
    !> The first tile of each piece, as far as it is among these: that whose middle lies beyond the
    !! share of the ranks before.

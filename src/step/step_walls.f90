@@ -83,16 +83,17 @@ contains
       free_velocity = velocity
       free_acceleration = acceleration
       associate (coordinate => simulation%tiles%coordinate(:, tile))
-         if (dt > 0.0_wp .and. allocated(simulation%absorbing)) call simulation%absorbing%absorb( &
-            simulation%grid, simulation%boundary, coordinate, dt, velocity, acceleration)
+         if (dt > 0.0_wp .and. simulation%boundary%absorbs_waves()) &
+            call simulation%boundary%add_forces(simulation%grid, coordinate, dt, velocity, &
+            acceleration)
          call simulation%boundary%constrain(simulation%grid, coordinate, velocity, acceleration)
          if (allocated(simulation%rigid)) &
             call simulation%rigid%constrain(tile, velocity, acceleration, at_end=.false.)
          ! before the forces act, nodes that they press on a wall must not strain away from it
          period = merge(dt, simulation%dt, dt > 0.0_wp)
          if (period > 0.0_wp) then
-            if (simulation%boundary%rubs()) call simulation%boundary%rub(simulation%grid, &
-               coordinate, period, share, free_velocity, velocity, acceleration)
+            if (simulation%boundary%has_friction()) call simulation%boundary%apply_friction( &
+               simulation%grid, coordinate, period, share, free_velocity, velocity, acceleration)
             if (allocated(simulation%rigid)) call simulation%rigid%rub(tile, period, share, &
                free_velocity, velocity, acceleration)
          end if
@@ -112,11 +113,12 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped anew [m/s]
       real(wp) :: ended(3, size(velocity, 2))
 
-      if (.not. (simulation%boundary%rubs() .or. allocated(simulation%rigid))) return
+      if (.not. (simulation%boundary%has_friction() .or. allocated(simulation%rigid))) return
       if (.not. walls_touch(simulation, tile)) return
       ended = simulation%nodes%velocity(:, :, tile) &
          + simulation%kick*simulation%nodes%acceleration(:, :, tile)
-      if (simulation%boundary%rubs()) call simulation%boundary%keep(simulation%grid, &
+      if (simulation%boundary%has_friction()) call &
+         simulation%boundary%hold_pressed(simulation%grid, &
          simulation%tiles%coordinate(:, tile), ended, velocity)
       if (allocated(simulation%rigid)) call simulation%rigid%keep(tile, ended, velocity)
    end subroutine keep_at_walls
@@ -147,8 +149,8 @@ contains
       open = 1.0_wp
       associate (coordinate => simulation%tiles%coordinate(:, tile))
          call simulation%boundary%constrain(simulation%grid, coordinate, moved, open, at_end=.true.)
-         if (simulation%boundary%rubs()) &
-            call simulation%boundary%keep(simulation%grid, coordinate, velocity, open)
+         if (simulation%boundary%has_friction()) &
+            call simulation%boundary%hold_pressed(simulation%grid, coordinate, velocity, open)
       end associate
       change = change*open
       if (allocated(simulation%rigid)) call simulation%rigid%take(tile, velocity, open, change)
